@@ -1,0 +1,1 @@
+//! Exponential sums, bounded least squares, uncertainty.

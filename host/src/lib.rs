@@ -1,0 +1,18 @@
+//! palpate: fit viscoelastic contact models to recordings of touch, see where they fail.
+//!
+//! The library behind the `palpate` command. Dependencies between its modules point one way,
+//! [`trace`] ← [`model`] ← [`fit`] ← [`report`] ← [`cli`], and nothing below `cli` prints.
+//!
+//! - [`trace`]: one recording and sets of them: read, write, import, find the phases.
+//! - [`model`]: base laws and the model file.
+//! - [`fit`]: exponential sums, bounded least squares, uncertainty.
+//! - [`report`]: vector plots and self-contained HTML.
+//! - [`cli`]: one file for each subcommand: parse, call, print.
+#![forbid(unsafe_code)]
+
+pub mod cli;
+pub mod files;
+pub mod fit;
+pub mod model;
+pub mod report;
+pub mod trace;

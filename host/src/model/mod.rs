@@ -1,0 +1,1 @@
+//! Base laws and the model file.

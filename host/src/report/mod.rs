@@ -1,0 +1,1 @@
+//! Vector plots and self-contained HTML.

@@ -1,0 +1,108 @@
+//! One recording: columns of numbers over time, with a head that says what was pressed and how.
+//!
+//! The file format is a contract (see `docs/formats.md`): a commented TOML head, one header row whose
+//! names carry their unit, then numbers. Compression is positive in displacement and force.
+
+mod head;
+
+pub use head::{Control, Head, Setup, Shape, Specimen};
+
+use std::path::{Path, PathBuf};
+
+/// Column of time, s; every trace has it, strictly increasing, not necessarily uniform.
+pub const TIME: &str = "time_s";
+/// Column of displacement, mm; positive into the specimen, 0 at the nominal first touch.
+pub const DISPLACEMENT: &str = "displacement_mm";
+/// Column of contact force, N; compression positive.
+pub const FORCE: &str = "force_N";
+/// Column of temperature, °C.
+pub const TEMPERATURE: &str = "temperature_C";
+/// Column of tangential force, N.
+pub const TANGENTIAL: &str = "tangential_N";
+/// Columns of the four embedded gauges, microstrain.
+pub const GAUGES: [&str; 4] =
+    ["gauge1_ustrain", "gauge2_ustrain", "gauge3_ustrain", "gauge4_ustrain"];
+
+/// One named column; `values` is as long as the trace.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Column {
+    /// Name with its unit, as in the header row: `force_N`.
+    pub name: String,
+    /// One finite value for each sample.
+    pub values: Vec<f64>,
+}
+
+/// One recording.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct Trace {
+    /// The file it came from, where there is one.
+    pub path: Option<PathBuf>,
+    /// What the file's head says.
+    pub head: Head,
+    /// Time of each sample, s, strictly increasing.
+    pub time: Vec<f64>,
+    /// All other columns in the order of the file, unknown ones included.
+    pub columns: Vec<Column>,
+}
+
+impl Trace {
+    /// The values of a column, by its name in the header row.
+    #[must_use]
+    pub fn column(&self, name: &str) -> Option<&[f64]> {
+        self.columns.iter().find(|column| column.name == name).map(|column| &column.values[..])
+    }
+
+    /// Displacement, mm.
+    #[must_use]
+    pub fn displacement(&self) -> Option<&[f64]> {
+        self.column(DISPLACEMENT)
+    }
+
+    /// Contact force, N.
+    #[must_use]
+    pub fn force(&self) -> Option<&[f64]> {
+        self.column(FORCE)
+    }
+
+    /// Names of the gauge columns this trace has, in order.
+    #[must_use]
+    pub fn gauges(&self) -> Vec<&'static str> {
+        GAUGES.into_iter().filter(|name| self.column(name).is_some()).collect()
+    }
+
+    /// Number of samples.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.time.len()
+    }
+
+    /// Whether there is no sample.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.time.is_empty()
+    }
+
+    /// What to call this trace in tables and plots: the file's name, else the name in its head.
+    #[must_use]
+    pub fn label(&self) -> String {
+        self.path
+            .as_deref()
+            .and_then(Path::file_name)
+            .map(|name| name.to_string_lossy().into_owned())
+            .or_else(|| self.head.name.clone())
+            .unwrap_or_else(|| "trace".into())
+    }
+
+    /// Adds a column, replacing one of the same name.
+    ///
+    /// # Panics
+    /// If `values` is not as long as the trace.
+    pub fn set_column(&mut self, name: impl Into<String>, values: Vec<f64>) {
+        assert_eq!(values.len(), self.len(), "a column is as long as its trace");
+        let name = name.into();
+        match self.columns.iter_mut().find(|column| column.name == name) {
+            Some(column) => column.values = values,
+            None => self.columns.push(Column { name, values }),
+        }
+    }
+}

@@ -1,0 +1,1 @@
+//! What the whole-product tests share: the binary under test and the folders they read.

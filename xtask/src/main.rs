@@ -1,0 +1,3 @@
+//! Set-up, the whole check, generated recordings.
+
+fn main() {}
