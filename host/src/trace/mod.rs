@@ -76,6 +76,12 @@ impl Trace {
         self.time.len()
     }
 
+    /// Time from the first sample to the last, s; 0 where there is none.
+    #[must_use]
+    pub fn duration(&self) -> f64 {
+        self.time.first().zip(self.time.last()).map_or(0.0, |(first, last)| last - first)
+    }
+
     /// Whether there is no sample.
     #[must_use]
     pub fn is_empty(&self) -> bool {

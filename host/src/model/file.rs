@@ -1,0 +1,252 @@
+//! The model file: one TOML file a person can read, edit and compare.
+
+use std::collections::BTreeMap;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use super::{Fung, MAX_TERMS, Separation};
+use crate::files::write_whole;
+
+/// Major version of the model file that this program reads and writes.
+pub const VERSION: i64 = 1;
+
+/// A base law with its parameters, how it was fitted, and the ladder of errors.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Model {
+    /// Major version of the format.
+    #[serde(rename = "palpate-model")]
+    pub version: i64,
+    /// What the model is of.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub name: Option<String>,
+    /// The base law.
+    pub base: Base,
+    /// How the parameters were found; absent in a model written by hand.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fit: Option<FitRecord>,
+    /// Errors after each addition, the base law first.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub ladder: Vec<Rung>,
+}
+
+/// A base law with its options and parameters.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Base {
+    /// Name of the law.
+    pub law: String,
+    /// The column it predicts.
+    pub signal: String,
+    /// What happens when contact breaks.
+    #[serde(default)]
+    pub separation: Separation,
+    /// Parameters by name.
+    pub parameters: BTreeMap<String, StoredParameter>,
+}
+
+/// A parameter in a model file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StoredParameter {
+    /// Its value, in `unit`.
+    pub value: f64,
+    /// Its standard error, in `unit`, where it was fitted and the data determine it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub standard_error: Option<f64>,
+    /// Its unit, absent for a pure number.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub unit: String,
+}
+
+/// How the parameters were found.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FitRecord {
+    /// Names of the traces fitted.
+    pub traces: Vec<String>,
+    /// Number of samples fitted.
+    pub samples: usize,
+    /// Unit of the two errors below.
+    pub unit: String,
+    /// Root mean square of what the model leaves.
+    pub residual_rms: f64,
+    /// Standard deviation of the noise, where it could be told from the data without the model.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub noise_rms: Option<f64>,
+    /// Coefficient of determination.
+    pub r_squared: f64,
+    /// Largest compression the model has seen, mm.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub largest_compression_mm: Option<f64>,
+    /// Why the search stopped.
+    pub stop: String,
+}
+
+/// One rung of the ladder: the errors once a law or an effect was in the model.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Rung {
+    /// The law or effect that was added.
+    pub add: String,
+    /// Root mean square error on the traces fitted.
+    pub fitted_rms: f64,
+    /// Root mean square error on whole traces left out of the fit, each in turn.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub heldout_rms: Option<f64>,
+}
+
+/// Why a model file cannot be used.
+#[derive(Debug, thiserror::Error)]
+#[allow(missing_docs)]
+pub enum FileError {
+    #[error("{path}: {source}")]
+    Io { path: PathBuf, source: io::Error },
+    #[error("{path}: not a model file: {source}")]
+    Toml { path: PathBuf, source: Box<toml::de::Error> },
+    #[error(
+        "{path}: a model of version {found}; this palpate reads version {VERSION}: install a newer palpate"
+    )]
+    Newer { path: PathBuf, found: i64 },
+    #[error("{path}: {problem}")]
+    Content { path: PathBuf, problem: String },
+}
+
+impl Model {
+    /// Reads a model file.
+    ///
+    /// # Errors
+    /// When the file cannot be read, is of a newer version, or does not describe a model.
+    pub fn read(path: &Path) -> Result<Self, FileError> {
+        let text = std::fs::read_to_string(path)
+            .map_err(|source| FileError::Io { path: path.into(), source })?;
+        let not_toml = |source| FileError::Toml { path: path.into(), source: Box::new(source) };
+        let content = |problem: String| FileError::Content { path: path.into(), problem };
+        // The version first: a newer file may hold keys that this program would call wrong.
+        let table: toml::Table = toml::from_str(&text).map_err(not_toml)?;
+        match table.get("palpate-model").and_then(toml::Value::as_integer) {
+            Some(VERSION) => {}
+            Some(found) if found > VERSION => {
+                return Err(FileError::Newer { path: path.into(), found });
+            }
+            _ => {
+                return Err(content(format!(
+                    "no line `palpate-model = {VERSION}`: not a model file"
+                )));
+            }
+        }
+        let model: Self = toml::from_str(&text).map_err(not_toml)?;
+        model.law().map_err(content)?;
+        Ok(model)
+    }
+
+    /// Writes the model file, whole or not at all.
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub fn write(&self, path: &Path) -> Result<(), FileError> {
+        let text = toml::to_string(self).map_err(|error| FileError::Content {
+            path: path.into(),
+            problem: error.to_string(),
+        })?;
+        write_whole(path, |file| file.write_all(text.as_bytes()))
+            .map_err(|source| FileError::Io { path: path.into(), source })
+    }
+
+    /// A model of the law with these values, in the order of [`Fung::parameters`].
+    #[must_use]
+    pub fn of(law: &Fung, signal: &str, values: &[f64], standard_errors: &[Option<f64>]) -> Self {
+        let stored =
+            |((parameter, &value), &standard_error): ((super::Parameter, &f64), &Option<f64>)| {
+                let unit = parameter.unit.to_owned();
+                (parameter.name.to_owned(), StoredParameter { value, standard_error, unit })
+            };
+        let parameters =
+            law.parameters().into_iter().zip(values).zip(standard_errors).map(stored).collect();
+        let base = Base {
+            law: Fung::NAME.into(),
+            signal: signal.into(),
+            separation: law.separation,
+            parameters,
+        };
+        Self { version: VERSION, name: None, base, fit: None, ladder: Vec::new() }
+    }
+
+    /// The law and its parameter values, in the order of [`Fung::parameters`].
+    ///
+    /// # Errors
+    /// In words, when the law is unknown or a parameter is missing, unknown or out of its range.
+    pub fn law(&self) -> Result<(Fung, Vec<f64>), String> {
+        if self.base.law != Fung::NAME {
+            return Err(format!("unknown law `{}`; known: {}", self.base.law, Fung::NAME));
+        }
+        let names = &self.base.parameters;
+        let terms = names.keys().filter(|name| name.starts_with('c')).count();
+        if !(1..=MAX_TERMS).contains(&terms) {
+            return Err(format!("{terms} shares c1…; `fung` takes 1 to {MAX_TERMS}"));
+        }
+        let law = Fung { terms, separation: self.base.separation };
+        let declared = law.parameters();
+        if let Some(unknown) = names.keys().find(|name| declared.iter().all(|p| p.name != **name)) {
+            return Err(format!("`fung` with {terms} exponentials has no parameter `{unknown}`"));
+        }
+        let value = |parameter: &super::Parameter| {
+            let name = parameter.name;
+            let value = names.get(name).ok_or(format!("parameter `{name}` is missing"))?.value;
+            if !value.is_finite() || value < parameter.lower || value > parameter.upper {
+                return Err(format!(
+                    "parameter `{name}` is {value}; it must lie between {} and {}",
+                    parameter.lower, parameter.upper
+                ));
+            }
+            Ok(value)
+        };
+        let values = declared.iter().map(value).collect::<Result<Vec<_>, _>>()?;
+        Ok((law, values))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn example() -> Model {
+        let law = Fung { terms: 2, separation: Separation::Free };
+        let values = [0.07, 0.9, 0.25, 0.26, 4.0, 0.5];
+        let errors = [Some(0.001), None, Some(0.01), Some(0.01), Some(0.1), Some(0.02)];
+        let mut model = Model::of(&law, "force_N", &values, &errors);
+        model.ladder.push(Rung { add: "fung".into(), fitted_rms: 0.02, heldout_rms: Some(0.03) });
+        model
+    }
+
+    #[test]
+    fn a_model_comes_back_as_it_was_written() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("model.toml");
+        example().write(&path).unwrap();
+        assert_eq!(Model::read(&path).unwrap(), example());
+        let (law, values) = example().law().unwrap();
+        assert_eq!((law.terms, law.separation), (2, Separation::Free));
+        assert_eq!(values, [0.07, 0.9, 0.25, 0.26, 4.0, 0.5]);
+    }
+
+    #[test]
+    fn what_is_wrong_with_a_model_file_is_said() {
+        let written = toml::to_string(&example()).unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("model.toml");
+        let refusal = |from: &str, to: &str| {
+            assert!(written.contains(from), "{written}");
+            std::fs::write(&path, written.replacen(from, to, 1)).unwrap();
+            Model::read(&path).unwrap_err().to_string()
+        };
+        assert!(refusal("palpate-model = 1", "palpate-model = 7").contains("version 7"));
+        assert!(refusal("palpate-model = 1", "").contains("no line `palpate-model = 1`"));
+        assert!(refusal("law = \"fung\"", "law = \"fang\"").contains("unknown law `fang`"));
+        assert!(refusal("value = 4.0", "value = -4.0").contains("`v1` is -4"));
+        assert!(refusal("parameters.v2]", "parameters.v9]").contains("no parameter `v9`"));
+        assert!(refusal("value = 4.0", "value = \"x\"").contains("line"));
+    }
+}

@@ -1,0 +1,16 @@
+//! What a law or an effect declares of each of its parameters.
+
+/// One parameter of a law: its name, unit, meaning and the values that physics allows.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Parameter {
+    /// Name in model files and tables: `v1`.
+    pub name: &'static str,
+    /// Unit, empty for a pure number.
+    pub unit: &'static str,
+    /// What it means, in a few words.
+    pub meaning: &'static str,
+    /// Smallest value that makes sense.
+    pub lower: f64,
+    /// Largest value that makes sense.
+    pub upper: f64,
+}

@@ -1,0 +1,220 @@
+//! Relaxation: the reduced relaxation function and the hereditary integral over it.
+//!
+//! The integral F = ∫ g(t−s) dN(s) (eq. 2.1) with g(t) = c0 + Σ ci e^(−vi t) (eq. 3.3) is a linear
+//! state-space model with one state xi for each exponential, xi' = −vi xi + N', and
+//! F = c0 N + Σ ci xi. For N linear between samples its step is exact, whatever the interval:
+//! xi⁺ = ai xi + bi (N⁺ − N), ai = e^(−vi Δt), bi = (1 − ai)/(vi Δt). The cost of a sample is
+//! constant, however long the history.
+
+use super::Number;
+
+/// One exponential of the relaxation function.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Branch<T> {
+    /// Share ci of the elastic response that this branch carries at first.
+    pub share: T,
+    /// Rate vi at which it decays, 1/s.
+    pub rate: T,
+}
+
+/// Reduced relaxation function g(t) = c0 + Σ ci e^(−vi t), c0 = 1 − Σ ci (eq. 3.3).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Relaxation<T> {
+    /// The exponentials; their order does not matter.
+    pub branches: Vec<Branch<T>>,
+}
+
+impl<T: Number> Relaxation<T> {
+    /// From shares c1… and rates v1… (1/s) of equal number.
+    pub fn new(shares: &[T], rates: &[T]) -> Self {
+        let branches =
+            shares.iter().zip(rates).map(|(&share, &rate)| Branch { share, rate }).collect();
+        Self { branches }
+    }
+
+    /// Share c0 that never relaxes.
+    pub fn equilibrium(&self) -> T {
+        self.branches.iter().fold(T::from(1.0), |rest, branch| rest - branch.share)
+    }
+
+    /// g at a time since a step, s.
+    pub fn at(&self, time: f64) -> T {
+        self.branches.iter().fold(self.equilibrium(), |sum, branch| {
+            sum + branch.share * (-branch.rate * time).exp()
+        })
+    }
+}
+
+/// What the material remembers: the state of the hereditary integral.
+#[derive(Clone, Debug)]
+pub struct Memory<T> {
+    /// Elastic response N at the last sample, N.
+    elastic: T,
+    /// State xi of each branch, N.
+    states: Vec<T>,
+    /// ai and bi of each branch for the interval last used: recordings are mostly uniform.
+    steps: Vec<(T, T)>,
+    interval: f64,
+}
+
+/// Two intervals closer than this, relatively, are the same: times are printed with few digits.
+const SAME_INTERVAL: f64 = 1e-7;
+
+impl<T: Number> Memory<T> {
+    /// A specimen at rest that has forgotten all.
+    pub fn rested(terms: usize) -> Self {
+        let zero = T::from(0.0);
+        Self {
+            elastic: zero,
+            states: vec![zero; terms],
+            steps: vec![(zero, zero); terms],
+            interval: f64::NAN,
+        }
+    }
+
+    /// Lets `interval` seconds pass with the motion held.
+    pub fn wait(&mut self, relaxation: &Relaxation<T>, interval: f64) {
+        for (state, branch) in self.states.iter_mut().zip(&relaxation.branches) {
+            *state *= (-branch.rate * interval).exp();
+        }
+    }
+
+    /// A sudden change of the elastic response to `elastic`, N; returns the force, N.
+    pub fn jump(&mut self, relaxation: &Relaxation<T>, elastic: T) -> T {
+        let change = elastic - self.elastic;
+        self.elastic = elastic;
+        for state in &mut self.states {
+            *state += change;
+        }
+        self.force(relaxation)
+    }
+
+    /// The elastic response moves linearly to `elastic`, N, within `interval` seconds; returns the
+    /// force, N.
+    pub fn step(&mut self, relaxation: &Relaxation<T>, elastic: T, interval: f64) -> T {
+        self.prepare(relaxation, interval);
+        let change = elastic - self.elastic;
+        self.elastic = elastic;
+        for (state, &(decay, gain)) in self.states.iter_mut().zip(&self.steps) {
+            *state = *state * decay + gain * change;
+        }
+        self.force(relaxation)
+    }
+
+    /// The elastic response that leaves the surface free of force after `interval` seconds, N.
+    pub fn free(&mut self, relaxation: &Relaxation<T>, interval: f64) -> T {
+        self.prepare(relaxation, interval);
+        let mut held = T::from(0.0);
+        let mut immediate = T::from(0.0);
+        for ((branch, &state), &(decay, gain)) in
+            relaxation.branches.iter().zip(&self.states).zip(&self.steps)
+        {
+            held += branch.share * state * decay;
+            immediate += branch.share * gain;
+        }
+        (immediate * self.elastic - held) / (relaxation.equilibrium() + immediate)
+    }
+
+    fn force(&self, relaxation: &Relaxation<T>) -> T {
+        let relaxed = relaxation.equilibrium() * self.elastic;
+        relaxation
+            .branches
+            .iter()
+            .zip(&self.states)
+            .fold(relaxed, |sum, (branch, &state)| sum + branch.share * state)
+    }
+
+    fn prepare(&mut self, relaxation: &Relaxation<T>, interval: f64) {
+        if (interval - self.interval).abs() <= SAME_INTERVAL * interval {
+            return;
+        }
+        self.interval = interval;
+        for (step, branch) in self.steps.iter_mut().zip(&relaxation.branches) {
+            let exponent = branch.rate * interval;
+            *step = ((-exponent).exp(), mean_decay(exponent));
+        }
+    }
+}
+
+/// (1 − e^(−z))/z, the mean of the decay over an interval, exact to rounding also for small z.
+fn mean_decay<T: Number>(z: T) -> T {
+    if z.re().abs() < 1e-5 {
+        // The series 1 − z/2 + z²/6; its next term is below 1e-16.
+        return (z / 6.0 - 0.5) * z + 1.0;
+    }
+    -(-z).exp_m1() / z
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn sushi() -> Relaxation<f64> {
+        Relaxation::new(&[0.2472, 0.2676], &[3.981, 0.5325])
+    }
+
+    #[test]
+    fn a_step_relaxes_along_g() {
+        let g = sushi();
+        let mut memory = Memory::rested(2);
+        assert!((memory.jump(&g, 2.0) - 2.0).abs() < 1e-15);
+        let mut time = 0.0;
+        for interval in [0.005, 0.005, 0.3, 0.001, 2.0] {
+            time += interval;
+            let force = memory.step(&g, 2.0, interval);
+            assert!((force - 2.0 * g.at(time)).abs() < 1e-14, "at {time} s");
+        }
+    }
+
+    #[test]
+    fn a_ramp_is_exact_in_steps_of_any_size() {
+        let g = sushi();
+        let closed = |t: f64| {
+            let decayed = |c: f64, v: f64| c * (1.0 - (-v * t).exp()) / v;
+            0.4852 * t + decayed(0.2472, 3.981) + decayed(0.2676, 0.5325)
+        };
+        for steps in [1, 3, 1000] {
+            let mut memory = Memory::rested(2);
+            let interval = 1.7 / f64::from(steps);
+            let mut force = 0.0;
+            for k in 1..=steps {
+                force = memory.step(&g, interval * f64::from(k), interval);
+            }
+            assert!((force - closed(1.7)).abs() < 1e-12, "{steps} steps");
+        }
+    }
+
+    #[test]
+    fn a_free_surface_carries_no_force() {
+        let g = sushi();
+        let mut memory = Memory::rested(2);
+        memory.jump(&g, 1.0);
+        memory.wait(&g, 3.0);
+        for _ in 0..100 {
+            let free = memory.free(&g, 0.01);
+            assert!(memory.step(&g, free, 0.01).abs() < 1e-14);
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn mean_decay_has_no_seam(exponent in -8f64..-2.0) {
+            let z = 10f64.powf(exponent);
+            let series = 1.0 - z / 2.0 + z * z / 6.0 - z.powi(3) / 24.0 + z.powi(4) / 120.0
+                - z.powi(5) / 720.0;
+            prop_assert!((mean_decay(z) - series).abs() < 2e-15);
+        }
+
+        #[test]
+        fn superposition_holds(a in -2f64..2.0, b in -2f64..2.0, interval in 1e-4f64..1.0) {
+            let g = sushi();
+            let run = |first: f64, second: f64| {
+                let mut memory = Memory::rested(2);
+                memory.step(&g, first, interval);
+                memory.step(&g, second, 0.3)
+            };
+            prop_assert!((run(a, b) - a * run(1.0, 0.0) - b * run(0.0, 1.0)).abs() < 1e-12);
+        }
+    }
+}
