@@ -112,3 +112,8 @@ impl Trace {
         }
     }
 }
+impl Trace {
+    pub fn runs(&self) -> Vec<std::ops::Range<usize>> {
+        vec![0..self.len()]
+    }
+}

@@ -1,0 +1,299 @@
+//! Nonlinear least squares within bounds: Levenberg–Marquardt on the normal equations.
+//!
+//! The step is the minimum of the damped quadratic model within the bounds, found by pinning the
+//! coordinates that would leave them, so that a minimum on a bound is reached as fast as one inside.
+//! Problems hand over JᵀJ and Jᵀr, never J: memory does not grow with the number of samples.
+
+use nalgebra::{DMatrix, DVector};
+
+/// A sum of squares to be made small.
+pub trait LeastSquares {
+    /// Lower and upper bound of each coordinate.
+    fn bounds(&self) -> &[(f64, f64)];
+
+    /// Sum of squared residuals at a point within the bounds.
+    fn cost(&self, point: &[f64]) -> f64;
+
+    /// Sum of squares with the normal equations at a point within the bounds.
+    fn normal(&self, point: &[f64]) -> Normal;
+}
+
+/// The normal equations at a point.
+#[derive(Clone, Debug)]
+pub struct Normal {
+    /// Sum of squared residuals.
+    pub cost: f64,
+    /// Jᵀr, half the gradient.
+    pub gradient: DVector<f64>,
+    /// JᵀJ, half the Gauss–Newton curvature.
+    pub curvature: DMatrix<f64>,
+}
+
+impl Normal {
+    /// All zero, for `dimension` coordinates.
+    #[must_use]
+    pub fn zeros(dimension: usize) -> Self {
+        Self {
+            cost: 0.0,
+            gradient: DVector::zeros(dimension),
+            curvature: DMatrix::zeros(dimension, dimension),
+        }
+    }
+}
+
+/// Why a search stopped.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stop {
+    /// The gradient vanished: a minimum.
+    Gradient,
+    /// The sum of squares stopped falling.
+    Cost,
+    /// The steps became smaller than the precision of the coordinates.
+    Step,
+    /// The limit of iterations was reached before a minimum.
+    Iterations,
+}
+
+impl Stop {
+    /// Whether a minimum was reached.
+    #[must_use]
+    pub fn converged(self) -> bool {
+        self != Self::Iterations
+    }
+}
+
+impl std::fmt::Display for Stop {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Gradient => "converged: the gradient vanished",
+            Self::Cost => "converged: the sum of squares stopped falling",
+            Self::Step => "converged: the steps became negligible",
+            Self::Iterations => "not converged: the limit of iterations was reached",
+        })
+    }
+}
+
+/// Where a search ended.
+#[derive(Clone, Debug)]
+pub struct Solution {
+    /// The coordinates.
+    pub point: Vec<f64>,
+    /// The normal equations there.
+    pub normal: Normal,
+    /// Which coordinates sit on a bound that the data push them against.
+    pub at_bound: Vec<bool>,
+    /// Why the search stopped.
+    pub stop: Stop,
+    /// Number of steps tried.
+    pub iterations: usize,
+}
+
+const MAX_ITERATIONS: usize = 200;
+/// Cosine between the residual and any free column of J at which the gradient counts as vanished.
+const GRADIENT_TOLERANCE: f64 = 1e-9;
+const COST_TOLERANCE: f64 = 1e-13;
+const STEP_TOLERANCE: f64 = 1e-12;
+
+/// Searches for a minimum from `start`, which is moved into the bounds first.
+pub fn minimise(problem: &impl LeastSquares, start: &[f64]) -> Solution {
+    let bounds = problem.bounds();
+    let mut point: Vec<f64> =
+        start.iter().zip(bounds).map(|(x, (lower, upper))| x.clamp(*lower, *upper)).collect();
+    let mut normal = problem.normal(&point);
+    let mut damping = 1e-3;
+    let mut growth = 2.0;
+    let mut iterations = 0;
+    let stop = loop {
+        if gradient_vanished(&normal, &point, bounds) {
+            break Stop::Gradient;
+        }
+        if iterations == MAX_ITERATIONS {
+            break Stop::Iterations;
+        }
+        iterations += 1;
+        let step = bounded_step(&normal, damping, &point, bounds);
+        if negligible(&step, &point) {
+            break Stop::Step;
+        }
+        let trial: Vec<f64> = point
+            .iter()
+            .zip(step.iter())
+            .zip(bounds)
+            .map(|((x, dx), (lower, upper))| (x + dx).clamp(*lower, *upper))
+            .collect();
+        let promised = -(2.0 * normal.gradient.dot(&step) + step.dot(&(&normal.curvature * &step)));
+        let gained = normal.cost - problem.cost(&trial);
+        if gained > 0.0 {
+            let ratio = gained / promised.max(f64::MIN_POSITIVE);
+            let stalled =
+                gained <= COST_TOLERANCE * normal.cost && promised <= COST_TOLERANCE * normal.cost;
+            point = trial;
+            normal = problem.normal(&point);
+            if stalled {
+                break Stop::Cost;
+            }
+            damping *= (1.0 - (2.0 * ratio - 1.0).powi(3)).clamp(1.0 / 10.0, 2.0);
+            growth = 2.0;
+        } else {
+            if promised.abs() <= COST_TOLERANCE * normal.cost {
+                break Stop::Cost;
+            }
+            damping *= growth;
+            growth *= 2.0;
+        }
+        damping = damping.max(1e-12);
+    };
+    let at_bound = (0..point.len()).map(|j| pushed(&normal, &point, bounds, j)).collect();
+    Solution { point, normal, at_bound, stop, iterations }
+}
+
+/// Whether coordinate `j` sits on a bound and the sum of squares would fall beyond it.
+fn pushed(normal: &Normal, point: &[f64], bounds: &[(f64, f64)], j: usize) -> bool {
+    let (lower, upper) = bounds[j];
+    (point[j] <= lower && normal.gradient[j] >= 0.0)
+        || (point[j] >= upper && normal.gradient[j] <= 0.0)
+}
+
+fn gradient_vanished(normal: &Normal, point: &[f64], bounds: &[(f64, f64)]) -> bool {
+    (0..point.len()).all(|j| {
+        let size = (normal.curvature[(j, j)] * normal.cost).sqrt();
+        pushed(normal, point, bounds, j) || normal.gradient[j].abs() <= GRADIENT_TOLERANCE * size
+    })
+}
+
+fn negligible(step: &DVector<f64>, point: &[f64]) -> bool {
+    step.iter().zip(point).all(|(dx, x)| dx.abs() <= STEP_TOLERANCE * (x.abs() + STEP_TOLERANCE))
+}
+
+/// The minimum of the damped quadratic model within the bounds.
+fn bounded_step(
+    normal: &Normal,
+    damping: f64,
+    point: &[f64],
+    bounds: &[(f64, f64)],
+) -> DVector<f64> {
+    let dimension = point.len();
+    let mut step = DVector::zeros(dimension);
+    let mut free: Vec<usize> =
+        (0..dimension).filter(|&j| !pushed(normal, point, bounds, j)).collect();
+    while !free.is_empty() {
+        let inner = free_step(normal, damping, &free, &step);
+        let violated = |&(place, j): &(usize, usize)| {
+            let reached = point[j] + inner[place];
+            reached < bounds[j].0 || reached > bounds[j].1
+        };
+        let outside: Vec<(usize, usize)> =
+            free.iter().copied().enumerate().filter(violated).collect();
+        if outside.is_empty() {
+            for (place, &j) in free.iter().enumerate() {
+                step[j] = inner[place];
+            }
+            break;
+        }
+        for &(place, j) in &outside {
+            let (lower, upper) = bounds[j];
+            step[j] = (point[j] + inner[place]).clamp(lower, upper) - point[j];
+        }
+        free.retain(|j| outside.iter().all(|(_, pinned)| pinned != j));
+    }
+    step
+}
+
+/// Solves for the free coordinates, the others moving by `step`.
+fn free_step(normal: &Normal, damping: f64, free: &[usize], step: &DVector<f64>) -> DVector<f64> {
+    let size = free.len();
+    // In units where the diagonal is one, so that units of the coordinates do not matter.
+    let largest = normal.curvature.diagonal().max().max(f64::MIN_POSITIVE);
+    let scale = DVector::from_fn(size, |k, _| {
+        normal.curvature[(free[k], free[k])].max(1e-24 * largest).sqrt()
+    });
+    let moved = &normal.curvature * step;
+    let slope =
+        DVector::from_fn(size, |k, _| -(normal.gradient[free[k]] + moved[free[k]]) / scale[k]);
+    let mut damping = damping;
+    loop {
+        let matrix = DMatrix::from_fn(size, size, |i, j| {
+            let entry = normal.curvature[(free[i], free[j])] / (scale[i] * scale[j]);
+            if i == j { entry + damping } else { entry }
+        });
+        if let Some(factor) = matrix.cholesky() {
+            return factor.solve(&slope).component_div(&scale);
+        }
+        damping = (damping * 10.0).max(1e-12);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// Residuals A e^(−vt) − y, in A and v.
+    struct Decay {
+        bounds: Vec<(f64, f64)>,
+        data: Vec<(f64, f64)>,
+    }
+
+    impl LeastSquares for Decay {
+        fn bounds(&self) -> &[(f64, f64)] {
+            &self.bounds
+        }
+        fn cost(&self, point: &[f64]) -> f64 {
+            self.normal(point).cost
+        }
+        fn normal(&self, point: &[f64]) -> Normal {
+            let mut normal = Normal::zeros(2);
+            for &(t, y) in &self.data {
+                let decay = (-point[1] * t).exp();
+                let residual = point[0] * decay - y;
+                let row = DVector::from_vec(vec![decay, -point[0] * t * decay]);
+                normal.cost += residual * residual;
+                normal.gradient += &row * residual;
+                normal.curvature += &row * row.transpose();
+            }
+            normal
+        }
+    }
+
+    fn decay(amplitude: f64, rate: f64, bounds: [(f64, f64); 2]) -> Decay {
+        let data = (0..100)
+            .map(|k| f64::from(k) * 0.02)
+            .map(|t| (t, amplitude * (-rate * t).exp()))
+            .collect();
+        Decay { bounds: bounds.to_vec(), data }
+    }
+
+    const WIDE: [(f64, f64); 2] = [(-100.0, 100.0), (0.0, 100.0)];
+
+    proptest! {
+        #[test]
+        fn finds_the_exact_answer_from_afar(
+            amplitude in 0.1f64..10.0,
+            rate in 0.1f64..10.0,
+            start in (0.01f64..20.0, 0.01f64..10.0),
+        ) {
+            let found = minimise(&decay(amplitude, rate, WIDE), &[start.0, start.1]);
+            prop_assert!(found.stop.converged(), "{:?}", found.stop);
+            prop_assert!((found.point[0] - amplitude).abs() < 1e-6 * amplitude);
+            prop_assert!((found.point[1] - rate).abs() < 1e-6 * rate);
+        }
+
+        #[test]
+        fn a_minimum_on_a_bound_is_found_and_named(limit in 0.2f64..2.0) {
+            let found = minimise(&decay(1.0, 3.0, [(-100.0, 100.0), (0.0, limit)]), &[5.0, 0.1]);
+            prop_assert!(found.stop.converged());
+            prop_assert_eq!(found.point[1], limit);
+            prop_assert_eq!(&found.at_bound, &[false, true]);
+            // The free amplitude is the best one for that rate.
+            let size = (found.normal.curvature[(0, 0)] * found.normal.cost).sqrt();
+            prop_assert!(found.normal.gradient[0].abs() < 1e-6 * size);
+        }
+    }
+
+    #[test]
+    fn a_coordinate_without_influence_does_no_harm() {
+        let found = minimise(&decay(0.0, 1.0, WIDE), &[0.0, 1.0]);
+        assert!(found.stop.converged());
+        assert_eq!(found.point[0], 0.0);
+    }
+}

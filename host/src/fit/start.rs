@@ -1,0 +1,158 @@
+//! A start for the fit of a whole motion, so that nobody is asked for one.
+//!
+//! For a given exponent q and given rates the law is linear in the force that each branch carries.
+//! So q and the rates go over a grid, the branch forces come from linear least squares, and the best
+//! few distinct starts are handed on.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::data::Data;
+use crate::model::{Memory, Relaxation, elastic_response};
+
+/// A start: exponent q, rates (1/s, fast to slow), and branch forces (the equilibrium first) at the
+/// reference compression.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Start {
+    pub q: f64,
+    pub rates: Vec<f64>,
+    pub forces: Vec<f64>,
+    pub cost: f64,
+}
+
+const EXPONENTS: [f64; 7] = [0.0, 0.3, 0.6, 1.0, 1.5, 2.2, 3.0];
+const RATES: usize = 16;
+
+/// The best start for each exponent of the grid, best first.
+pub fn starts(data: &Data, terms: usize, reference: f64) -> Vec<Start> {
+    let rates = rate_grid(data);
+    let mut found: Vec<Start> = EXPONENTS
+        .iter()
+        .filter_map(|&q| best_rates(&Gram::of(data, q, &rates, reference), q, &rates, terms))
+        .collect();
+    found.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+    found
+}
+
+/// Rates from slower than the longest stretch to as fast as the sampling shows, 1/s, falling.
+fn rate_grid(data: &Data) -> Vec<f64> {
+    let fastest = (0.5 / data.shortest_interval()).min(1e4 / data.longest());
+    let slowest = 0.5 / data.longest();
+    let ratio = (slowest / fastest).powf(1.0 / (RATES - 1) as f64);
+    (0..RATES).map(|k| fastest * ratio.powi(k as i32)).collect()
+}
+
+/// Inner products of the measured signal and of every branch's answer to the motion, in contact.
+struct Gram {
+    products: DMatrix<f64>,
+    measured: DVector<f64>,
+    total: f64,
+}
+
+impl Gram {
+    fn of(data: &Data, q: f64, rates: &[f64], reference: f64) -> Self {
+        let size = rates.len() + 1;
+        let mut gram = Self {
+            products: DMatrix::zeros(size, size),
+            measured: DVector::zeros(size),
+            total: 0.0,
+        };
+        let p = (q + 1.0) / reference.powf(q + 1.0);
+        // Each branch by itself: a relaxation function whose whole response decays at its rate.
+        let alone: Vec<Relaxation<f64>> =
+            rates.iter().map(|&rate| Relaxation::new(&[1.0], &[rate])).collect();
+        let mut row = DVector::zeros(size);
+        for piece in &data.pieces {
+            let mut memories = vec![Memory::rested(1); rates.len()];
+            let mut before = piece.motion.time[0];
+            let samples =
+                piece.motion.time.iter().zip(&piece.motion.displacement).zip(&piece.measured);
+            for ((&time, &x), &y) in samples {
+                row[0] = elastic_response(p, q, x);
+                for (k, (memory, relaxation)) in memories.iter_mut().zip(&alone).enumerate() {
+                    row[k + 1] = if time > before {
+                        memory.step(relaxation, row[0], time - before)
+                    } else {
+                        memory.jump(relaxation, row[0])
+                    };
+                }
+                before = time;
+                if x > 0.0 {
+                    gram.products.ger(1.0, &row, &row, 1.0);
+                    gram.measured.axpy(y, &row, 1.0);
+                    gram.total += y * y;
+                }
+            }
+        }
+        gram
+    }
+
+    /// Nonnegative forces of the branches `chosen`, and the sum of squares they leave.
+    fn solve(&self, chosen: &[usize]) -> Option<(Vec<f64>, f64)> {
+        let mut active: Vec<usize> = chosen.to_vec();
+        loop {
+            let size = active.len();
+            let matrix = DMatrix::from_fn(size, size, |a, b| {
+                let entry = self.products[(active[a], active[b])];
+                if a == b { entry * (1.0 + 1e-12) } else { entry }
+            });
+            let right = DVector::from_fn(size, |a, _| self.measured[active[a]]);
+            let forces = matrix.cholesky()?.solve(&right);
+            let (worst, least) = forces.argmin();
+            if least >= 0.0 {
+                let cost = self.total - right.dot(&forces);
+                let force_of =
+                    |branch| active.iter().position(|&a| a == branch).map_or(0.0, |a| forces[a]);
+                return Some((chosen.iter().map(|&branch| force_of(branch)).collect(), cost));
+            }
+            active.remove(worst);
+            if active.is_empty() {
+                return None;
+            }
+        }
+    }
+}
+
+fn best_rates(gram: &Gram, q: f64, rates: &[f64], terms: usize) -> Option<Start> {
+    let mut best: Option<Start> = None;
+    let mut chosen: Vec<usize> = (0..=terms).collect();
+    loop {
+        if let Some((forces, cost)) = gram.solve(&chosen)
+            && best.as_ref().is_none_or(|best| cost < best.cost)
+        {
+            let rates = chosen[1..].iter().map(|&k| rates[k - 1]).collect();
+            best = Some(Start { q, rates, forces, cost });
+        }
+        if !next_combination(&mut chosen[1..], rates.len()) {
+            return best;
+        }
+    }
+}
+
+/// The next choice of distinct numbers 1…`count` in rising order; false after the last.
+fn next_combination(chosen: &mut [usize], count: usize) -> bool {
+    let size = chosen.len();
+    let Some(place) = (0..size).rev().find(|&k| chosen[k] < count - (size - 1 - k)) else {
+        return false;
+    };
+    chosen[place] += 1;
+    for k in place + 1..size {
+        chosen[k] = chosen[k - 1] + 1;
+    }
+    true
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_choice_comes_once() {
+        let mut chosen = [1, 2, 3];
+        let mut count = 1;
+        while next_combination(&mut chosen, 6) {
+            assert!(chosen.windows(2).all(|pair| pair[0] < pair[1]) && chosen[2] <= 6);
+            count += 1;
+        }
+        assert_eq!(count, 20);
+    }
+}
