@@ -3,9 +3,19 @@
 //! The file format is a contract (see `docs/formats.md`): a commented TOML head, one header row whose
 //! names carry their unit, then numbers. Compression is positive in displacement and force.
 
+mod error;
 mod head;
+mod names;
+mod read;
+mod set;
+pub mod units;
+mod write;
 
+pub use error::{Error, Place, SignalError};
 pub use head::{Control, Head, Setup, Shape, Specimen};
+pub use read::{SIZE_LIMIT, parse, read};
+pub use set::read_set;
+pub use write::{write, write_to};
 
 use std::path::{Path, PathBuf};
 

@@ -1,0 +1,285 @@
+//! Reading a trace: strict, so that a number is never taken for what it is not.
+
+use std::path::Path;
+
+use csv::ByteRecord;
+
+use super::error::{Error, Place};
+use super::names::{self, Fault};
+use super::{Column, Head, TIME, Trace, head};
+
+/// Largest file that is read whole, bytes.
+pub const SIZE_LIMIT: u64 = 1 << 30;
+
+/// Reads one trace.
+///
+/// # Errors
+/// See [`Error`]; each names the file and, where there is one, line and column.
+pub fn read(path: &Path) -> Result<Trace, Error> {
+    parse(path, &load(path, SIZE_LIMIT)?)
+}
+
+/// The bytes of a file of at most `limit` bytes.
+pub(super) fn load(path: &Path, limit: u64) -> Result<Vec<u8>, Error> {
+    let open = |source| Error::Open { path: path.into(), source };
+    let about = std::fs::metadata(path).map_err(open)?;
+    if about.is_dir() {
+        return Err(open(std::io::Error::from(std::io::ErrorKind::IsADirectory)));
+    }
+    if about.len() > limit {
+        return Err(Error::TooLarge { path: path.into(), bytes: about.len(), limit });
+    }
+    std::fs::read(path).map_err(open)
+}
+
+/// Reads a trace from the bytes of a file; `path` is what errors call it.
+///
+/// # Errors
+/// As [`read`], but for those of the file system.
+pub fn parse(path: &Path, bytes: &[u8]) -> Result<Trace, Error> {
+    check_text(path, bytes)?;
+    let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
+    let file = File { path, bytes };
+    let (head, body) = file.head()?;
+    let mut table = csv::ReaderBuilder::new()
+        .has_headers(false)
+        .flexible(true)
+        .buffer_capacity(1 << 16)
+        .from_reader(&bytes[body..]);
+    let mut record = ByteRecord::new();
+    if !file.next(&mut table, &mut record) {
+        return Err(Error::Empty { path: path.into() });
+    }
+    let header_at = file.row_start(body, &record);
+    let (names, time_at) = file.header(&record, header_at)?;
+    // About one row for each as many bytes as the second row has: one allocation for most files.
+    let rows = bytes[body..].len() / (8 * names.len()).max(1);
+    let mut values: Vec<Vec<f64>> = names.iter().map(|_| Vec::with_capacity(rows)).collect();
+    let mut before = f64::NEG_INFINITY;
+    while file.next(&mut table, &mut record) {
+        let row = Row { file: &file, names: &names, at: (body, &record) };
+        if record.len() != names.len() {
+            return Err(row.field_count());
+        }
+        for (column, cell) in record.iter().enumerate() {
+            let value = number(cell).ok_or_else(|| row.not_a_number(column, cell))?;
+            values[column].push(value);
+        }
+        let time = *values[time_at].last().expect("one value was pushed");
+        if time <= before {
+            return Err(Error::TimeOrder { place: row.place(time_at), time, previous: before });
+        }
+        before = time;
+    }
+    let samples = values[time_at].len();
+    if samples < 2 {
+        let line = file.line(header_at);
+        return Err(Error::TooShort { path: path.into(), line, samples });
+    }
+    values.iter_mut().for_each(Vec::shrink_to_fit);
+    let time = values.remove(time_at);
+    let columns = names.into_iter().filter(|name| name != TIME).zip(values);
+    let columns = columns.map(|(name, values)| Column { name, values }).collect();
+    Ok(Trace { path: Some(path.into()), head, time, columns })
+}
+
+/// A finite number, spaces around it allowed.
+fn number(cell: &[u8]) -> Option<f64> {
+    let text = std::str::from_utf8(cell.trim_ascii()).ok()?;
+    text.parse().ok().filter(|value: &f64| value.is_finite())
+}
+
+/// Refuses what is not text before anything is made of it.
+fn check_text(path: &Path, bytes: &[u8]) -> Result<(), Error> {
+    let found = |at: usize, found| Error::NotText {
+        path: path.into(),
+        line: line_of(bytes, at),
+        column: 1 + line_start(bytes, at).iter().filter(|&&byte| byte == b',').count(),
+        found,
+    };
+    if bytes.starts_with(b"\xFF\xFE") || bytes.starts_with(b"\xFE\xFF") {
+        return Err(found(0, "UTF-16 text"));
+    }
+    if let Some(at) = bytes.iter().position(|&byte| byte == 0) {
+        return Err(found(at, "binary data or UTF-16 text"));
+    }
+    match std::str::from_utf8(bytes) {
+        Ok(_) => Ok(()),
+        Err(error) => Err(found(error.valid_up_to(), "text in another encoding, or binary data")),
+    }
+}
+
+/// Line of a byte, from 1; ends of line are `\n`, `\r\n` and `\r`.
+pub(super) fn line_of(bytes: &[u8], at: usize) -> usize {
+    let ends = |index: usize| {
+        bytes[index] == b'\n' || (bytes[index] == b'\r' && bytes.get(index + 1) != Some(&b'\n'))
+    };
+    1 + (0..at.min(bytes.len())).filter(|&index| ends(index)).count()
+}
+
+/// The part of a byte's line before it.
+fn line_start(bytes: &[u8], at: usize) -> &[u8] {
+    let start = bytes[..at].iter().rposition(|&byte| byte == b'\n' || byte == b'\r');
+    &bytes[start.map_or(0, |end| end + 1)..at]
+}
+
+/// The file under way, to say where something is.
+struct File<'a> {
+    path: &'a Path,
+    bytes: &'a [u8],
+}
+
+impl File<'_> {
+    fn line(&self, at: usize) -> usize {
+        line_of(self.bytes, at)
+    }
+
+    /// The commented TOML before the header row, and where the header row begins.
+    fn head(&self) -> Result<(Head, usize), Error> {
+        let mut lines = Vec::new();
+        let mut at = 0;
+        while at < self.bytes.len() {
+            let rest = &self.bytes[at..];
+            let end = rest.iter().position(|&byte| byte == b'\n' || byte == b'\r');
+            let text = &rest[..end.unwrap_or(rest.len())];
+            let content = text.trim_ascii_start();
+            if !content.is_empty() && content[0] != b'#' {
+                break;
+            }
+            if rest[text.len()..].starts_with(b"\r\n") {
+                at += 1;
+            }
+            at += text.len() + usize::from(end.is_some());
+            let text = std::str::from_utf8(text).expect("checked by the caller");
+            lines.push(text);
+        }
+        Ok((head::parse(self.path, &lines)?, at))
+    }
+
+    /// The next row; false at the end. A reader over memory of rows of any length has no errors.
+    fn next(&self, table: &mut csv::Reader<&[u8]>, record: &mut ByteRecord) -> bool {
+        table.read_byte_record(record).unwrap_or(false)
+    }
+
+    /// Where in the file a row begins. The reader's own position is before the blank lines above it.
+    fn row_start(&self, body: usize, record: &ByteRecord) -> usize {
+        let from = body + record.position().map_or(0, |position| position.byte() as usize);
+        let blank = |&byte: &u8| byte == b'\n' || byte == b'\r';
+        from + self.bytes[from..].iter().take_while(|byte| blank(byte)).count()
+    }
+
+    /// The names of the columns and which of them is time.
+    fn header(&self, record: &ByteRecord, at: usize) -> Result<(Vec<String>, usize), Error> {
+        let line = self.line(at);
+        let text =
+            |cell| std::str::from_utf8(cell).expect("checked by the caller").trim().to_owned();
+        let names: Vec<String> = record.iter().map(text).collect();
+        let place = |index: usize| Place {
+            path: self.path.into(),
+            line,
+            column: index + 1,
+            name: names[index].clone(),
+        };
+        if let [only] = &names[..] {
+            let found = [(';', "semicolons"), ('\t', "tabs"), ('|', "bars")];
+            if let Some((_, found)) = found.into_iter().find(|(mark, _)| only.contains(*mark)) {
+                return Err(Error::Delimiter { path: self.path.into(), line, found });
+            }
+        }
+        if record.iter().all(|cell| number(cell).is_some()) {
+            return Err(Error::NoHeader { place: place(0) });
+        }
+        names::check(&names).map_err(|fault| match fault {
+            Fault::Unnamed(index) => Error::ColumnName { place: place(index) },
+            Fault::Duplicate { index, first } => {
+                Error::DuplicateColumn { place: place(index), first: first + 1 }
+            }
+            Fault::Unit { index, expected } => Error::WrongUnit { place: place(index), expected },
+        })?;
+        match names.iter().position(|name| name == TIME) {
+            Some(time_at) => Ok((names, time_at)),
+            None => Err(Error::NoTime { path: self.path.into(), line, columns: names }),
+        }
+    }
+}
+
+/// One row of numbers, to say what is wrong with it.
+struct Row<'a> {
+    file: &'a File<'a>,
+    names: &'a [String],
+    at: (usize, &'a ByteRecord),
+}
+
+impl Row<'_> {
+    fn place(&self, column: usize) -> Place {
+        let (body, record) = self.at;
+        Place {
+            path: self.file.path.into(),
+            line: self.file.line(self.file.row_start(body, record)),
+            column: column + 1,
+            name: self.names.get(column).cloned().unwrap_or_default(),
+        }
+    }
+
+    fn field_count(&self) -> Error {
+        let (found, expected) = (self.at.1.len(), self.names.len());
+        Error::FieldCount { place: self.place(found.min(expected)), expected, found }
+    }
+
+    fn not_a_number(&self, column: usize, cell: &[u8]) -> Error {
+        let place = self.place(column);
+        let text = String::from_utf8_lossy(cell).trim().to_owned();
+        match text.parse::<f64>() {
+            Ok(_) => Error::NotFinite { place, text },
+            Err(_) => Error::NotANumber { place, text },
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parse_text(text: &str) -> Result<Trace, Error> {
+        parse(Path::new("press.csv"), text.as_bytes())
+    }
+
+    #[test]
+    fn a_file_with_no_head_is_a_trace() {
+        let trace = parse_text("time_s,force_N\n0,1\n0.5,2\n").unwrap();
+        assert_eq!(trace.time, [0.0, 0.5]);
+        assert_eq!(trace.force().unwrap(), [1.0, 2.0]);
+        assert_eq!(trace.head, Head::default());
+    }
+
+    #[test]
+    fn windows_line_ends_a_byte_order_mark_quotes_and_blank_lines_at_the_end_are_accepted() {
+        let text = "\u{feff}# name = \"take 3\"\r\n\r\n\"time_s\",\"force_N\"\r\n0, 1\r\n1,2e0\r\n\r\n\r\n";
+        let trace = parse_text(text).unwrap();
+        assert_eq!(trace.head.name.as_deref(), Some("take 3"));
+        assert_eq!(trace.force().unwrap(), [1.0, 2.0]);
+    }
+
+    #[test]
+    fn unknown_columns_are_kept_in_order_wherever_time_stands() {
+        let trace = parse_text("a,time_s,b\n5,0,7\n6,1,8\n").unwrap();
+        let names: Vec<_> = trace.columns.iter().map(|column| column.name.as_str()).collect();
+        assert_eq!(names, ["a", "b"]);
+        assert_eq!(trace.column("b").unwrap(), [7.0, 8.0]);
+    }
+
+    #[test]
+    fn an_error_names_the_line_as_an_editor_counts_it() {
+        for text in [
+            "# name = \"x\"\n\ntime_s,force_N\n0,1\n\n1,x\n",
+            "# name = \"x\"\r\n\r\ntime_s,force_N\r\n0,1\r\n\r\n1,x\r\n",
+            "# name = \"x\"\r\rtime_s,force_N\r0,1\r\r1,x\r",
+        ] {
+            let error = parse_text(text).unwrap_err().to_string();
+            assert!(
+                error.starts_with("press.csv, line 6, column 2 (force_N): `x` is not"),
+                "{error}"
+            );
+        }
+    }
+}

@@ -1,0 +1,131 @@
+//! A data set: several traces of the same specimen and set-up, in the order they were recorded.
+
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+
+use super::error::Error;
+use super::{Trace, read};
+
+/// Reads files and folders; a folder stands for its `.csv` files by name. Where every trace has
+/// `setup.sequence`, else where every trace has `setup.start_s`, the set is put into that order;
+/// otherwise it keeps the order given.
+///
+/// # Errors
+/// The first of: a folder without traces, no trace at all, a file given twice, a file that
+/// [`read`] refuses, two traces with the same place in the order.
+pub fn read_set<P: AsRef<Path>>(paths: &[P]) -> Result<Vec<Trace>, Error> {
+    let files = files(paths)?;
+    let mut traces = files.iter().map(|file| read(file)).collect::<Result<Vec<_>, _>>()?;
+    order(&mut traces)?;
+    Ok(traces)
+}
+
+/// The files meant, each once.
+fn files<P: AsRef<Path>>(paths: &[P]) -> Result<Vec<PathBuf>, Error> {
+    let mut files = Vec::new();
+    for path in paths {
+        let path = path.as_ref();
+        if path.is_dir() { files.extend(folder(path)?) } else { files.push(path.to_path_buf()) }
+    }
+    if files.is_empty() {
+        return Err(Error::EmptySet);
+    }
+    let mut seen = HashMap::new();
+    for path in &files {
+        let real = path.canonicalize().unwrap_or_else(|_| path.clone());
+        if let Some(first) = seen.insert(real, path.clone()) {
+            return Err(Error::SameFile { path: path.clone(), first });
+        }
+    }
+    Ok(files)
+}
+
+/// The `.csv` files of a folder, by name.
+fn folder(path: &Path) -> Result<Vec<PathBuf>, Error> {
+    let open = |source| Error::Open { path: path.into(), source };
+    let mut files = Vec::new();
+    for entry in std::fs::read_dir(path).map_err(open)? {
+        let file = entry.map_err(open)?.path();
+        if file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("csv")) {
+            files.push(file);
+        }
+    }
+    files.sort();
+    if files.is_empty() { Err(Error::EmptyFolder { path: path.into() }) } else { Ok(files) }
+}
+
+/// Puts a set into the order in which it was recorded, if its heads say it.
+fn order(traces: &mut [Trace]) -> Result<(), Error> {
+    let sequence = |trace: &Trace| trace.head.setup.sequence;
+    let start = |trace: &Trace| trace.head.setup.start_s;
+    let key = if traces.iter().all(|trace| sequence(trace).is_some()) {
+        traces.sort_by_key(sequence);
+        "sequence"
+    } else if traces.iter().all(|trace| start(trace).is_some()) {
+        traces.sort_by(|a, b| start(a).unwrap_or(0.0).total_cmp(&start(b).unwrap_or(0.0)));
+        "start_s"
+    } else {
+        return Ok(());
+    };
+    let value = |trace: &Trace| match key {
+        "sequence" => sequence(trace).map(|number| number.to_string()),
+        _ => start(trace).map(|time| time.to_string()),
+    };
+    let same = traces.windows(2).find(|pair| value(&pair[0]) == value(&pair[1]));
+    same.map_or(Ok(()), |pair| {
+        Err(Error::SameOrder {
+            path: pair[1].path.clone().unwrap_or_default(),
+            first: pair[0].path.clone().unwrap_or_default(),
+            key,
+            value: value(&pair[0]).unwrap_or_default(),
+        })
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn write(folder: &Path, name: &str, head: &str) -> PathBuf {
+        let path = folder.join(name);
+        std::fs::write(&path, format!("{head}time_s,force_N\n0,1\n1,2\n")).unwrap();
+        path
+    }
+
+    fn names(traces: &[Trace]) -> Vec<String> {
+        traces.iter().map(Trace::label).collect()
+    }
+
+    #[test]
+    fn a_folder_is_its_csv_files_by_name() {
+        let folder = tempfile::tempdir().unwrap();
+        for name in ["b.csv", "a.CSV", "notes.txt"] {
+            write(folder.path(), name, "");
+        }
+        assert_eq!(names(&read_set(&[folder.path()]).unwrap()), ["a.CSV", "b.csv"]);
+    }
+
+    #[test]
+    fn a_set_is_ordered_by_sequence_else_by_start_else_as_given() {
+        let folder = tempfile::tempdir().unwrap();
+        let a = write(folder.path(), "a.csv", "# [setup]\n# sequence = 2\n# start_s = 0\n");
+        let b = write(folder.path(), "b.csv", "# [setup]\n# sequence = 1\n# start_s = 9.5\n");
+        let c = write(folder.path(), "c.csv", "# [setup]\n# start_s = 5\n");
+        let d = write(folder.path(), "d.csv", "");
+        assert_eq!(names(&read_set(&[&a, &b]).unwrap()), ["b.csv", "a.csv"]);
+        assert_eq!(names(&read_set(&[&b, &c, &a]).unwrap()), ["a.csv", "c.csv", "b.csv"]);
+        assert_eq!(names(&read_set(&[&d, &b]).unwrap()), ["d.csv", "b.csv"]);
+    }
+
+    #[test]
+    fn an_empty_folder_a_repeated_file_and_a_shared_place_are_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        assert!(matches!(read_set(&[folder.path()]), Err(Error::EmptyFolder { .. })));
+        let a = write(folder.path(), "a.csv", "# [setup]\n# sequence = 2\n");
+        let b = write(folder.path(), "b.csv", "# [setup]\n# sequence = 2\n");
+        let again = folder.path().join(".").join("a.csv");
+        assert!(matches!(read_set(&[&a, &again]), Err(Error::SameFile { .. })));
+        assert!(matches!(read_set(&[&a, &b]), Err(Error::SameOrder { .. })));
+        assert!(matches!(read_set::<&Path>(&[]), Err(Error::EmptySet)));
+    }
+}
