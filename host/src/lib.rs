@@ -6,11 +6,13 @@
 //! - [`trace`]: one recording and sets of them: read, write, import, find the phases.
 //! - [`model`]: base laws and the model file.
 //! - [`fit`]: exponential sums, bounded least squares, uncertainty.
+//! - [`dissertation`]: the figures that the dissertation prints.
 //! - [`report`]: vector plots and self-contained HTML.
 //! - [`cli`]: one file for each subcommand: parse, call, print.
 #![forbid(unsafe_code)]
 
 pub mod cli;
+pub mod dissertation;
 pub mod files;
 pub mod fit;
 pub mod model;

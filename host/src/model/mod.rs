@@ -19,5 +19,5 @@ pub use fung::{Fung, MAX_TERMS, Separation, TERMS};
 pub use motion::{Motion, MotionError};
 pub use number::{CHUNK, Dual, Number, constants, seeded};
 pub use parameter::Parameter;
-pub use profile::{Profile, ProfileError, Step};
+pub use profile::{Hold, Move, Profile, ProfileError, Step};
 pub use relaxation::{Branch, Memory, Relaxation};

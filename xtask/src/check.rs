@@ -1,0 +1,55 @@
+//! The whole check: what a change must pass, on any machine with rustup and git.
+
+use std::path::Path;
+use std::process::Command;
+use std::time::Instant;
+
+use miette::{IntoDiagnostic, bail};
+
+/// The top of the workspace.
+pub fn workspace() -> &'static Path {
+    let manifest = Path::new(env!("CARGO_MANIFEST_DIR"));
+    manifest.parent().unwrap_or(manifest)
+}
+
+/// Sets up what is missing, then runs every check; stops at the first that fails.
+pub fn run() -> miette::Result<()> {
+    component("rustfmt", "to check the format")?;
+    component("clippy", "to check the lints")?;
+    step("format", &["fmt", "--all", "--check"], &[])?;
+    step("lints", &["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"], &[])?;
+    step("tests", &["test", "--workspace"], &[])?;
+    step("documentation", &["doc", "--workspace", "--no-deps"], &[("RUSTDOCFLAGS", "-D warnings")])
+}
+
+/// Installs a component of the toolchain where it is missing.
+fn component(name: &str, why: &str) -> miette::Result<()> {
+    let tool = if name == "clippy" { "clippy-driver" } else { name };
+    let present =
+        Command::new(tool).arg("--version").output().is_ok_and(|out| out.status.success());
+    if present {
+        return Ok(());
+    }
+    println!("==> installing {name} with rustup, {why}");
+    let status = Command::new("rustup").args(["component", "add", name]).status();
+    match status {
+        Ok(status) if status.success() => Ok(()),
+        _ => bail!("{name} is missing and `rustup component add {name}` failed; install it {why}"),
+    }
+}
+
+fn step(name: &str, arguments: &[&str], environment: &[(&str, &str)]) -> miette::Result<()> {
+    println!("==> {name}: cargo {}", arguments.join(" "));
+    let began = Instant::now();
+    let status = Command::new(env!("CARGO"))
+        .args(arguments)
+        .envs(environment.iter().copied())
+        .current_dir(workspace())
+        .status()
+        .into_diagnostic()?;
+    if !status.success() {
+        bail!("{name} failed: cargo {}", arguments.join(" "));
+    }
+    println!("==> {name} passed in {:.0} s", began.elapsed().as_secs_f64());
+    Ok(())
+}
