@@ -146,7 +146,7 @@ pub(super) fn parse(path: &Path, lines: &[&str]) -> Result<Head, Error> {
 }
 
 /// The line's TOML: what follows the `#` and one space.
-fn uncommented<'a>(line: &'a str) -> &'a str {
+fn uncommented(line: &str) -> &str {
     let text = line.trim_start().strip_prefix('#').unwrap_or_default();
     text.strip_prefix(' ').unwrap_or(text)
 }

@@ -4,16 +4,25 @@
 //! names carry their unit, then numbers. Compression is positive in displacement and force.
 
 mod error;
+mod gaps;
 mod head;
+mod holds;
 mod names;
+mod noise;
 mod read;
+mod sampling;
+mod scatter;
 mod set;
 pub mod units;
 mod write;
 
 pub use error::{Error, Place, SignalError};
+pub use gaps::{Gap, gaps, runs};
 pub use head::{Control, Head, Setup, Shape, Specimen};
+pub use holds::{Kind, Segment, holds, segments};
+pub use noise::{Noise, Source, force_noise, noise};
 pub use read::{SIZE_LIMIT, parse, read};
+pub use sampling::{Sampling, sampling};
 pub use set::read_set;
 pub use write::{write, write_to};
 

@@ -69,9 +69,6 @@ fn check(trace: &Trace) -> Result<(), String> {
     if trace.len() < 2 {
         return Err(format!("{} sample(s), a trace has at least two", trace.len()));
     }
-    if let Some(at) = trace.time.windows(2).position(|pair| !(pair[0] < pair[1])) {
-        return Err(format!("time does not increase after sample {}", at + 1));
-    }
     let times = (TIME, &trace.time[..]);
     let all = trace.columns.iter().map(|column| (&column.name[..], &column.values[..]));
     for (name, values) in std::iter::once(times).chain(all) {
@@ -81,6 +78,9 @@ fn check(trace: &Trace) -> Result<(), String> {
         if let Some(at) = values.iter().position(|value| !value.is_finite()) {
             return Err(format!("{name} is not finite in sample {}", at + 1));
         }
+    }
+    if let Some(at) = trace.time.windows(2).position(|pair| pair[0] >= pair[1]) {
+        return Err(format!("time does not increase after sample {}", at + 1));
     }
     Ok(())
 }
