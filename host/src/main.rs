@@ -1,3 +1,7 @@
 //! The `palpate` command.
 
-fn main() {}
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    palpate::cli::run()
+}

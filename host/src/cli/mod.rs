@@ -1,1 +1,131 @@
 //! One file for each subcommand: parse, call, print.
+//!
+//! Results go to standard output, words about the work to standard error. Exit status 0, 1 when the
+//! work failed, 2 when the input or the call was wrong.
+
+mod completions;
+mod decompose;
+mod demo;
+mod fit;
+mod import;
+mod output;
+mod plan;
+mod plot;
+mod progress;
+mod simulate;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+use miette::{Diagnostic, Report};
+
+pub use output::Output;
+
+/// Fit contact models to recordings of touch, and see where they fail.
+#[derive(Parser)]
+#[command(name = "palpate", version, max_term_width = 100, after_help = EXAMPLES)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+    /// Tell more of what is done, on standard error; twice for all
+    #[arg(short, long, global = true, action = clap::ArgAction::Count)]
+    verbose: u8,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  palpate demo                                     a press, from gauges to a report
+  palpate decompose press.csv -o split/            FA, SA, regions of every gauge
+  palpate fit fung traces/ -o model.toml           one model for a whole data set
+  palpate simulate model.toml --motion press.csv   what the model says of another motion
+  palpate import lab.txt --map lab.map.toml        a foreign recording";
+
+#[derive(Subcommand)]
+enum Command {
+    /// Replay a bundled press through the device's filter, fit it, write a report
+    Demo(demo::Args),
+    /// Split signals into fast (FA) and slow adapting (SA) parts, and mark the regions of the grasp
+    Decompose(decompose::Args),
+    /// Fit a contact model
+    Fit(fit::Args),
+    /// Predict the force of a motion
+    Simulate(simulate::Args),
+    /// Turn a foreign recording into a trace
+    Import(import::Args),
+    /// Draw traces
+    Plot(plot::Args),
+    /// How long and how fast to record for a wanted precision
+    Plan(plan::Args),
+    /// Print completions for a shell
+    Completions(completions::Args),
+}
+
+/// Why a subcommand ended without its result.
+#[derive(Debug)]
+pub enum Failure {
+    /// The input or the call was wrong: exit status 2.
+    Input(Report),
+    /// The work failed: exit status 1.
+    Work(Report),
+}
+
+impl Failure {
+    /// The input was wrong.
+    pub fn input(error: impl std::error::Error + Send + Sync + 'static) -> Self {
+        Self::Input(Report::new(Wrapped(Box::new(error))))
+    }
+
+    /// The work failed.
+    pub fn work(error: impl std::error::Error + Send + Sync + 'static) -> Self {
+        Self::Work(Report::new(Wrapped(Box::new(error))))
+    }
+}
+
+/// An error of the library, shown by its own words.
+#[derive(Debug, thiserror::Error, Diagnostic)]
+#[error(transparent)]
+struct Wrapped(Box<dyn std::error::Error + Send + Sync>);
+
+/// Runs the command line; the exit status is what `main` returns.
+#[must_use]
+pub fn run() -> ExitCode {
+    let arguments = Arguments::parse();
+    start_log(arguments.verbose);
+    let outcome = match &arguments.command {
+        Command::Demo(args) => demo::run(args),
+        Command::Decompose(args) => decompose::run(args),
+        Command::Fit(args) => fit::run(args),
+        Command::Simulate(args) => simulate::run(args),
+        Command::Import(args) => import::run(args),
+        Command::Plot(args) => plot::run(args),
+        Command::Plan(args) => plan::run(args),
+        Command::Completions(args) => completions::run::<Arguments>(args),
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(Failure::Input(report)) => fail(&report, 2),
+        Err(Failure::Work(report)) => fail(&report, 1),
+    }
+}
+
+fn fail(report: &Report, status: u8) -> ExitCode {
+    eprintln!("error: {report:?}");
+    ExitCode::from(status)
+}
+
+/// Messages of the library go to standard error; `PALPATE_LOG` filters them finer than `-v` does.
+fn start_log(verbose: u8) {
+    let default = match verbose {
+        0 => "warn",
+        1 => "palpate=info",
+        _ => "palpate=trace",
+    };
+    let filter = tracing_subscriber::EnvFilter::try_from_env("PALPATE_LOG")
+        .unwrap_or_else(|_| tracing_subscriber::EnvFilter::new(default));
+    tracing_subscriber::fmt()
+        .with_env_filter(filter)
+        .with_writer(std::io::stderr)
+        .without_time()
+        .with_target(false)
+        .init();
+}

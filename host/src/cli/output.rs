@@ -1,0 +1,139 @@
+//! How results reach standard output, and reports a file.
+
+use std::io::{self, IsTerminal, Write};
+use std::path::Path;
+
+use super::Failure;
+use crate::files::write_whole;
+use crate::report::page::{Block, Origin, Page, Section};
+use crate::report::terminal::Terminal;
+use crate::report::Callout;
+
+/// How a subcommand gives its result.
+#[derive(Clone, Debug, Default, clap::Args)]
+pub struct Output {
+    /// Print one JSON object instead of tables
+    #[arg(long)]
+    pub json: bool,
+    /// Also write a report with plots: one HTML file
+    #[arg(long, value_name = "FILE.html")]
+    pub report: Option<std::path::PathBuf>,
+}
+
+/// Writes text to standard output; a reader that has gone away is no error.
+pub fn print(text: &str) -> Result<(), Failure> {
+    let mut out = io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(Failure::work(error)),
+        _ => Ok(()),
+    }
+}
+
+/// Prints a JSON value on lines of its own.
+pub fn print_json(value: &serde_json::Value) -> Result<(), Failure> {
+    print(&format!("{value:#}\n"))
+}
+
+/// What standard output can show.
+pub fn terminal() -> Terminal {
+    let shown = io::stdout().is_terminal();
+    let width = match console_width() {
+        Some(width) if shown => width,
+        _ => 100,
+    };
+    let colour = shown && std::env::var_os("NO_COLOR").is_none();
+    Terminal { width, unicode: true, colour }
+}
+
+fn console_width() -> Option<usize> {
+    std::env::var("COLUMNS").ok()?.parse().ok()
+}
+
+/// Prints the words and tables of sections; plots are for reports.
+pub fn print_sections(sections: &[Section]) -> Result<(), Failure> {
+    let terminal = terminal();
+    let blocks = sections.iter().flat_map(|section| &section.blocks);
+    let text: String = blocks.filter_map(|block| plain(block, &terminal)).collect();
+    print(&text)
+}
+
+fn plain(block: &Block, terminal: &Terminal) -> Option<String> {
+    match block {
+        Block::Heading(text) | Block::Paragraph(text) => Some(format!("{}\n\n", strip(text))),
+        Block::List(points) => {
+            let lines = points.iter().map(|point| format!("- {}\n", strip(point)));
+            Some(lines.collect::<String>() + "\n")
+        }
+        Block::Table(table) => Some(terminal.table(table) + "\n"),
+        Block::Callout { kind, text, .. } => {
+            let mark = match kind {
+                Callout::Finding => "=>",
+                Callout::Warning => "!",
+            };
+            Some(format!("{mark} {}\n\n", strip(text)))
+        }
+        Block::Definitions(terms) => {
+            let lines = terms.iter().map(|(term, meaning)| format!("{term}: {}\n", strip(meaning)));
+            Some(lines.collect::<String>() + "\n")
+        }
+        Block::Code(text) => Some(format!("{text}\n\n")),
+        Block::Details { blocks, .. } => {
+            Some(blocks.iter().filter_map(|block| plain(block, terminal)).collect())
+        }
+        Block::Figure { .. } => None,
+    }
+}
+
+/// Text without the marks of code.
+fn strip(text: &str) -> String {
+    text.replace('`', "")
+}
+
+/// Writes a report and says where it is.
+pub fn write_report(
+    path: &Path,
+    title: &str,
+    subtitle: &str,
+    inputs: Vec<String>,
+    sections: Vec<Section>,
+) -> Result<(), Failure> {
+    let origin = Origin {
+        program: concat!("palpate ", env!("CARGO_PKG_VERSION")).into(),
+        command: command_line(),
+        inputs,
+    };
+    let mut page = Page::new(title, subtitle, origin);
+    page.sections = sections;
+    write_file(path, page.to_html().as_bytes())?;
+    eprintln!("report: {}", path.display());
+    Ok(())
+}
+
+/// Writes a file whole or not at all.
+pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+    write_whole(path, |file| file.write_all(bytes)).map_err(|source| cannot_write(path, source))
+}
+
+/// A file could not be written.
+pub fn cannot_write(path: &Path, source: io::Error) -> Failure {
+    Failure::work(WriteError { path: path.into(), source })
+}
+
+#[derive(Debug, thiserror::Error)]
+#[error("{path} was not written: {source}")]
+struct WriteError {
+    path: std::path::PathBuf,
+    source: io::Error,
+}
+
+/// The command that was called, so that a report can be made again.
+fn command_line() -> String {
+    let quoted = |argument: String| {
+        let plain = argument.chars().all(|c| c.is_alphanumeric() || "-_./=+:,".contains(c));
+        if plain { argument } else { format!("'{}'", argument.replace('\'', "'\\''")) }
+    };
+    std::iter::once("palpate".to_owned())
+        .chain(std::env::args().skip(1).map(quoted))
+        .collect::<Vec<_>>()
+        .join(" ")
+}

@@ -1,0 +1,153 @@
+//! What a user should know before trusting the parameters of a fit.
+
+use std::fmt;
+
+use super::data::Data;
+use super::whole_motion::MotionFit;
+use crate::trace::Noise;
+
+/// A reason to be careful with a fit.
+#[derive(Clone, Debug, PartialEq)]
+#[allow(missing_docs)]
+pub enum Warning {
+    /// The search ended before a minimum.
+    NotConverged { iterations: usize },
+    /// A parameter sits on a bound.
+    AtBound { parameter: &'static str, value: f64 },
+    /// A parameter can move without changing the prediction.
+    Undetermined { parameter: &'static str },
+    /// A standard error beyond a quarter of the value.
+    Vague { parameter: &'static str, value: f64, standard_error: f64 },
+    /// Two parameters that these data hardly tell apart.
+    Correlated { first: &'static str, second: &'static str, correlation: f64 },
+    /// Two exponentials with the same rate.
+    Merged { first: &'static str, second: &'static str },
+    /// A time constant longer than the longest recording.
+    TooSlow { parameter: &'static str, time_constant: f64, longest: f64 },
+    /// A time constant within two sampling intervals.
+    TooFast { parameter: &'static str, time_constant: f64, interval: f64 },
+    /// The residual is more than noise.
+    Misfit { rms: f64, noise: f64 },
+    /// Samples that were left out.
+    LeftOut { what: String },
+}
+
+impl fmt::Display for Warning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NotConverged { iterations } => write!(
+                f,
+                "no minimum was reached in {iterations} steps: do not use these values; fit fewer terms or more data"
+            ),
+            Self::AtBound { parameter, value } => write!(
+                f,
+                "{parameter} = {value:.3e} sits on its bound: the data ask for less than that; try fewer terms"
+            ),
+            Self::Undetermined { parameter } => write!(
+                f,
+                "{parameter} is not identifiable from these data: it can change without changing the prediction"
+            ),
+            Self::Vague { parameter, value, standard_error } => write!(
+                f,
+                "{parameter} = {value:.3e} is known only to {:.0} %: hardly identifiable from these data",
+                100.0 * standard_error / value.abs()
+            ),
+            Self::Correlated { first, second, correlation } => write!(
+                f,
+                "{first} and {second} trade off (correlation {correlation:.3}): trust their combination, not each alone"
+            ),
+            Self::Merged { first, second } => write!(
+                f,
+                "{first} and {second} have merged: the data show fewer exponentials than were asked for"
+            ),
+            Self::TooSlow { parameter, time_constant, longest } => write!(
+                f,
+                "1/{parameter} = {time_constant:.3} s is longer than the longest recording ({longest:.3} s): record longer holds (`palpate plan`)"
+            ),
+            Self::TooFast { parameter, time_constant, interval } => write!(
+                f,
+                "1/{parameter} = {time_constant:.3e} s is within two sampling intervals ({interval:.3e} s): record faster"
+            ),
+            Self::Misfit { rms, noise } => write!(
+                f,
+                "the model leaves {rms:.3e}, {:.1} times the noise of {noise:.3e}: something is missing from it, so the standard errors describe the fit, not the specimen",
+                rms / noise
+            ),
+            Self::LeftOut { what } => f.write_str(what),
+        }
+    }
+}
+
+/// A residual beyond this many times the noise is a misfit.
+const MISFIT: f64 = 1.2;
+const VAGUE: f64 = 0.25;
+const CORRELATED: f64 = 0.99;
+/// Rates closer than this, relatively, have merged.
+const MERGED: f64 = 0.01;
+
+/// Everything to be careful about, most serious first.
+#[must_use]
+pub fn warnings(fit: &MotionFit, data: &Data, noise: Option<&Noise>) -> Vec<Warning> {
+    let mut found = Vec::new();
+    if !fit.stop.converged() {
+        found.push(Warning::NotConverged { iterations: fit.iterations });
+    }
+    found.extend(data.left_out.iter().cloned().map(|what| Warning::LeftOut { what }));
+    if let Some(noise) = noise {
+        let (rms, noise) = (fit.rms(), noise.standard_deviation);
+        if rms > MISFIT * noise {
+            found.push(Warning::Misfit { rms, noise });
+        }
+    }
+    each_parameter(fit, data, &mut found);
+    pairs(fit, &mut found);
+    found
+}
+
+fn each_parameter(fit: &MotionFit, data: &Data, found: &mut Vec<Warning>) {
+    let terms = fit.law.terms;
+    for (k, parameter) in fit.law.parameters().into_iter().enumerate() {
+        let (parameter, value) = (parameter.name, fit.values[k]);
+        let is_rate = k >= 2 + terms;
+        let idle = is_rate && fit.values[k - terms] == 0.0;
+        if fit.at_bound[k] {
+            found.push(Warning::AtBound { parameter, value });
+        } else {
+            match fit.standard_errors[k] {
+                None => found.push(Warning::Undetermined { parameter }),
+                Some(standard_error) if standard_error > VAGUE * value.abs() => {
+                    found.push(Warning::Vague { parameter, value, standard_error });
+                }
+                Some(_) => {}
+            }
+        }
+        if !is_rate || idle {
+            continue;
+        }
+        let (time_constant, longest) = (1.0 / value, data.longest());
+        let interval = data.shortest_interval();
+        if time_constant > longest {
+            found.push(Warning::TooSlow { parameter, time_constant, longest });
+        } else if time_constant < 2.0 * interval {
+            found.push(Warning::TooFast { parameter, time_constant, interval });
+        }
+    }
+}
+
+fn pairs(fit: &MotionFit, found: &mut Vec<Warning>) {
+    let parameters = fit.law.parameters();
+    let first_rate = 2 + fit.law.terms;
+    for i in 0..parameters.len() {
+        for j in i + 1..parameters.len() {
+            let (first, second) = (parameters[i].name, parameters[j].name);
+            let same = (fit.values[i] / fit.values[j] - 1.0).abs() < MERGED;
+            let correlation = fit.correlation[(i, j)];
+            let known = fit.standard_errors[i].is_some() && fit.standard_errors[j].is_some();
+            if i >= first_rate && same {
+                found.push(Warning::Merged { first, second });
+            } else if known && correlation.abs() > CORRELATED {
+                found.push(Warning::Correlated { first, second, correlation });
+            }
+        }
+    }
+}

@@ -1,0 +1,226 @@
+//! Relaxation during holds, as tables and plots: Tables 3.1–3.4 and A.1 for one's own data.
+
+use serde_json::{Value, json};
+
+use super::{estimate, name_of, unit_of};
+use crate::fit::exponentials::{Fit, Parameter};
+use crate::fit::hold::{HoldFit, Spread, spreads};
+use crate::report::number::significant;
+use crate::report::table::{Column, Table};
+use crate::report::{Axis, Callout, Plot, Section, Series};
+use crate::trace::Trace;
+
+/// Most holds that a report draws one by one.
+const MOST_DRAWN: usize = 12;
+
+/// The coefficients of every hold, their spread over repeats, and plots.
+#[must_use]
+pub fn hold_sections(fits: &[HoldFit], traces: &[Trace], signal: &str) -> Vec<Section> {
+    let mut section =
+        Section::new("Relaxation during the holds").table(coefficient_table(fits, signal));
+    for warning in warnings(fits) {
+        section = section.callout(Callout::Warning, "Beware", warning);
+    }
+    let spreads = spreads(fits);
+    if !spreads.is_empty() {
+        section = section.table(spread_table(&spreads, signal));
+    }
+    let candidates: Vec<&HoldFit> = fits.iter().filter(|hold| hold.candidates.len() > 1).collect();
+    for hold in candidates {
+        section = section.table(candidate_table(hold, signal));
+    }
+    for hold in fits.iter().take(MOST_DRAWN) {
+        if let Some(trace) = traces.iter().find(|trace| trace.label() == hold.trace) {
+            section = section.figure(plot(hold, trace, signal), "");
+        }
+    }
+    vec![section]
+}
+
+/// Every hold as a JSON object.
+#[must_use]
+pub fn hold_json(fits: &[HoldFit], signal: &str) -> Value {
+    let holds: Vec<Value> = fits.iter().map(one_json).collect();
+    let spreads: Vec<Value> = spreads(fits)
+        .iter()
+        .map(|spread| {
+            json!({
+                "displacement_mm": spread.displacement,
+                "parameter": spread.parameter.to_string(),
+                "holds": spread.holds,
+                "mean": spread.mean,
+                "standard_deviation": spread.deviation,
+                "expected_from_noise": spread.expected,
+            })
+        })
+        .collect();
+    json!({
+        "palpate_fit": 1,
+        "law": "relaxation",
+        "signal": signal,
+        "unit": unit_of(signal),
+        "holds": holds,
+        "spread": spreads,
+        "warnings": warnings(fits),
+    })
+}
+
+fn one_json(hold: &HoldFit) -> Value {
+    let fit = &hold.fit;
+    let parameters: serde_json::Map<String, Value> = fit
+        .parameters()
+        .map(|parameter| {
+            let value = json!({
+                "value": fit.value(parameter),
+                "standard_error": fit.standard_error(parameter),
+                "interval_95": fit.interval(parameter, 0.95),
+            });
+            (parameter.to_string(), value)
+        })
+        .collect();
+    let order: Vec<Parameter> = fit.parameters().collect();
+    let rows: Vec<Vec<Option<f64>>> = order
+        .iter()
+        .map(|&a| order.iter().map(|&b| fit.correlation(a, b)).collect())
+        .collect();
+    let order: Vec<String> = order.iter().map(ToString::to_string).collect();
+    json!({
+        "trace": hold.trace,
+        "from_s": hold.from_s,
+        "duration_s": hold.duration_s,
+        "displacement_mm": hold.displacement,
+        "type": hold.relaxation.to_string(),
+        "parameters": parameters,
+        "correlation": {"order": order, "matrix": rows},
+        "samples": fit.samples,
+        "r_squared": fit.r_squared,
+        "residual_rms": fit.residual_rms,
+        "stop": fit.stop.to_string(),
+        "notes": fit.notes.iter().map(ToString::to_string).collect::<Vec<_>>(),
+    })
+}
+
+fn coefficient_table(fits: &[HoldFit], signal: &str) -> Table {
+    let most = fits.iter().map(|hold| hold.fit.sum.terms.len()).max().unwrap_or(0);
+    let coefficients = std::iter::once(Parameter::Scale)
+        .chain((0..=most).map(Parameter::Coefficient))
+        .chain((1..=most).map(Parameter::Rate));
+    let columns = [
+        Column::text("trace"),
+        Column::number("from", "s"),
+        Column::number("at", "mm"),
+        Column::text("type"),
+    ]
+    .into_iter()
+    .chain(coefficients.clone().map(|coefficient| {
+        Column::number(coefficient.to_string(), coefficient_unit(coefficient, signal))
+    }))
+    .chain([Column::number("R²", "")])
+    .collect();
+    let mut table = Table::new("Relaxation function of each hold (eq. 3.4)", columns);
+    for hold in fits {
+        let place = hold.displacement.map_or("–".into(), |x| significant(x, 3));
+        let cells = coefficients.clone().map(|coefficient| {
+            hold.fit.value(coefficient).map_or("–".into(), |value| {
+                estimate(value, hold.fit.standard_error(coefficient))
+            })
+        });
+        let head =
+            [hold.trace.clone(), format!("{:.2}", hold.from_s), place, hold.relaxation.to_string()];
+        let tail = [format!("{:.4}", hold.fit.r_squared)];
+        table = table.row(head.into_iter().chain(cells).chain(tail));
+    }
+    table.note("N is the signal at the start of the hold; ± is the standard error.")
+}
+
+fn coefficient_unit(parameter: Parameter, signal: &str) -> &str {
+    match parameter {
+        Parameter::Scale => unit_of(signal),
+        Parameter::Coefficient(_) => "",
+        Parameter::Rate(_) => "1/s",
+    }
+}
+
+fn spread_table(spreads: &[Spread], signal: &str) -> Table {
+    let columns = vec![
+        Column::text("at"),
+        Column::text("coefficient"),
+        Column::whole("holds"),
+        Column::number("mean", ""),
+        Column::number("standard deviation", ""),
+        Column::number("from noise alone", ""),
+        Column::text("unit"),
+    ];
+    let mut table = Table::new("Over the repeats (Table 3.4)", columns);
+    for spread in spreads {
+        table = table.row([
+            spread.displacement.map_or("–".into(), |x| format!("{} mm", significant(x, 3))),
+            spread.parameter.to_string(),
+            spread.holds.to_string(),
+            significant(spread.mean, 4),
+            significant(spread.deviation, 3),
+            spread.expected.map_or("–".into(), |expected| significant(expected, 3)),
+            coefficient_unit(spread.parameter, signal).to_owned(),
+        ]);
+    }
+    table.note("Sample standard deviation (n − 1). Beyond that from noise alone, the specimens differ.")
+}
+
+fn candidate_table(hold: &HoldFit, signal: &str) -> Table {
+    let unit = unit_of(signal);
+    let columns = vec![
+        Column::whole("exponentials"),
+        Column::number("residual RMS", unit),
+        Column::number("R²", ""),
+        Column::text("time constants, s"),
+        Column::text("notes"),
+    ];
+    let title = format!("How many exponentials: {} from {:.2} s (appendix A)", hold.trace, hold.from_s);
+    let mut table = Table::new(title, columns);
+    for fit in &hold.candidates {
+        let constants = fit.sum.terms.iter().map(|term| significant(1.0 / term.rate, 4));
+        let notes = fit.notes.iter().map(ToString::to_string);
+        table = table.row([
+            fit.sum.terms.len().to_string(),
+            significant(fit.residual_rms, 4),
+            format!("{:.5}", fit.r_squared),
+            constants.collect::<Vec<_>>().join(", "),
+            notes.collect::<Vec<_>>().join("; "),
+        ]);
+    }
+    table.note(format!("Chosen: {}.", hold.fit.sum.terms.len()))
+}
+
+/// What to beware of, each remark with its hold.
+fn warnings(fits: &[HoldFit]) -> Vec<String> {
+    fits.iter()
+        .flat_map(|hold| {
+            let place = format!("{} from {:.2} s", hold.trace, hold.from_s);
+            hold.fit.notes.iter().map(move |note| format!("{place}: {note}"))
+        })
+        .collect()
+}
+
+fn plot(hold: &HoldFit, trace: &Trace, signal: &str) -> Plot {
+    let time: Vec<f64> =
+        trace.time[hold.range.clone()].iter().map(|time| time - hold.from_s).collect();
+    let measured = trace.column(signal).map_or(Vec::new(), |values| values[hold.range.clone()].to_vec());
+    let fitted = smooth(&hold.fit, hold.duration_s);
+    let title = format!("{}: {} from {:.2} s", hold.trace, hold.relaxation, hold.from_s);
+    let settled = hold.fit.sum.scale * hold.fit.sum.constant;
+    Plot::new(title, Axis::new("time in the hold", "s"), Axis::new(name_of(signal), unit_of(signal)))
+        .summary(format!(
+            "Measured and fitted {} over a hold of {:.2} s; R² {:.4}",
+            name_of(signal),
+            hold.duration_s,
+            hold.fit.r_squared
+        ))
+        .series(Series::points("measured", time, measured))
+        .series(Series::line("eq. 3.4", fitted.0, fitted.1))
+        .level(settled, "where it settles")
+}
+
+/// The fitted function at 200 instants.
+fn smooth(fit: &Fit, duration: f64) -> (Vec<f64>, Vec<f64>) {
+    (0..=200).map(|k| duration * f64::from(k) / 200.0).map(|time| (time, fit.sum.at(time))).unzip()
+}
