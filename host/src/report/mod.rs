@@ -1,1 +1,34 @@
-//! Vector plots and self-contained HTML.
+//! Vector plots, self-contained HTML, tables for the terminal: data in, text out. Nothing here prints or
+//! reads files, and the same data give the same bytes.
+//!
+//! - [`Plot`], [`Panels`], [`HeatMap`], [`Bars`]: figures as plain data; each has `to_svg()`.
+//! - [`Page`]: sections of text, figures and [`Table`]s as one HTML file.
+//! - [`Terminal`]: tables and small line plots for the terminal.
+//! - [`number`]: numbers as text, with standard errors.
+
+mod axis;
+mod bars;
+mod colour;
+mod curve;
+mod decimate;
+mod draw;
+mod embed;
+mod figure;
+mod heatmap;
+mod layout;
+pub mod number;
+mod page;
+mod plot;
+mod svg;
+mod table;
+mod terminal;
+
+pub use axis::{Axis, Scale};
+pub use bars::{BarSeries, Bars};
+pub use colour::Colour;
+pub use figure::Figure;
+pub use heatmap::{CellFormat, HeatMap};
+pub use page::{Block, Callout, Origin, Page, Section};
+pub use plot::{Annotation, Dash, Legend, Level, Mark, Panels, Plot, Series, Span, Style};
+pub use table::{Align, Column, Table};
+pub use terminal::Terminal;
