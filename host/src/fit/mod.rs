@@ -1,1 +1,3 @@
 //! Exponential sums, bounded least squares, uncertainty.
+
+pub mod exponentials;
