@@ -1,9 +1,17 @@
 //! Exponential sums, bounded least squares, uncertainty.
+//!
+//! - [`exponentials`]: sums of decaying exponentials, without starting values.
+//! - [`hold`]: the relaxation during the holds of a recording.
+//! - [`whole_motion`]: a law over loading, holds and unloading of every trace together.
 
 pub mod data;
+pub mod elastic_law;
+pub mod exponentials;
+pub mod hold;
 pub mod least_squares;
 mod start;
 mod uncertainty;
+pub mod warning;
 pub mod whole_motion;
 
 pub use uncertainty::{Uncertainty, uncertainty};

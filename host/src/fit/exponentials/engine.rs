@@ -1,0 +1,236 @@
+//! Everything that depends on the times and limits alone, and the fit of one trace with it.
+
+use super::basis::{Basis, Projection, TooNarrow};
+use super::covariance::{Described, describe};
+use super::family::Family;
+use super::fit::{
+    ExponentialSum, Fit, MOST_PARAMETERS, Normalisation, Note, Options, Parameter, Term,
+};
+use super::grid::Grid;
+use super::point::{Problem, Signs};
+use super::refine::{Cholesky, Refined, touching};
+use super::search::{Grids, search};
+use super::table::Table;
+use super::vector::dot;
+use super::{Error, MOST_TERMS};
+
+/// Fits of one set of times; the implementors differ in how many coordinates they work with.
+pub(super) trait Engine: std::fmt::Debug + Send + Sync {
+    /// Fits `terms` exponentials, which were prepared.
+    fn fit(&self, values: &[f64], terms: usize) -> Result<Fit, Error>;
+}
+
+/// An engine of `R` coordinates.
+#[derive(Clone, Debug)]
+pub(super) struct Core<const R: usize> {
+    basis: Basis<R>,
+    table: Table<R>,
+    grids: [Option<Grids<R>>; MOST_TERMS],
+    options: Options,
+    /// Samples with a weight above 0.
+    samples: usize,
+}
+
+impl<const R: usize> Core<R> {
+    /// Prepares `terms` exponentials, all numbers of them in the range.
+    pub fn new(
+        family: &Family,
+        roots: Vec<f64>,
+        terms: std::ops::RangeInclusive<usize>,
+        options: &Options,
+    ) -> Result<Self, TooNarrow> {
+        let samples = match roots.len() {
+            0 => family.times.len(),
+            _ => roots.iter().filter(|root| **root > 0.0).count(),
+        };
+        let (basis, coordinates) = Basis::new(family, roots)?;
+        let lowest = family.rates[0].ln();
+        let highest = lowest + family.spacing * (family.rates.len() - 1) as f64;
+        let table = Table::new(coordinates, lowest, highest, family.spacing);
+        let mut grids = [const { None }; MOST_TERMS];
+        let without = signs(options, 1.0).constant != 0.0;
+        for n in terms {
+            grids[n - 1] = Some(Grids {
+                with_constant: Grid::new(&table, n, true),
+                without_constant: without.then(|| Grid::new(&table, n, false)),
+            });
+        }
+        Ok(Self { basis, table, grids, options: options.clone(), samples })
+    }
+
+    fn fit_terms<const N: usize>(&self, values: &[f64]) -> Result<Fit, Error> {
+        let projection = self.project(values)?;
+        let target = &projection.coordinates;
+        let problem = Problem {
+            table: &self.table,
+            target,
+            outside: projection.outside,
+            constant_norm: self.basis.constant_norm,
+            signs: signs(&self.options, target[0]),
+        };
+        let grids = self.grids[N - 1].as_ref().expect("the number of terms was prepared");
+        let degrees = (self.samples - (2 * N + 1)) as f64;
+        let refined = search::<N, R>(&problem, grids, degrees);
+        let described = describe(&problem, &refined, self.options.normalisation);
+        let largest = refined.point.amplitudes.iter().fold(refined.point.constant.abs(), |a, b| {
+            a.max(b.abs())
+        });
+        let amount = described.scale.abs();
+        if !(amount > 1e-12 * largest) {
+            let place = match self.options.normalisation {
+                Normalisation::Initial => "at the first sample",
+                Normalisation::Asymptotic => "in the limit of long times",
+            };
+            return Err(Error::ZeroScale { place });
+        }
+        Ok(self.report(&projection, &refined, &described))
+    }
+
+    /// Projects a trace, refusing one that cannot be fitted.
+    fn project(&self, values: &[f64]) -> Result<Projection<R>, Error> {
+        let projection = self.basis.project(values);
+        let total = dot(&projection.coordinates, &projection.coordinates) + projection.outside;
+        if !total.is_finite() {
+            return Err(match values.iter().position(|value| !value.is_finite()) {
+                Some(sample) => Error::ValueNotFinite { sample },
+                None => Error::Magnitude,
+            });
+        }
+        if variation(&projection) <= f64::MIN_POSITIVE.max(1e-30 * total) {
+            let constant = values.iter().all(|value| *value == values[0]);
+            return Err(if constant || total > 1e-200 {
+                Error::ConstantSignal
+            } else {
+                Error::Magnitude
+            });
+        }
+        Ok(projection)
+    }
+
+    fn report<const N: usize>(
+        &self,
+        projection: &Projection<R>,
+        refined: &Refined<N, R>,
+        described: &Described<N>,
+    ) -> Fit {
+        let point = &refined.point;
+        let free = usize::from(point.face.constant)
+            + point.face.terms.iter().filter(|free| **free).count()
+            + refined.curvature.directions.count;
+        let degrees = self.samples - free;
+        let variance = point.rss / degrees as f64;
+        let mut covariance = described.covariance;
+        for row in covariance.iter_mut().take(2 + 2 * N) {
+            for value in row.iter_mut().take(2 + 2 * N) {
+                *value *= variance;
+            }
+        }
+        let mut determined = [true; MOST_PARAMETERS];
+        let mut notes = Vec::new();
+        self.notes(refined, described, &mut notes, &mut determined);
+        if described.scale * described.scale < 9.0 * covariance[0][0] {
+            notes.push(Note::ScaleNearZero);
+        }
+        let terms = described.coefficients.into_iter().zip(described.rates);
+        Fit {
+            sum: ExponentialSum {
+                scale: described.scale,
+                constant: described.constant,
+                terms: terms.map(|(coefficient, rate)| Term { coefficient, rate }).collect(),
+            },
+            notes,
+            rss: point.rss,
+            residual_rms: (point.rss / self.samples as f64).sqrt(),
+            noise: variance.sqrt(),
+            r_squared: 1.0 - point.rss / variation(projection),
+            samples: self.samples,
+            free,
+            degrees_of_freedom: degrees,
+            stop: refined.stop,
+            iterations: refined.iterations,
+            covariance,
+            determined,
+        }
+    }
+
+    /// What is held at a bound or not determined, and which parameters lose their standard error.
+    fn notes<const N: usize>(
+        &self,
+        refined: &Refined<N, R>,
+        described: &Described<N>,
+        notes: &mut Vec<Note>,
+        determined: &mut [bool; MOST_PARAMETERS],
+    ) {
+        let point = &refined.point;
+        let curvature = &refined.curvature;
+        let mut undetermined = |parameter: Parameter| {
+            if let Some(place) = parameter.place(N) {
+                determined[place] = false;
+            }
+        };
+        if self.options.normalisation == Normalisation::Asymptotic {
+            undetermined(Parameter::Coefficient(0));
+        }
+        if !point.face.constant {
+            notes.push(Note::ConstantAtZero);
+            undetermined(Parameter::Coefficient(0));
+        }
+        for (k, i) in described.order.into_iter().enumerate() {
+            let term = k + 1;
+            if !point.face.terms[i] {
+                notes.push(Note::Vanishes { term });
+                undetermined(Parameter::Coefficient(term));
+                undetermined(Parameter::Rate(term));
+                continue;
+            }
+            if curvature.directions.of[i].is_none() {
+                let middle = 0.5 * (self.table.lowest + self.table.highest);
+                let slow = point.u[i] < middle;
+                notes.push(if slow { Note::AtSlowest { term } } else { Note::AtFastest { term } });
+                undetermined(Parameter::Rate(term));
+            }
+            // The order is descending: the slower neighbour is next.
+            if i > 0 && point.face.terms[i - 1] && touching(point.u[i - 1], point.u[i]) {
+                notes.push(Note::Coincide { first: term, second: term + 1 });
+                undetermined(Parameter::Coefficient(term));
+                undetermined(Parameter::Coefficient(term + 1));
+            }
+        }
+        if Cholesky::new(&curvature.hessian, curvature.directions.count).is_none() {
+            notes.push(Note::Singular);
+            for i in 1..=N {
+                undetermined(Parameter::Coefficient(i));
+                undetermined(Parameter::Rate(i));
+            }
+        }
+    }
+}
+
+impl<const R: usize> Engine for Core<R> {
+    fn fit(&self, values: &[f64], terms: usize) -> Result<Fit, Error> {
+        match terms {
+            1 => self.fit_terms::<1>(values),
+            2 => self.fit_terms::<2>(values),
+            3 => self.fit_terms::<3>(values),
+            _ => self.fit_terms::<4>(values),
+        }
+    }
+}
+
+/// Sum of squares about the mean.
+fn variation<const R: usize>(projection: &Projection<R>) -> f64 {
+    let rest = &projection.coordinates[1..];
+    rest.iter().map(|value| value * value).sum::<f64>() + projection.outside
+}
+
+/// Signs of the amplitudes of a signal with this mean, up to a positive factor.
+fn signs(options: &Options, mean: f64) -> Signs {
+    let orientation = if mean < 0.0 { -1.0 } else { 1.0 };
+    Signs {
+        terms: orientation * options.sign.number(),
+        constant: match options.normalisation {
+            Normalisation::Initial => orientation * options.constant_sign.number(),
+            Normalisation::Asymptotic => 0.0,
+        },
+    }
+}

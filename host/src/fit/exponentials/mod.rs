@@ -1,0 +1,170 @@
+//! Sums of decaying exponentials: F(t) = N (c0 + Σ c_i e^(−v_i t)), eqs 3.3–3.6, 6.2, appendix A.
+//!
+//! No starting values are asked for, and the minimum found is the global one within the limits of
+//! the rates. [`Prepared::new`] computes once, for given times, what every fit on these times
+//! needs; [`Prepared::fit`] then takes a few microseconds for each trace:
+//!
+//! 1. the trace is projected onto a few orthonormal vectors that span every exponential between
+//!    the limits (`basis`), so that the rest works on some twenty numbers;
+//! 2. all sets of rates of a coarse grid are scored (`grid`);
+//! 3. every promising one is refined by variable projection (`point`, `refine`, `search`), with
+//!    exponentials interpolated in ln v (`table`);
+//! 4. covariance follows in the coordinates N, c_i, v_i (`covariance`).
+//!
+//! Time counts from the first sample: N and c_i describe the signal there.
+
+mod basis;
+mod covariance;
+mod engine;
+mod error;
+mod family;
+mod fit;
+mod grid;
+mod point;
+mod refine;
+mod search;
+mod table;
+mod vector;
+
+pub use error::Error;
+pub use fit::{
+    ExponentialSum, Fit, MOST_TERMS, Normalisation, Note, Options, Parameter, Sign, Term,
+};
+pub use refine::Stop;
+
+use engine::{Core, Engine};
+use family::Family;
+use std::sync::Arc;
+
+/// Duration times the slowest rate fitted by default.
+const SLOWEST: f64 = 0.02;
+/// Sample whose time is the shortest time constant fitted by default.
+const FASTEST: usize = 5;
+
+/// Everything a fit needs to know of the times, weights and options, computed once. Cheap to
+/// clone, and shared between threads.
+#[derive(Clone, Debug)]
+pub struct Prepared {
+    engine: Arc<dyn Engine>,
+    samples: usize,
+    terms: usize,
+    limits: (f64, f64),
+}
+
+impl Prepared {
+    /// Prepares fits on these times (s, strictly increasing, not necessarily uniform), all
+    /// samples weighing the same.
+    ///
+    /// # Errors
+    /// When the times, the limits of the rates or the number of terms cannot be used.
+    pub fn new(times: &[f64], options: &Options) -> Result<Self, Error> {
+        Self::prepare(times, &[], options, options.terms..=options.terms)
+    }
+
+    /// Prepares fits that weigh the square of each sample's residual; only the proportions of
+    /// the weights count, and 0 leaves a sample out. For noise of known spread the best weight
+    /// is the reciprocal of its variance.
+    ///
+    /// # Errors
+    /// As [`Self::new`], and when a weight is negative or not finite.
+    pub fn weighted(times: &[f64], weights: &[f64], options: &Options) -> Result<Self, Error> {
+        if weights.len() != times.len() {
+            return Err(Error::Lengths { times: times.len(), other: weights.len(), what: "weights" });
+        }
+        Self::prepare(times, weights, options, options.terms..=options.terms)
+    }
+
+    fn prepare(
+        times: &[f64],
+        weights: &[f64],
+        options: &Options,
+        terms: std::ops::RangeInclusive<usize>,
+    ) -> Result<Self, Error> {
+        let most = *terms.end();
+        if *terms.start() < 1 || most > MOST_TERMS {
+            return Err(Error::Terms { terms: if most > MOST_TERMS { most } else { *terms.start() } });
+        }
+        check_times(times)?;
+        let roots = roots(weights)?;
+        let samples = match roots.len() {
+            0 => times.len(),
+            _ => roots.iter().filter(|root| **root > 0.0).count(),
+        };
+        let needed = 2 * most + 2;
+        if samples < needed {
+            return Err(Error::TooFewSamples { samples, terms: most, needed });
+        }
+        let duration = times[times.len() - 1] - times[0];
+        let slowest = options.slowest.unwrap_or(SLOWEST / duration);
+        let fastest = options
+            .fastest
+            .unwrap_or_else(|| 1.0 / (times[FASTEST.min(times.len() - 1)] - times[0]));
+        if !(slowest > 0.0 && fastest >= 1.01 * slowest && fastest < f64::INFINITY) {
+            return Err(Error::RateLimits { slowest, fastest });
+        }
+        let since = times.iter().map(|time| time - times[0]).collect();
+        let family = Family::new(since, slowest, fastest);
+        Ok(Self {
+            engine: engine(&family, &roots, &terms, options)
+                .ok_or(Error::TooWide { slowest, fastest })?,
+            samples: times.len(),
+            terms: options.terms,
+            limits: (slowest, fastest),
+        })
+    }
+
+    /// Fits one trace sampled at the prepared times.
+    ///
+    /// # Errors
+    /// When a value is not finite, the signal is constant, its length differs from the times', or
+    /// it vanishes where it is normalised.
+    pub fn fit(&self, values: &[f64]) -> Result<Fit, Error> {
+        if values.len() != self.samples {
+            return Err(Error::Lengths { times: self.samples, other: values.len(), what: "values" });
+        }
+        self.engine.fit(values, self.terms)
+    }
+
+    /// Slowest and fastest rate that a fit can return, 1/s.
+    #[must_use]
+    pub fn rate_limits(&self) -> (f64, f64) {
+        self.limits
+    }
+}
+
+/// The smallest engine that spans the family.
+fn engine(
+    family: &Family,
+    roots: &[f64],
+    terms: &std::ops::RangeInclusive<usize>,
+    options: &Options,
+) -> Option<Arc<dyn Engine>> {
+    if let Ok(core) = Core::<24>::new(family, roots.to_vec(), terms.clone(), options) {
+        return Some(Arc::new(core));
+    }
+    let core = Core::<64>::new(family, roots.to_vec(), terms.clone(), options).ok()?;
+    Some(Arc::new(core))
+}
+
+fn check_times(times: &[f64]) -> Result<(), Error> {
+    if let Some(sample) = times.iter().position(|time| !time.is_finite()) {
+        return Err(Error::TimeNotFinite { sample });
+    }
+    // `!(a < b)` would also do, but no time is NaN any more.
+    match times.windows(2).position(|pair| pair[1] <= pair[0]) {
+        Some(before) => Err(Error::TimeNotIncreasing { sample: before + 1 }),
+        None => Ok(()),
+    }
+}
+
+/// Roots of the weights, scaled to a mean weight of 1 over the samples that count.
+fn roots(weights: &[f64]) -> Result<Vec<f64>, Error> {
+    if let Some(sample) = weights.iter().position(|weight| !(*weight >= 0.0 && weight.is_finite()))
+    {
+        return Err(Error::Weight { sample });
+    }
+    let largest = weights.iter().fold(0.0, |a: f64, b| a.max(*b));
+    let counted = weights.iter().filter(|weight| **weight > 0.0).count() as f64;
+    let mean = weights.iter().map(|weight| weight / largest).sum::<f64>() / counted;
+    Ok(weights.iter().map(|weight| (weight / largest / mean).sqrt()).collect())
+}
