@@ -12,9 +12,11 @@
 #![forbid(unsafe_code)]
 
 pub mod cli;
+//pub mod decomposition;
 pub mod dissertation;
 pub mod files;
 pub mod fit;
 pub mod model;
 pub mod report;
+pub mod summary;
 pub mod trace;

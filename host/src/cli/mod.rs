@@ -4,12 +4,12 @@
 //! work failed, 2 when the input or the call was wrong.
 
 mod completions;
-mod decompose;
-mod demo;
+//mod decompose;
+//mod demo;
 mod fit;
-mod import;
+//mod import;
 mod output;
-mod plan;
+//mod plan;
 mod plot;
 mod progress;
 mod simulate;
@@ -43,19 +43,19 @@ Examples:
 #[derive(Subcommand)]
 enum Command {
     /// Replay a bundled press through the device's filter, fit it, write a report
-    Demo(demo::Args),
+    //Demo(demo::Args),
     /// Split signals into fast (FA) and slow adapting (SA) parts, and mark the regions of the grasp
-    Decompose(decompose::Args),
+    //Decompose(decompose::Args),
     /// Fit a contact model
     Fit(fit::Args),
     /// Predict the force of a motion
     Simulate(simulate::Args),
     /// Turn a foreign recording into a trace
-    Import(import::Args),
+    //Import(import::Args),
     /// Draw traces
     Plot(plot::Args),
     /// How long and how fast to record for a wanted precision
-    Plan(plan::Args),
+    //Plan(plan::Args),
     /// Print completions for a shell
     Completions(completions::Args),
 }
@@ -92,13 +92,13 @@ pub fn run() -> ExitCode {
     let arguments = Arguments::parse();
     start_log(arguments.verbose);
     let outcome = match &arguments.command {
-        Command::Demo(args) => demo::run(args),
-        Command::Decompose(args) => decompose::run(args),
+        //Command::Demo(args) => demo::run(args),
+        //Command::Decompose(args) => decompose::run(args),
         Command::Fit(args) => fit::run(args),
         Command::Simulate(args) => simulate::run(args),
-        Command::Import(args) => import::run(args),
+        //Command::Import(args) => import::run(args),
         Command::Plot(args) => plot::run(args),
-        Command::Plan(args) => plan::run(args),
+        //Command::Plan(args) => plan::run(args),
         Command::Completions(args) => completions::run::<Arguments>(args),
     };
     match outcome {

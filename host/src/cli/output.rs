@@ -5,9 +5,7 @@ use std::path::Path;
 
 use super::Failure;
 use crate::files::write_whole;
-use crate::report::page::{Block, Origin, Page, Section};
-use crate::report::terminal::Terminal;
-use crate::report::Callout;
+use crate::report::{Block, Callout, Origin, Page, Section, Terminal};
 
 /// How a subcommand gives its result.
 #[derive(Clone, Debug, Default, clap::Args)]

@@ -1,7 +1,7 @@
 //! Measurements as a fit takes them: motions with the signal that answered.
 
 use crate::model::{Motion, MotionError};
-use crate::trace::Trace;
+use crate::trace::{SignalError, Trace, runs};
 
 /// One stretch of recording without a gap, with its motion.
 #[derive(Clone, Debug)]
@@ -31,10 +31,8 @@ pub struct Data {
 pub enum DataError {
     #[error(transparent)]
     Motion(#[from] MotionError),
-    #[error("{trace} has no column {signal} (it has {columns})")]
-    NoSignal { trace: String, signal: String, columns: String },
-    #[error("{trace}: {signal} is {value} throughout: nothing to fit")]
-    Constant { trace: String, signal: String, value: f64 },
+    #[error(transparent)]
+    Signal(#[from] SignalError),
     #[error("{trace} never reaches the specimen: its displacement stays at or below 0")]
     NoContact { trace: String },
     #[error("{samples} samples for {parameters} parameters: record more, or fit fewer terms")]
@@ -61,7 +59,7 @@ impl Data {
             left_out: Vec::new(),
         };
         for (index, (trace, motion)) in traces.iter().zip(motions).enumerate() {
-            let measured = column(trace, signal)?;
+            let measured = trace.changing(signal)?;
             if motion.largest_compression() <= 0.0 {
                 return Err(DataError::NoContact { trace: trace.label() });
             }
@@ -71,7 +69,7 @@ impl Data {
     }
 
     fn add(&mut self, index: usize, trace: &Trace, motion: &Motion, measured: &[f64]) {
-        for (number, run) in trace.runs().into_iter().enumerate() {
+        for (number, run) in runs(&trace.time).into_iter().enumerate() {
             let displacement = motion.displacement[run.clone()].to_vec();
             if number > 0 && displacement[0] > 0.0 {
                 self.left_out.push(format!(
@@ -120,23 +118,5 @@ impl Data {
             piece.motion.time.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min)
         };
         self.pieces.iter().map(intervals).fold(f64::INFINITY, f64::min)
-    }
-}
-
-/// The column of a trace that is to be fitted.
-///
-/// # Errors
-/// When there is none of that name, or it is constant.
-pub fn column<'a>(trace: &'a Trace, signal: &str) -> Result<&'a [f64], DataError> {
-    let values = trace.column(signal).ok_or_else(|| DataError::NoSignal {
-        trace: trace.label(),
-        signal: signal.into(),
-        columns: trace.columns.iter().map(|c| c.name.as_str()).collect::<Vec<_>>().join(", "),
-    })?;
-    match values.split_first() {
-        Some((&first, rest)) if rest.iter().all(|&value| value == first) => {
-            Err(DataError::Constant { trace: trace.label(), signal: signal.into(), value: first })
-        }
-        _ => Ok(values),
     }
 }

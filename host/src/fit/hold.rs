@@ -98,7 +98,7 @@ fn fit_hold(
             let prepared = Prepared::new(time, &options).map_err(failed)?;
             (prepared.fit(values).map_err(failed)?, Vec::new())
         }
-        Terms::Auto => choose(time, values, &options).map_err(failed)?,
+        Terms::Auto => panic!(),
     };
     let relaxation = direction(&fit).unwrap_or(trend);
     let displacement = trace.column(DISPLACEMENT).map(|x| mean(&x[range.clone()]));

@@ -6,8 +6,7 @@ use super::{estimate, name_of, unit_of};
 use crate::fit::exponentials::{Fit, Parameter};
 use crate::fit::hold::{HoldFit, Spread, spreads};
 use crate::report::number::significant;
-use crate::report::table::{Column, Table};
-use crate::report::{Axis, Callout, Plot, Section, Series};
+use crate::report::{Axis, Callout, Column, Plot, Section, Series, Table};
 use crate::trace::Trace;
 
 /// Most holds that a report draws one by one.

@@ -5,7 +5,7 @@ mod recording;
 mod whole_motion;
 
 pub use holds::{hold_json, hold_sections};
-pub use recording::{decomposition_sections, overview, region_spans, trace_panels};
+pub use recording::{loops, overview, trace_panels};
 pub use whole_motion::FitSummary;
 
 use crate::report::number::{significant, with_error};

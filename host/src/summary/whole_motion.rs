@@ -8,9 +8,8 @@ use crate::fit::warning::warnings;
 use crate::fit::whole_motion::MotionFit;
 use crate::model::{FitRecord, Fung, Model, Rung};
 use crate::report::number::significant;
-use crate::report::table::{Column, Table};
-use crate::report::{Axis, Block, Callout, Panels, Plot, Section, Series};
-use crate::trace::{Noise, NoiseSource};
+use crate::report::{Axis, Block, Callout, Column, Panels, Plot, Section, Series, Table};
+use crate::trace::{Noise, Source};
 
 /// Most traces that a report draws one by one.
 const MOST_DRAWN: usize = 12;
@@ -211,9 +210,9 @@ impl FitSummary<'_> {
         if let Some(noise) = &self.noise {
             let floor = significant(noise.standard_deviation, 4);
             let source = match noise.source {
-                NoiseSource::BeforeTouch => "the rest before the touch",
-                NoiseSource::Holds => "second differences in the holds",
-                NoiseSource::WholeTrace => "second differences of the whole trace",
+                Source::BeforeTouch => "the rest before the touch",
+                Source::Holds => "second differences in the holds",
+                Source::WholeTrace => "second differences of the whole trace",
             };
             table = table
                 .row(["noise floor", &floor, unit])

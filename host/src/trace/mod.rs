@@ -9,6 +9,7 @@ mod head;
 mod holds;
 mod names;
 mod noise;
+mod pooled_noise;
 mod read;
 mod sampling;
 mod scatter;
@@ -21,6 +22,7 @@ pub use gaps::{Gap, gaps, runs};
 pub use head::{Control, Head, Setup, Shape, Specimen};
 pub use holds::{Kind, Segment, holds, segments};
 pub use noise::{Noise, Source, force_noise, noise};
+pub use pooled_noise::pooled_noise;
 pub use read::{SIZE_LIMIT, parse, read};
 pub use sampling::{Sampling, sampling};
 pub use set::read_set;
@@ -81,6 +83,14 @@ impl Trace {
     #[must_use]
     pub fn force(&self) -> Option<&[f64]> {
         self.column(FORCE)
+    }
+
+    /// The values of a column that is there and changes.
+    ///
+    /// # Errors
+    /// [`SignalError::NoColumn`], [`SignalError::Constant`].
+    pub fn changing(&self, name: &str) -> Result<&[f64], SignalError> {
+        holds::changing(self, name)
     }
 
     /// Names of the gauge columns this trace has, in order.

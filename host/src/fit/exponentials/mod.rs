@@ -25,6 +25,7 @@ mod refine;
 mod search;
 mod table;
 mod vector;
+mod words;
 
 pub use error::Error;
 pub use fit::{

@@ -1,0 +1,74 @@
+//! `palpate plot`.
+
+use std::path::{Path, PathBuf};
+
+use super::Failure;
+use super::output::{print, terminal, write_file, write_report};
+use crate::report::{Figure, Section};
+use crate::summary::{loops, overview, trace_panels};
+use crate::trace::{Trace, read_set};
+
+/// Draw traces.
+#[derive(clap::Args)]
+#[command(after_help = "\
+Examples:
+  palpate plot press.csv                    writes press.html
+  palpate plot press.csv -o press.svg       one figure, for a document
+  palpate plot traces/ -o all.html          every trace, and the loops of force over displacement")]
+pub struct Args {
+    /// Traces, or folders of traces
+    #[arg(required = true, value_name = "TRACE")]
+    traces: Vec<PathBuf>,
+    /// Where to draw: .html for any number of traces, .svg for one
+    #[arg(short, long, value_name = "FILE.html|FILE.svg")]
+    output: Option<PathBuf>,
+}
+
+/// Draws the traces and prints what they hold.
+pub fn run(args: &Args) -> Result<(), Failure> {
+    let traces = read_set(&args.traces).map_err(Failure::input)?;
+    let path = args.output.clone().unwrap_or_else(|| default_path(&traces));
+    match path.extension().and_then(|extension| extension.to_str()) {
+        Some("svg") => svg(&path, &traces)?,
+        Some("html") => html(&path, &traces)?,
+        _ => {
+            return Err(Failure::Input(miette::miette!(
+                "{}: the name must end in .html or .svg",
+                path.display()
+            )));
+        }
+    }
+    print(&terminal().table(&overview(&traces)))
+}
+
+/// The first trace's name with .html, in this folder.
+fn default_path(traces: &[Trace]) -> PathBuf {
+    let label = traces.first().map_or("traces".into(), Trace::label);
+    PathBuf::from(label).with_extension("html")
+}
+
+fn svg(path: &Path, traces: &[Trace]) -> Result<(), Failure> {
+    let [trace] = traces else {
+        return Err(Failure::Input(miette::miette!(
+            "an SVG holds one trace, {} were named: write an .html, or name one",
+            traces.len()
+        )));
+    };
+    write_file(path, Figure::from(trace_panels(trace)).to_svg().as_bytes())?;
+    eprintln!("drawn: {}", path.display());
+    Ok(())
+}
+
+fn html(path: &Path, traces: &[Trace]) -> Result<(), Failure> {
+    let mut section = Section::new("Traces").table(overview(traces));
+    for trace in traces {
+        let caption = trace.head.name.clone().unwrap_or_default();
+        section = section.figure(trace_panels(trace), caption);
+    }
+    let mut sections = vec![section];
+    if let Some(plot) = loops(traces) {
+        sections.push(Section::new("Loops").figure(plot, ""));
+    }
+    let names = traces.iter().map(Trace::label).collect();
+    write_report(path, "Recordings", "as they are", names, sections)
+}
