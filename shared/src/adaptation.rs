@@ -18,16 +18,18 @@
 //! scale and the equilibrium c0 u = s − y1 − y2 within full scale, because it is a moving average of `s`.
 //!
 //! # Fixed point
-//! A memory is an `i32` in 2^-6 LSB and a remainder of 31 bits below it: what one sample's increment leaves over is carried
-//! to the next (error feedback). So the multiplications are 32 × 32 → 64 bits, and nothing stalls however slow the signal.
-//! The memory is rounded by at most 2^-7 LSB when it is multiplied and again when it is put out; since the weights with
-//! which the equilibrium remembers that rounding are positive and sum to one, the equilibrium is off by at most 2^-5 LSB
-//! before its own rounding, and the elastic input by 1/(32 c0) ≤ 1 LSB. [`MIN_C0`] is chosen for this.
+//! A memory is an `i64` in 2^-37 LSB. Only its upper part, an `i32` in 2^-7 LSB, is multiplied, so every product is one of
+//! 32 × 32 → 64 bits; what lies below stays in the memory and is carried to the next sample (error feedback), so nothing
+//! stalls however slow the signal. The multiplied part is off by at most 2^-8 LSB. The weights with which the equilibrium
+//! remembers this are positive and sum to one, so the two memories move it by at most 2^-7 LSB; putting it out in 2^-6 LSB
+//! adds at most 6 × 2^-8. Divided by c0 ≥ [`MIN_C0`] this is at most 1 LSB of the elastic input, and rounding to whole LSB
+//! and the last bit of k_i and 1/c0 add less than 0.8.
 
 use core::fmt;
 
 use crate::fixed::{
-    Coefficient, STRAIN_MAX, STRAIN_MIN, product, product_high, round_shift, round_to_i32,
+    Coefficient, STRAIN_MAX, STRAIN_MIN, fraction_31, product, product_high, round_shift,
+    saturate_to_24_bits,
 };
 
 /// Smallest equilibrium share c0: |u| ≤ full scale / c0 then fits, and its error stays below 2 LSB.
@@ -36,13 +38,17 @@ pub const MIN_C0: f64 = 1.0 / 32.0;
 /// Shortest interval as a part of a time constant: below it the step drowns in the last bits of the coefficients.
 pub const MIN_INTERVAL_PER_TIME_CONSTANT: f64 = 1.0 / (1_u32 << 24) as f64;
 
-/// Fractional bits of a memory, in LSB.
-const MEMORY_FRACTION_BITS: u32 = 6;
-/// Bits of the remainder below a memory.
-const REMAINDER_BITS: u32 = 31;
+/// Fractional bits of a memory.
+const MEMORY_FRACTION_BITS: u32 = 37;
+/// A memory's upper part, the one that is multiplied, has 7 fractional bits.
+const BELOW_MULTIPLIED: u32 = 30;
+/// The equilibrium is put out from memories of 6 fractional bits: whole, it has two bits to spare.
+const BELOW_EQUILIBRIUM: u32 = 31;
 /// Memories are held within ±2^24 LSB, twice full scale.
-const MEMORY_MAX: i32 = (1 << 30) - 1;
-const MEMORY_MIN: i32 = -(1 << 30);
+const MEMORY_MAX: i64 = (1 << 61) - 1;
+const MEMORY_MIN: i64 = -(1 << 61);
+/// A memory of zero: half a unit of the multiplied part, so that cutting off what lies below rounds to nearest.
+const NO_MEMORY: i64 = 1 << (BELOW_MULTIPLIED - 1);
 
 /// The relaxation function g(t) = c0 + c1 e^(−v1 t) + c2 e^(−v2 t), eq. 3.4; c0 = 1 − c1 − c2.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -164,8 +170,7 @@ impl Config {
     /// use shared::adaptation::{Config, Relaxation, State};
     /// let sushi = Relaxation { c1: 0.2472, v1: 3.981, c2: 0.2676, v2: 0.5325 }; // eq. 3.6
     /// let config = Config::new(&sushi, 1.0 / 200.0)?;
-    /// let mut state = State::new();
-    /// state.step(&config, 0);
+    /// let mut state = State::at_rest(0);
     /// let touched = state.step(&config, 100_000);
     /// assert_eq!(touched.fa + touched.sa(), 100_000);
     /// assert!(touched.latent() > 0); // the force will decay: Type I
@@ -197,10 +202,6 @@ impl Row {
             change: fraction_31(k),
         }
     }
-}
-
-fn fraction_31(value: f64) -> i32 {
-    round_to_i32(value * 2_147_483_648.0)
 }
 
 fn validate(relaxation: &Relaxation, interval_s: f64) -> Result<(), ConfigError> {
@@ -257,103 +258,106 @@ impl Output {
 }
 
 /// What one channel remembers between samples.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct State {
-    fast: Memory,
-    slow: Memory,
-    previous: Option<i32>,
+    fast: i64,
+    slow: i64,
+    signal: i32,
     saturations: u32,
 }
 
-/// A memory y_i: `value` in 2^-6 LSB, already rounded, and what it was rounded by.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Memory {
-    value: i32,
-    /// 0 … 2^31 − 1 in 2^-37 LSB; the exact memory is value × 2^-6 + (remainder − 2^30) × 2^-37.
-    remainder: i32,
-}
-
-impl Default for Memory {
-    fn default() -> Self {
-        Self { value: 0, remainder: 1 << (REMAINDER_BITS - 1) }
-    }
-}
-
 impl State {
-    /// A channel that has seen nothing. Its first sample is taken as settled: equilibrium at that sample, no memory.
+    /// A channel that has long been settled at `signal` (LSB): no memory, equilibrium at the signal. Start a recording with
+    /// its first sample.
     #[must_use]
-    pub fn new() -> Self {
-        Self::default()
+    pub const fn at_rest(signal: i32) -> Self {
+        let signal = saturate_to_24_bits(signal as i64);
+        Self { fast: NO_MEMORY, slow: NO_MEMORY, signal, saturations: 0 }
     }
 
-    /// Takes the next sample (LSB of strain; saturated to 24 bits, and counted if it had to be).
+    /// Takes the next sample (LSB of strain), one interval of `config` after the last. A sample beyond 24 bits is saturated
+    /// and counted.
+    #[inline]
     pub fn step(&mut self, config: &Config, signal: i32) -> Output {
-        let clamped = signal.clamp(STRAIN_MIN, STRAIN_MAX);
-        self.count(clamped != signal);
-        let signal = clamped;
-        // At most 25 bits and six zeros: fits.
-        let change = signal.wrapping_sub(self.previous.unwrap_or(signal)) << MEMORY_FRACTION_BITS;
-        self.previous = Some(signal);
+        let signal = self.admit(signal);
+        // 25 bits and six zeros: fits.
+        let change = signal.wrapping_sub(self.signal) << 6;
+        self.signal = signal;
 
-        let (fast, slow) = (self.fast.value, self.slow.value);
-        let saturated = self.fast.advance(&config.fast, change, slow)
-            | self.slow.advance(&config.slow, change, fast);
-        self.count(saturated);
+        let (fast, slow) = (multiplied(self.fast), multiplied(self.slow));
+        self.fast = config.fast.advance(self.fast, fast, slow, change);
+        self.slow = config.slow.advance(self.slow, slow, fast, change);
+        if overflows(self.fast) | overflows(self.slow) {
+            self.saturate_memories();
+        }
 
-        let (fast, slow) = (self.fast.value, self.slow.value);
-        let equilibrium =
-            (signal << MEMORY_FRACTION_BITS).saturating_sub(fast).saturating_sub(slow);
+        let equilibrium = (signal << 6)
+            .saturating_sub((self.fast >> BELOW_EQUILIBRIUM) as i32)
+            .saturating_sub((self.slow >> BELOW_EQUILIBRIUM) as i32);
         Output {
             signal,
-            fa: round_memory(fast),
-            equilibrium: round_memory(equilibrium),
-            // 2^-6 LSB × 2^-31, times the 32 taken out of 1/c0: 32 fractional bits.
+            fa: round_shift(self.fast, MEMORY_FRACTION_BITS) as i32,
+            equilibrium: round_shift(i64::from(equilibrium), 6) as i32,
+            // 6 + 31 fractional bits, and 1/c0 is 32 times its coefficient.
             elastic: round_shift(product(equilibrium, config.inverse_c0), 32) as i32,
         }
     }
 
     /// Declares that the last sample now reads `signal`, as after a tare: the memories stay, the equilibrium moves along,
-    /// and the next sample is not taken for a step. Without effect before the first sample.
-    pub fn rebase(&mut self, signal: i32) {
-        if self.previous.is_some() {
-            self.previous = Some(signal.clamp(STRAIN_MIN, STRAIN_MAX));
-        }
+    /// and the next sample is not taken for a step.
+    pub const fn rebase(&mut self, signal: i32) {
+        self.signal = saturate_to_24_bits(signal as i64);
     }
 
-    /// How often a sample or a memory had to be saturated; stops at the largest `u32`.
+    /// How many samples had to be saturated, on the way in or inside; stops at the largest `u32`.
     #[must_use]
     pub const fn saturations(&self) -> u32 {
         self.saturations
     }
 
-    fn count(&mut self, saturated: bool) {
-        self.saturations = self.saturations.saturating_add(u32::from(saturated));
+    #[inline]
+    fn admit(&mut self, signal: i32) -> i32 {
+        if (STRAIN_MIN..=STRAIN_MAX).contains(&signal) {
+            return signal;
+        }
+        self.saturations = self.saturations.saturating_add(1);
+        signal.clamp(STRAIN_MIN, STRAIN_MAX)
+    }
+
+    /// Only an exchange of shares or rates can bring a memory here.
+    #[cold]
+    fn saturate_memories(&mut self) {
+        self.saturations = self.saturations.saturating_add(1);
+        self.fast = self.fast.clamp(MEMORY_MIN, MEMORY_MAX);
+        self.slow = self.slow.clamp(MEMORY_MIN, MEMORY_MAX);
     }
 }
 
-impl Memory {
-    /// Adds one sample's increment; true if the memory had to be saturated, which only a change of configuration can cause.
+impl Row {
+    /// The memory one sample later; `own` and `other` are the multiplied parts of both memories.
     ///
-    /// Ranges: |change| and |memories| ≤ 2^30, and the coefficients of a row sum to less than 2, so the increment stays
-    /// below 2^62 and its upper part below 2^31; the three low products stay below 2^30 each.
-    fn advance(&mut self, row: &Row, change: i32, other: i32) -> bool {
-        let low =
-            product_high(self.value, row.own.low).wrapping_add(product_high(other, row.other.low));
-        let increment = i64::from(self.remainder)
+    /// Memories are within 2^61, `own` and `other` within 2^31, `change` within 2^30, and the coefficients sum to less than
+    /// three, so the result stays within 2^63.
+    #[inline]
+    fn advance(&self, memory: i64, own: i32, other: i32, change: i32) -> i64 {
+        let low = product_high(own, self.own.low).wrapping_add(product_high(other, self.other.low));
+        memory
             .wrapping_add(i64::from(low))
-            .wrapping_add(product(change, row.change))
-            .wrapping_add(product(self.value, row.own.high))
-            .wrapping_add(product(other, row.other.high));
-        let wanted = self.value.saturating_add((increment >> REMAINDER_BITS) as i32);
-        self.value = wanted.clamp(MEMORY_MIN, MEMORY_MAX);
-        self.remainder = increment as i32 & i32::MAX;
-        self.value != wanted
+            .wrapping_add(product(change, self.change))
+            .wrapping_add(product(own, self.own.high))
+            .wrapping_add(product(other, self.other.high))
     }
 }
 
-/// LSB of a number in 2^-6 LSB, rounded.
-const fn round_memory(value: i32) -> i32 {
-    round_shift(value as i64, MEMORY_FRACTION_BITS) as i32
+#[inline]
+const fn multiplied(memory: i64) -> i32 {
+    (memory >> BELOW_MULTIPLIED) as i32
+}
+
+/// Whether a memory left ±2^61; looks at the upper word only.
+#[inline]
+const fn overflows(memory: i64) -> bool {
+    ((memory >> 32) as i32).wrapping_add(1 << 29) as u32 >= 1 << 30
 }
 
 #[cfg(test)]
@@ -368,40 +372,34 @@ mod tests {
     }
 
     #[test]
-    fn the_first_sample_is_taken_as_settled() {
-        let first = State::new().step(&at_200_hz(), 123_456);
+    fn a_channel_at_rest_has_no_memory() {
+        let first = State::at_rest(123_456).step(&at_200_hz(), 123_456);
         assert_eq!((first.fa, first.latent()), (0, 0));
         assert_eq!(first.elastic, libm::round(123_456.0 / SUSHI.c0()) as i32);
     }
 
     #[test]
     fn a_press_relaxes_to_c0_of_its_elastic_input_and_a_partial_release_is_type_two() {
-        // The signal of eq. 3.6 for a step of the elastic input to 1,000,000, then down to 600,000 after 20 s.
-        let g = |t: f64| {
-            SUSHI.c0() + SUSHI.c1 * libm::exp(-SUSHI.v1 * t) + SUSHI.c2 * libm::exp(-SUSHI.v2 * t)
+        // Eq. 3.6 after a ramp of the elastic input to 1,000,000 within one sample, and down to 600,000 after 20 s.
+        let response = |t: f64| {
+            let term =
+                |c: f64, v: f64| c * -libm::expm1(-v * 0.005) / (v * 0.005) * libm::exp(-v * t);
+            SUSHI.c0() + term(SUSHI.c1, SUSHI.v1) + term(SUSHI.c2, SUSHI.v2)
         };
         let config = at_200_hz();
-        let mut state = State::new();
-        state.step(&config, 0);
+        let mut state = State::at_rest(0);
         for i in 0..8_000 {
-            // A ramp over one interval is what the filter takes a jump for; g follows from its end on.
             let t = f64::from(i) * 0.005;
-            let b = |v: f64| -libm::expm1(-v * 0.005) / (v * 0.005);
-            let ramp = |t: f64| {
-                SUSHI.c0()
-                    + SUSHI.c1 * b(SUSHI.v1) * libm::exp(-SUSHI.v1 * t)
-                    + SUSHI.c2 * b(SUSHI.v2) * libm::exp(-SUSHI.v2 * t)
-            };
-            assert!(ramp(t) <= g(t));
-            let s = 1e6 * ramp(t) - if i >= 4_000 { 4e5 * ramp(t - 20.0) } else { 0.0 };
-            let out = state.step(&config, libm::round(s) as i32);
-            let u = if i >= 4_000 { 600_000 } else { 1_000_000 };
+            let released = i >= 4_000;
+            let force = 1e6 * response(t) - if released { 4e5 * response(t - 20.0) } else { 0.0 };
+            let out = state.step(&config, libm::round(force) as i32);
+            let u = if released { 600_000 } else { 1_000_000 };
             assert!((out.elastic - u).abs() <= 3, "sample {i}: {} for {u}", out.elastic);
-            if (4_000..4_100).contains(&i) {
-                assert!(out.latent() < 0, "held after a partial release the force must recover");
-            }
             if i < 1_000 {
                 assert!(out.latent() > 0, "held after a press the force must decay");
+            }
+            if (4_000..4_100).contains(&i) {
+                assert!(out.latent() < 0, "held after a partial release the force must recover");
             }
         }
     }
@@ -432,7 +430,7 @@ mod tests {
 
     #[test]
     fn a_signal_beyond_24_bits_is_saturated_and_counted() {
-        let mut state = State::new();
+        let mut state = State::at_rest(0);
         let out = state.step(&at_200_hz(), i32::MAX);
         assert_eq!(out.signal, STRAIN_MAX);
         state.step(&at_200_hz(), i32::MIN);
@@ -442,8 +440,7 @@ mod tests {
     #[test]
     fn a_tare_moves_the_equilibrium_and_nothing_else() {
         let config = at_200_hz();
-        let mut state = State::new();
-        state.step(&config, 0);
+        let mut state = State::at_rest(0);
         let before = state.step(&config, 50_000);
         let mut tared = state;
         tared.rebase(1_000);
@@ -470,7 +467,7 @@ mod tests {
             configs in prop::collection::vec(any_config(), 1..5),
             samples in prop::collection::vec((any::<i32>(), 0_usize..5), 1..200),
         ) {
-            let mut state = State::new();
+            let mut state = State::at_rest(0);
             for (signal, which) in samples {
                 let out = state.step(&configs[which % configs.len()], signal);
                 prop_assert_eq!(out.fa + out.sa(), signal.clamp(STRAIN_MIN, STRAIN_MAX));
@@ -484,7 +481,7 @@ mod tests {
             config in any_config(),
             samples in prop::collection::vec(STRAIN_MIN..=STRAIN_MAX, 1..500),
         ) {
-            let mut state = State::new();
+            let mut state = State::at_rest(0);
             for signal in samples {
                 let out = state.step(&config, signal);
                 prop_assert!((STRAIN_MIN..=STRAIN_MAX + 1).contains(&out.equilibrium));

@@ -5,8 +5,9 @@
 //! | converter counts | `i32` | 1 count | −2^23 … 2^23 − 1 |
 //! | strain, FA, SA, equilibrium, latent | `i32` | 2^-8 µε, one *LSB* | strain −2^23 … 2^23 − 1 (±32768 µε); FA, SA twice that |
 //! | elastic input | `i32` | 2^-8 µε | ±2^28 |
-//! | filter memory | `i32` + 31 bit remainder | 2^-6 LSB + 2^-37 LSB | ±2^24 LSB |
-//! | coefficient | `i32` × 2^-31 + `i32` × 2^-63 | 2^-63 | −1 … 1 |
+//! | filter memory | `i64` | 2^-37 LSB | ±2^24 LSB |
+//! | coefficient | `i32` × 2^-30 + `i32` × 2^-62 | 2^-62 | −1 … 1 |
+//! | share k_i, 1/(32 c0) | `i32` | 2^-31 | 0 … 1 |
 //! | temperature | `i16` | 2^-8 °C | ±128 °C |
 //! | gap of the latency model | `i64` | 2^-40 µε | ±2^23 µε |
 //! | logarithm to base 2 | `i64` | 2^-44 | ±2^19 |
@@ -82,14 +83,14 @@ pub fn round_to_i32(value: f64) -> i32 {
     libm::round(value) as i32
 }
 
-/// A number in −1 … 1 with 63 fractional bits, in two words so that a product costs two multiplications of 32 bits.
+/// A number in −1 … 1 with 62 fractional bits, in two words so that a product costs two multiplications of 32 bits.
 ///
-/// A rate of one per minute, sampled at 4 kHz, is a coefficient of 4 × 10^-6; the second word gives it 45 significant bits.
+/// A rate of one per minute, sampled at 4 kHz, is a coefficient of 4 × 10^-6; the second word gives it 44 significant bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Coefficient {
-    /// The number rounded to 2^-31.
+    /// The number rounded to 2^-30.
     pub high: i32,
-    /// What rounding left, in 2^-63, signed.
+    /// What rounding left, in 2^-62, signed.
     pub low: i32,
 }
 
@@ -97,12 +98,18 @@ impl Coefficient {
     /// The coefficient nearest to `value`, saturated to −1 … 1.
     #[must_use]
     pub fn from_f64(value: f64) -> Self {
-        let scaled = value * 2_147_483_648.0;
+        let scaled = value.clamp(-1.0, 1.0) * 1_073_741_824.0;
         let high = round_to_i32(scaled);
-        // Exact: the two differ by at most half a unit, or by a saturated one.
+        // The difference is exact and at most half a unit.
         let low = round_to_i32((scaled - f64::from(high)) * 4_294_967_296.0);
         Self { high, low }
     }
+}
+
+/// A number in −1 … 1 with 31 fractional bits, rounded and saturated.
+#[must_use]
+pub fn fraction_31(value: f64) -> i32 {
+    round_to_i32(value * 2_147_483_648.0)
 }
 
 /// The whole 64-bit product of two words; it cannot overflow.
@@ -154,8 +161,8 @@ mod tests {
         fn a_coefficient_keeps_every_bit_of_a_small_number(value in -1.0_f64..1.0, exponent in 0_i32..20) {
             let value = libm::ldexp(value, -exponent);
             let c = Coefficient::from_f64(value);
-            let back = libm::ldexp(f64::from(c.high), -31) + libm::ldexp(f64::from(c.low), -63);
-            prop_assert!((back - value).abs() <= libm::ldexp(1.0, -63));
+            let back = libm::ldexp(f64::from(c.high), -30) + libm::ldexp(f64::from(c.low), -62);
+            prop_assert!((back - value).abs() <= libm::ldexp(1.0, -62));
         }
 
         #[test]
