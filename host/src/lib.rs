@@ -12,7 +12,7 @@
 #![forbid(unsafe_code)]
 
 pub mod cli;
-//pub mod decomposition;
+pub mod decomposition;
 pub mod dissertation;
 pub mod files;
 pub mod fit;

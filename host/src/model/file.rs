@@ -1,9 +1,9 @@
 //! The model file: one TOML file a person can read, edit and compare.
 
-use std::collections::BTreeMap;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 
 use super::{Fung, MAX_TERMS, Separation};
@@ -44,7 +44,7 @@ pub struct Base {
     #[serde(default)]
     pub separation: Separation,
     /// Parameters by name.
-    pub parameters: BTreeMap<String, StoredParameter>,
+    pub parameters: IndexMap<String, StoredParameter>,
 }
 
 /// A parameter in a model file.

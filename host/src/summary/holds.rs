@@ -6,7 +6,7 @@ use super::{estimate, name_of, unit_of};
 use crate::fit::exponentials::{Fit, Parameter};
 use crate::fit::hold::{HoldFit, Spread, spreads};
 use crate::report::number::significant;
-use crate::report::{Axis, Callout, Column, Plot, Section, Series, Table};
+use crate::report::{Axis, Callout, Colour, Column, Plot, Section, Series, Table};
 use crate::trace::Trace;
 
 /// Most holds that a report draws one by one.
@@ -214,8 +214,8 @@ fn plot(hold: &HoldFit, trace: &Trace, signal: &str) -> Plot {
             hold.duration_s,
             hold.fit.r_squared
         ))
-        .series(Series::points("measured", time, measured))
-        .series(Series::line("eq. 3.4", fitted.0, fitted.1))
+        .series(Series::points("measured", time, measured).colour(Colour::MEASURED))
+        .series(Series::line("eq. 3.4", fitted.0, fitted.1).colour(Colour::MODEL).width(1.8))
         .level(settled, "where it settles")
 }
 

@@ -8,7 +8,7 @@ use crate::fit::warning::warnings;
 use crate::fit::whole_motion::MotionFit;
 use crate::model::{FitRecord, Fung, Model, Rung};
 use crate::report::number::significant;
-use crate::report::{Axis, Block, Callout, Column, Panels, Plot, Section, Series, Table};
+use crate::report::{Axis, Block, Callout, Colour, Column, Panels, Plot, Section, Series, Table};
 use crate::trace::{Noise, Source};
 
 /// Most traces that a report draws one by one.
@@ -291,10 +291,10 @@ impl FitSummary<'_> {
         let (name, unit) = (name_of(self.signal), unit_of(self.signal));
         let seconds = || Axis::new("time", "s");
         let overlay = Plot::new("", seconds(), Axis::new(&name, unit))
-            .series(Series::line("measured", time.clone(), measured))
-            .series(Series::line("model", time.clone(), model));
+            .series(Series::line("measured", time.clone(), measured).colour(Colour::MEASURED))
+            .series(Series::line("model", time.clone(), model).colour(Colour::MODEL).width(1.8));
         let mut left = Plot::new("", seconds(), Axis::new("measured − model", unit))
-            .series(Series::line("residual", time, residual))
+            .series(Series::line("residual", time, residual).colour(Colour::RESIDUAL))
             .height(140.0);
         if let Some(noise) = &self.noise {
             left = left
