@@ -1,28 +1,19 @@
 //! What the whole-product tests share: the binary under test and the folders they read.
 
 use std::path::{Path, PathBuf};
-use std::sync::OnceLock;
 
 use assert_cmd::Command;
 
-/// The real `palpate`, built as the tests are.
+/// The `palpate` command: `src/main.rs` here is the same line as that of the product, so that cargo
+/// builds it, fresh and once, for whichever tests are run.
 ///
 /// # Panics
-/// If it does not build.
+/// If the running test cannot find itself.
 #[must_use]
 pub fn palpate() -> Command {
-    static BINARY: OnceLock<PathBuf> = OnceLock::new();
-    let binary = BINARY.get_or_init(|| {
-        escargot::CargoBuild::new()
-            .package("palpate")
-            .bin("palpate")
-            .manifest_path(workspace().join("Cargo.toml"))
-            .current_target()
-            .run()
-            .expect("palpate builds")
-            .path()
-            .to_path_buf()
-    });
+    let test = std::env::current_exe().expect("a test knows where it is");
+    let folder = test.ancestors().nth(2).expect("tests are built in target/PROFILE/deps");
+    let binary = folder.join(format!("palpate-tests{}", std::env::consts::EXE_SUFFIX));
     let mut command = Command::new(binary);
     command.env("NO_COLOR", "1").env_remove("PALPATE_LOG");
     command

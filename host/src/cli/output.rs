@@ -35,16 +35,9 @@ pub fn print_json(value: &serde_json::Value) -> Result<(), Failure> {
 /// What standard output can show.
 pub fn terminal() -> Terminal {
     let shown = io::stdout().is_terminal();
-    let width = match console_width() {
-        Some(width) if shown => width,
-        _ => 100,
-    };
+    let width = console::Term::stdout().size_checked().map_or(100, |(_, width)| width.into());
     let colour = shown && std::env::var_os("NO_COLOR").is_none();
     Terminal { width, unicode: true, colour }
-}
-
-fn console_width() -> Option<usize> {
-    std::env::var("COLUMNS").ok()?.parse().ok()
 }
 
 /// Prints the words and tables of sections; plots are for reports.
