@@ -36,3 +36,4 @@
 
 pub mod adaptation;
 pub mod fixed;
+pub mod latency;
