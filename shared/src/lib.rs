@@ -35,5 +35,7 @@
 )]
 
 pub mod adaptation;
+pub mod calibration;
 pub mod fixed;
+pub mod flags;
 pub mod latency;
