@@ -39,3 +39,4 @@ pub mod calibration;
 pub mod fixed;
 pub mod flags;
 pub mod latency;
+pub mod phase;
