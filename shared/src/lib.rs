@@ -35,4 +35,8 @@
 )]
 
 pub mod adaptation;
+pub mod calibration;
 pub mod fixed;
+pub mod flags;
+pub mod latency;
+pub mod phase;

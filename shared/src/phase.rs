@@ -1,0 +1,396 @@
+//! The six regions of a grasp (section 3.4.1), found while streaming, and the type of relaxation.
+//!
+//! ```text
+//!   signal            B
+//!                    /\C                     O  the motion begins          OA preloading
+//!                   /  ‾‾──____              A  the signal reaches touch   AB loading
+//!                  /           ‾D            B  the signal is highest      BC transition
+//!                A/              \           C  the motion stops           CD relaxation
+//!   ____________O/                \E____F    D  the motion retreats        DE unloading
+//!   rest                                rest E  contact is lost            EF recovery
+//! ```
+//!
+//! Two numbers per sample are enough: the *motion*, which is the displacement where it is known and the filter's elastic
+//! input otherwise (it follows the motion because it has no memory), and the *signal*, strain or force, positive in
+//! compression. A partial release that is then held goes from unloading to relaxation (of Type II), a further press from
+//! relaxation to loading; contact after recovery begins the next grasp.
+//!
+//! A boundary is known only some time after it was passed: the motion must stand for the dwell before it has stopped. So a
+//! region is reported together with how many samples ago it was entered, and a reader with the whole recording puts the
+//! boundary back to where it belongs. Where two boundaries become known at once, they are reported one sample apart.
+//! When the signal is highest at the moment the motion stops, B is C and there is no transition.
+
+use core::fmt;
+
+mod motion;
+
+use motion::{Direction, Motion, Smooth, fine};
+
+/// A region of a grasp, section 3.4.1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Region {
+    /// Before touch and after recovery.
+    Rest,
+    /// OA: the motion has begun, the signal has not reached the touch level.
+    Preloading,
+    /// AB: in contact, the motion advances.
+    Loading,
+    /// BC: the motion still advances but the signal already falls.
+    Transition,
+    /// CD: the motion stands, in contact.
+    Relaxation,
+    /// DE: the motion retreats, in contact.
+    Unloading,
+    /// EF: contact is lost, the material still recovers.
+    Recovery,
+}
+
+/// The two types of relaxation, section 4.2.1, told apart by the sign of the latent part.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RelaxationType {
+    /// Within the dead band of equilibrium.
+    None,
+    /// The signal is above its equilibrium and decays: after loading.
+    TypeI,
+    /// The signal is below its equilibrium and recovers: after a partial unloading.
+    TypeII,
+}
+
+impl RelaxationType {
+    /// From the latent part and a dead band, both in LSB of the signal.
+    #[must_use]
+    pub const fn of(latent: i32, dead_band: i32) -> Self {
+        if latent > dead_band {
+            Self::TypeI
+        } else if latent < dead_band.saturating_neg() {
+            Self::TypeII
+        } else {
+            Self::None
+        }
+    }
+}
+
+/// What tells a boundary from noise. Levels are in LSB of the signal or of the motion, whatever those are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Thresholds {
+    /// Signal at or above which there is contact.
+    pub touch: i32,
+    /// Signal at or below which contact is lost; below `touch` by more than the noise of the smoothed signal.
+    pub release: i32,
+    /// Fall from the highest signal that counts as having passed B; more than the noise of the smoothed signal.
+    pub peak_drop: i32,
+    /// Smallest change of the motion told from its noise after smoothing. A movement is found when it has covered two of
+    /// these, and has stopped when it no longer makes one within the dwell: the slowest motion seen is one step per dwell.
+    pub motion_step: i32,
+    /// Latent part within which the material counts as settled.
+    pub latent_dead_band: i32,
+    /// Time over which motion and signal are averaged, s; rounded to a power of two of samples, at most 2^12.
+    pub smoothing_s: f64,
+    /// Time the motion must stand to have stopped and the latent part be small to have recovered, s.
+    pub dwell_s: f64,
+    /// Recovery ends after this time at the latest, s.
+    pub recovery_limit_s: f64,
+}
+
+/// Why a [`Config`] cannot be made.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ConfigError {
+    /// A level that must be positive is not.
+    Level {
+        /// Name of the threshold.
+        name: &'static str,
+        /// Its value, LSB.
+        value: i32,
+    },
+    /// `release` is not below `touch`.
+    Hysteresis {
+        /// Touch level, LSB.
+        touch: i32,
+        /// Release level, LSB.
+        release: i32,
+    },
+    /// A time is negative, not a number, or longer than 2^30 samples.
+    Time {
+        /// Name of the time.
+        name: &'static str,
+        /// Its value, s.
+        value: f64,
+    },
+    /// The sample interval is not a positive finite number, s.
+    Interval(f64),
+}
+
+impl fmt::Display for ConfigError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::Level { name, value } => write!(f, "{name} = {value} must be positive"),
+            Self::Hysteresis { touch, release } => {
+                write!(f, "release level {release} must be below touch level {touch}")
+            }
+            Self::Time { name, value } => {
+                write!(f, "{name} = {value} s must lie between 0 and 2^30 sample intervals")
+            }
+            Self::Interval(interval) => {
+                write!(f, "sample interval of {interval} s must be positive and finite")
+            }
+        }
+    }
+}
+
+impl core::error::Error for ConfigError {}
+
+/// [`Thresholds`] at one sample interval, as integers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Config {
+    touch: i64,
+    release: i64,
+    peak_drop: i64,
+    motion_step: i64,
+    /// How far the level of a standing motion may creep in one sample.
+    motion_creep: i64,
+    latent_dead_band: i32,
+    smoothing: u32,
+    dwell: u32,
+    recovery_limit: u32,
+}
+
+impl Config {
+    /// Thresholds for samples `interval_s` seconds apart.
+    ///
+    /// # Errors
+    /// [`ConfigError`] names the threshold that is out of range.
+    pub fn new(thresholds: &Thresholds, interval_s: f64) -> Result<Self, ConfigError> {
+        let t = thresholds;
+        if !(interval_s.is_finite() && interval_s > 0.0) {
+            return Err(ConfigError::Interval(interval_s));
+        }
+        for (name, value) in [
+            ("touch", t.touch),
+            ("peak_drop", t.peak_drop),
+            ("motion_step", t.motion_step),
+            ("latent_dead_band", t.latent_dead_band),
+        ] {
+            if value <= 0 {
+                return Err(ConfigError::Level { name, value });
+            }
+        }
+        if t.release >= t.touch {
+            return Err(ConfigError::Hysteresis { touch: t.touch, release: t.release });
+        }
+        let samples = |name, value: f64| {
+            let samples = libm::round(value / interval_s);
+            if (0.0..=1_073_741_824.0).contains(&samples) {
+                Ok(samples as u32)
+            } else {
+                Err(ConfigError::Time { name, value })
+            }
+        };
+        let smoothing = f64::from(samples("smoothing_s", t.smoothing_s)?.max(1));
+        let dwell = samples("dwell_s", t.dwell_s)?.max(1);
+        let motion_step = fine(t.motion_step);
+        Ok(Self {
+            touch: fine(t.touch),
+            release: fine(t.release),
+            peak_drop: fine(t.peak_drop),
+            motion_step,
+            motion_creep: motion_step.checked_div(i64::from(dwell)).unwrap_or(motion_step),
+            latent_dead_band: t.latent_dead_band,
+            smoothing: libm::fmin(libm::round(libm::log2(smoothing)), 12.0) as u32,
+            dwell,
+            recovery_limit: samples("recovery_limit_s", t.recovery_limit_s)?,
+        })
+    }
+
+    /// Samples by which smoothing delays a steady slope.
+    const fn lag(&self) -> u32 {
+        1_u32.wrapping_shl(self.smoothing).wrapping_sub(1)
+    }
+}
+
+/// What is known after a sample.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Phase {
+    /// The region the grasp is in, as far as is known.
+    pub region: Region,
+    /// On the sample at which a region is found: how many samples ago it was entered, 0 for this one.
+    pub entered_samples_ago: Option<u32>,
+    /// Type of relaxation by the latent part of this sample.
+    pub relaxation: RelaxationType,
+}
+
+/// Nothing is remembered as longer ago, so that a wrapping sample number stays unambiguous.
+const LONG_AGO: u32 = 1 << 31;
+
+/// What is remembered of a grasp. Sample numbers count from 0 and wrap.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct State {
+    now: u32,
+    region: Region,
+    /// When the present region was entered.
+    entered_at: u32,
+    smooth_motion: Smooth,
+    smooth_signal: Smooth,
+    motion: Motion,
+    contact: Contact,
+    /// Highest signal since loading began.
+    peak: i64,
+    peak_at: u32,
+    /// First sample of the present run with the latent part in the dead band.
+    settled_since: Option<u32>,
+}
+
+/// Touch with hysteresis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Contact {
+    touching: bool,
+    /// When it was made or lost.
+    since: u32,
+    /// The last sample at or below the release level.
+    below_at: u32,
+}
+
+impl Contact {
+    fn step(&mut self, config: &Config, signal: i64, now: u32) {
+        if signal <= config.release {
+            self.below_at = now;
+        }
+        let changes = if self.touching { signal <= config.release } else { signal >= config.touch };
+        if changes {
+            self.touching = !self.touching;
+            self.since = now;
+        }
+    }
+}
+
+impl State {
+    /// At rest, standing, before the first sample, whose motion and signal are given.
+    #[must_use]
+    pub const fn at_rest(motion: i32, signal: i32) -> Self {
+        Self {
+            now: 0,
+            region: Region::Rest,
+            entered_at: 0,
+            smooth_motion: Smooth::at(motion),
+            smooth_signal: Smooth::at(signal),
+            motion: Motion::still_at(fine(motion), 0),
+            contact: Contact { touching: false, since: 0, below_at: 0 },
+            peak: fine(signal),
+            peak_at: 0,
+            settled_since: None,
+        }
+    }
+
+    /// Takes one sample: motion and signal in the units of the thresholds, and the filter's latent part.
+    pub fn step(&mut self, config: &Config, motion: i32, signal: i32, latent: i32) -> Phase {
+        self.now = self.now.wrapping_add(1);
+        if self.ago(self.entered_at) > LONG_AGO {
+            self.entered_at = self.now.wrapping_sub(LONG_AGO);
+        }
+        let level = self.smooth_motion.step(motion, config.smoothing);
+        self.motion.step(config, level, self.now);
+        let signal = self.smooth_signal.step(signal, config.smoothing);
+        self.contact.step(config, signal, self.now);
+
+        let relaxation = RelaxationType::of(latent, config.latent_dead_band);
+        self.settled_since = match relaxation {
+            RelaxationType::None => Some(self.settled_since.unwrap_or(self.now)),
+            _ => None,
+        };
+        let entered_samples_ago = self.next(config, signal).map(|(region, since)| {
+            let ago = self.enter(region, since);
+            if region == Region::Loading {
+                (self.peak, self.peak_at) = (signal, self.now);
+            }
+            // Rest is entered by the clock, everything else by smoothed quantities, which lag.
+            if region == Region::Rest { ago } else { ago.saturating_add(config.lag()) }
+        });
+        Phase { region: self.region, entered_samples_ago, relaxation }
+    }
+
+    /// Enters a region, not before the last one; returns how long ago.
+    fn enter(&mut self, region: Region, since: u32) -> u32 {
+        let ago = self.ago(since).min(self.ago(self.entered_at));
+        self.region = region;
+        self.entered_at = self.now.wrapping_sub(ago);
+        ago
+    }
+
+    const fn ago(&self, sample: u32) -> u32 {
+        self.now.wrapping_sub(sample)
+    }
+
+    /// Whether `a` came before `b`.
+    const fn before(&self, a: u32, b: u32) -> bool {
+        self.ago(a) > self.ago(b)
+    }
+
+    /// The region to enter now, if any, and since when.
+    fn next(&mut self, config: &Config, signal: i64) -> Option<(Region, u32)> {
+        let Contact { touching, since: contact_since, below_at } = self.contact;
+        let Motion { direction, since: moved_at, .. } = self.motion;
+        let lost = (!touching).then_some((Region::Recovery, contact_since));
+        match (self.region, direction) {
+            // A motion that began before rest did is the end of recovery.
+            (Region::Rest, Direction::Advancing) if self.before(self.entered_at, moved_at) => {
+                Some((Region::Preloading, moved_at))
+            }
+            (Region::Rest | Region::Recovery, _) if touching => {
+                Some((Region::Preloading, below_at))
+            }
+            (Region::Rest, _) => None,
+            (Region::Recovery, _) => self.recovered(config),
+
+            (Region::Preloading, _) if touching => Some((Region::Loading, contact_since)),
+            (Region::Preloading, Direction::Advancing) => None,
+            (Region::Preloading, _) => Some((Region::Rest, moved_at)),
+
+            (Region::Loading, _) => self.after_loading(config, signal),
+            (Region::Transition | Region::Relaxation, Direction::Retreating) => {
+                Some((Region::Unloading, moved_at))
+            }
+            (_, _) if lost.is_some() => lost,
+            (Region::Transition | Region::Unloading, Direction::Still) => {
+                Some((Region::Relaxation, moved_at))
+            }
+            (Region::Relaxation | Region::Unloading, Direction::Advancing) => {
+                Some((Region::Loading, moved_at))
+            }
+            (Region::Transition, Direction::Advancing)
+            | (Region::Relaxation, Direction::Still)
+            | (Region::Unloading, Direction::Retreating) => None,
+        }
+    }
+
+    fn after_loading(&mut self, config: &Config, signal: i64) -> Option<(Region, u32)> {
+        if signal > self.peak {
+            (self.peak, self.peak_at) = (signal, self.now);
+        }
+        let Motion { direction, since: moved_at, .. } = self.motion;
+        let fell = self.peak.wrapping_sub(signal) > config.peak_drop;
+        // Closer together than the smoothing can tell, B is C.
+        let peak_came_before =
+            |sample| self.ago(self.peak_at) > self.ago(sample).saturating_add(config.lag());
+        let transition = (Region::Transition, self.peak_at);
+        match direction {
+            // The motion may have stopped without this being known yet: it must have gone on since the peak.
+            Direction::Advancing => {
+                let went_on = peak_came_before(self.motion.went_on_until(config));
+                (fell && went_on).then_some(transition)
+            }
+            // Contact may be found before the motion that made it: then that motion has not stopped, it was not yet seen.
+            Direction::Still if !self.before(self.entered_at, moved_at) => {
+                let waited = self.ago(self.entered_at) > config.dwell;
+                waited.then_some((Region::Relaxation, self.entered_at))
+            }
+            _ if peak_came_before(moved_at) => Some(transition),
+            Direction::Still => Some((Region::Relaxation, moved_at)),
+            Direction::Retreating => Some((Region::Unloading, moved_at)),
+        }
+    }
+
+    fn recovered(&self, config: &Config) -> Option<(Region, u32)> {
+        let settled = self.settled_since.filter(|since| self.ago(*since) >= config.dwell);
+        let late = self.ago(self.entered_at) >= config.recovery_limit;
+        settled.or(late.then_some(self.now)).map(|since| (Region::Rest, since))
+    }
+}

@@ -1,0 +1,227 @@
+//! The six regions on simulated grasps whose boundaries are known: with the displacement or the filter's elastic input as
+//! motion, with noise, at several rates, for repeated, partial and stepwise grasps.
+
+use shared::adaptation::{self, Relaxation};
+use shared::phase::{Config, Region, RelaxationType, State, Thresholds};
+
+const SUSHI: Relaxation = Relaxation { c1: 0.2472, v1: 3.981, c2: 0.2676, v2: 0.5325 };
+/// LSB of the elastic strain at full displacement 1.0.
+const FULL: f64 = 1_000_000.0;
+const NOISE: f64 = 1_500.0;
+
+/// (end of the piece in s, displacement there); straight lines between.
+type Profile<'a> = &'a [(f64, f64)];
+
+fn displacement(profile: Profile, t: f64) -> f64 {
+    let (mut t0, mut x0) = (0.0, -0.1);
+    for &(t1, x1) in profile {
+        if t < t1 {
+            return x0 + (x1 - x0) * (t - t0) / (t1 - t0);
+        }
+        (t0, x0) = (t1, x1);
+    }
+    x0
+}
+
+/// Displacement in LSB and force in LSB of a grasp with a quadratic elastic response, eq. 3.2 with q = 1; a parted surface
+/// carries no force.
+fn grasp(profile: Profile, rate_hz: f64, noise: f64) -> Vec<(i32, i32)> {
+    let mut random = 0x2545_f491_4f6c_dd1d_u64;
+    let mut noisy = |value: f64| {
+        let sum: f64 = (0..12)
+            .map(|_| {
+                random ^= random << 13;
+                random ^= random >> 7;
+                random ^= random << 17;
+                (random >> 11) as f64 / (1_u64 << 53) as f64
+            })
+            .sum();
+        (value + noise * (sum - 6.0)) as i32
+    };
+    let interval = 1.0 / rate_hz;
+    let (mut memory, mut before) = ([0.0_f64; 2], 0.0);
+    let count = (profile.last().unwrap().0 * rate_hz) as u32;
+    (0..count)
+        .map(|i| {
+            let x = displacement(profile, f64::from(i) * interval);
+            let u = FULL * x.max(0.0).powi(2);
+            for (y, (c, v)) in memory.iter_mut().zip([(SUSHI.c1, SUSHI.v1), (SUSHI.c2, SUSHI.v2)]) {
+                let d = -(-v * interval).exp_m1();
+                *y += -d * *y + c * d / (v * interval) * (u - before);
+            }
+            before = u;
+            let force = (SUSHI.c0() * u + memory[0] + memory[1]).max(0.0);
+            (noisy(FULL * x), noisy(force))
+        })
+        .collect()
+}
+
+fn thresholds() -> Thresholds {
+    Thresholds {
+        touch: 12_000,
+        release: 6_000,
+        peak_drop: 5_000,
+        motion_step: 10_000,
+        latent_dead_band: 5_000,
+        smoothing_s: 0.01,
+        dwell_s: 0.15,
+        recovery_limit_s: 5.0,
+    }
+}
+
+/// The regions in order with the second at which each was entered, put back by what the detector reports.
+fn regions(samples: &[(i32, i32)], rate_hz: f64, elastic_as_motion: bool) -> Vec<(Region, f64)> {
+    let filter = adaptation::Config::new(&SUSHI, 1.0 / rate_hz).unwrap();
+    let config = Config::new(&thresholds(), 1.0 / rate_hz).unwrap();
+    let mut adaptation = adaptation::State::at_rest(samples[0].1);
+    let first = if elastic_as_motion { 0 } else { samples[0].0 };
+    let mut phase = State::at_rest(first, samples[0].1);
+    let mut found = Vec::new();
+    for (i, &(x, s)) in samples.iter().enumerate() {
+        let out = adaptation.step(&filter, s);
+        let motion = if elastic_as_motion { out.elastic } else { x };
+        let now = phase.step(&config, motion, s, out.latent());
+        if let Some(ago) = now.entered_samples_ago {
+            found.push((now.region, (i as f64 - f64::from(ago)) / rate_hz));
+        }
+    }
+    found
+}
+
+fn assert_regions(profile: Profile, expected: &[(Region, f64)], tolerance_s: f64) {
+    for rate_hz in [200.0, 1000.0, 4000.0] {
+        for noise in [0.0, NOISE] {
+            for elastic_as_motion in [false, true] {
+                let found = regions(&grasp(profile, rate_hz, noise), rate_hz, elastic_as_motion);
+                let case = format!(
+                    "{rate_hz} Hz, noise {noise}, elastic {elastic_as_motion}: {found:.3?}\nexpected {expected:.3?}"
+                );
+                let names = |list: &[(Region, f64)]| -> Vec<Region> {
+                    list.iter().map(|(region, _)| *region).collect()
+                };
+                assert_eq!(names(&found), names(expected), "{case}");
+                for ((region, at), (_, want)) in found.iter().zip(expected) {
+                    // How long the material takes to settle is not a boundary of the motion.
+                    if *region != Region::Rest && *region != Region::Preloading {
+                        assert!((at - want).abs() <= tolerance_s, "{region:?}: {case}");
+                    }
+                }
+            }
+        }
+    }
+}
+
+use Region::{Loading, Preloading, Recovery, Relaxation as Held, Rest, Transition, Unloading};
+
+#[test]
+fn a_press_held_and_released_shows_its_regions_where_they_were() {
+    // Touch at 0.3 s; contact at 0.36 s; stops at 0.9 s; retreats at 4.0 s; parts on the way back.
+    let profile =
+        [(0.24, -0.1), (0.3, 0.0), (0.9, 1.0), (4.0, 1.0), (4.6, 0.0), (4.66, -0.1), (12.0, -0.1)];
+    let expected = [
+        (Preloading, 0.24),
+        (Loading, 0.367),
+        (Held, 0.9),
+        (Unloading, 4.0),
+        (Recovery, 4.21),
+        (Rest, 9.0),
+    ];
+    assert_regions(&profile, &expected, 0.04);
+}
+
+#[test]
+fn a_partial_release_that_is_held_returns_to_relaxation_and_a_further_press_to_loading() {
+    let profile = [
+        (0.3, 0.0),
+        (0.9, 1.0),
+        (2.0, 1.0),
+        (2.2, 0.8),
+        (4.0, 0.8),
+        (4.2, 1.0),
+        (6.0, 1.0),
+        (6.6, 0.0),
+        (6.7, -0.1),
+        (14.0, -0.1),
+    ];
+    let expected = [
+        (Preloading, 0.0),
+        (Loading, 0.367),
+        (Held, 0.9),
+        (Unloading, 2.0),
+        (Held, 2.2),
+        (Loading, 4.0),
+        (Held, 4.2),
+        (Unloading, 6.0),
+        (Recovery, 6.207),
+        (Rest, 11.0),
+    ];
+    assert_regions(&profile, &expected, 0.05);
+}
+
+#[test]
+fn a_motion_that_slows_down_before_it_stops_has_a_transition() {
+    // From 0.9 s the motion crawls, slower than the material relaxes, until 1.5 s.
+    let profile =
+        [(0.3, 0.0), (0.9, 1.0), (1.5, 1.04), (4.0, 1.04), (4.6, 0.0), (4.7, -0.1), (12.0, -0.1)];
+    let expected = [
+        (Preloading, 0.24),
+        (Loading, 0.367),
+        (Transition, 0.9),
+        (Held, 1.5),
+        (Unloading, 4.0),
+        (Recovery, 4.21),
+        (Rest, 9.0),
+    ];
+    let slow = Thresholds { motion_step: 4_000, peak_drop: 3_000, ..thresholds() };
+    let rate_hz = 1000.0;
+    let config = Config::new(&slow, 1.0 / rate_hz).unwrap();
+    let samples = grasp(&profile, rate_hz, 100.0);
+    let mut phase = State::at_rest(samples[0].0, samples[0].1);
+    let mut found = Vec::new();
+    for (i, &(x, s)) in samples.iter().enumerate() {
+        let now = phase.step(&config, x, s, 0);
+        found.extend(
+            now.entered_samples_ago.map(|ago| (now.region, (i as f64 - f64::from(ago)) / rate_hz)),
+        );
+    }
+    assert_eq!(found.len(), expected.len(), "{found:.3?}");
+    for ((region, at), (name, want)) in found.iter().zip(&expected) {
+        assert_eq!(region, name, "{found:.3?}");
+        assert!((at - want).abs() < 0.06 || *name == Rest || *name == Preloading, "{found:.3?}");
+    }
+}
+
+#[test]
+fn every_cycle_of_a_repeated_grasp_is_found() {
+    let mut profile = vec![(0.5, -0.1)];
+    for cycle in 0..5 {
+        let start = 0.5 + 8.0 * f64::from(cycle);
+        profile.extend(
+            [(0.66, 1.0), (2.66, 1.0), (3.32, -0.1), (8.0, -0.1)].map(|(t, x)| (start + t, x)),
+        );
+    }
+    let one = [Preloading, Loading, Held, Unloading, Recovery, Rest];
+    for (rate_hz, elastic) in [(200.0, false), (200.0, true), (2000.0, false), (2000.0, true)] {
+        let found = regions(&grasp(&profile, rate_hz, NOISE), rate_hz, elastic);
+        let names: Vec<Region> = found.iter().map(|(region, _)| *region).collect();
+        assert_eq!(names, one.repeat(5), "{rate_hz} Hz, elastic {elastic}: {found:.2?}");
+    }
+}
+
+#[test]
+fn noise_alone_is_rest() {
+    for rate_hz in [200.0, 1000.0, 4000.0] {
+        for elastic in [false, true] {
+            let found = regions(&grasp(&[(60.0, -0.1)], rate_hz, NOISE), rate_hz, elastic);
+            assert_eq!(found, [], "{rate_hz} Hz, elastic {elastic}");
+        }
+    }
+}
+
+#[test]
+fn the_sign_of_the_latent_part_is_the_type_of_relaxation() {
+    assert_eq!(RelaxationType::of(11, 10), RelaxationType::TypeI);
+    assert_eq!(RelaxationType::of(-11, 10), RelaxationType::TypeII);
+    assert_eq!(RelaxationType::of(-10, 10), RelaxationType::None);
+    assert_eq!(RelaxationType::of(i32::MIN, i32::MIN), RelaxationType::TypeII);
+}
