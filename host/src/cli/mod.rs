@@ -4,7 +4,7 @@
 //! work failed, 2 when the input or the call was wrong.
 
 mod completions;
-//mod decompose;
+mod decompose;
 //mod demo;
 mod fit;
 //mod import;
@@ -45,7 +45,7 @@ enum Command {
     /// Replay a bundled press through the device's filter, fit it, write a report
     //Demo(demo::Args),
     /// Split signals into fast (FA) and slow adapting (SA) parts, and mark the regions of the grasp
-    //Decompose(decompose::Args),
+    Decompose(decompose::Args),
     /// Fit a contact model
     Fit(fit::Args),
     /// Predict the force of a motion
@@ -93,7 +93,7 @@ pub fn run() -> ExitCode {
     start_log(arguments.verbose);
     let outcome = match &arguments.command {
         //Command::Demo(args) => demo::run(args),
-        //Command::Decompose(args) => decompose::run(args),
+        Command::Decompose(args) => decompose::run(args),
         Command::Fit(args) => fit::run(args),
         Command::Simulate(args) => simulate::run(args),
         //Command::Import(args) => import::run(args),

@@ -1,9 +1,13 @@
 //! Results in words, tables and plots: the same sections go to the terminal and into a report.
 
+mod decomposition;
 mod holds;
 mod recording;
 mod whole_motion;
 
+pub use decomposition::{
+    decomposed_trace, decomposition_json, decomposition_sections, part_panels, region_spans, region_table,
+};
 pub use holds::{hold_json, hold_sections};
 pub use recording::{loops, overview, trace_panels};
 pub use whole_motion::FitSummary;
