@@ -95,6 +95,12 @@ pub enum Error {
         /// `at the first sample` or `in the limit of long times`.
         place: &'static str,
     },
+    /// The samples do not determine the parameters, whatever the noise.
+    #[error("these samples do not determine all parameters: the information matrix is singular")]
+    Indeterminate,
+    /// A plan without a wish.
+    #[error("no precision is wanted of any parameter: there is nothing to plan")]
+    NothingWanted,
     /// A parameter that the fit does not have.
     #[error("a fit of {terms} exponentials has no {parameter}")]
     NoSuchParameter {

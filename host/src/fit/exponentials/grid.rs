@@ -9,7 +9,7 @@ use super::table::Table;
 use super::vector::{add_scaled, dot, scale};
 
 /// Spacing in ln v that the grids of 1 to 4 terms aim at, and the most rates they may have.
-const SPACING: [(f64, usize); 4] = [(0.2, 96), (0.26, 64), (0.4, 32), (0.5, 24)];
+const SPACING: [(f64, usize); 4] = [(0.2, 96), (0.3, 64), (0.4, 32), (0.5, 24)];
 
 /// All sets of `m` grid rates, in lexicographic order, for one m.
 #[derive(Clone, Debug, Default)]
@@ -176,15 +176,19 @@ impl<const R: usize> Scores<'_, R> {
     /// Place of the set that explains most.
     #[inline]
     pub fn best(&self) -> usize {
-        let mut best = 0;
-        for (place, value) in self.values.iter().enumerate() {
-            if *value > self.values[best] {
-                best = place;
+        // The largest value first, in lanes; then where it is.
+        let (chunks, tail) = self.values.as_chunks::<8>();
+        let mut largest = [0.0; 8];
+        for chunk in chunks {
+            for lane in 0..8 {
+                largest[lane] = if chunk[lane] > largest[lane] { chunk[lane] } else { largest[lane] };
             }
         }
-        best
+        let most = largest.iter().chain(tail).fold(0.0, |a: f64, b| a.max(*b));
+        self.values.iter().position(|value| *value == most).unwrap_or(0)
     }
 
+    #[cfg(test)] pub fn count(&self) -> usize { self.values.len() }
     /// What a set explains.
     pub fn value(&self, place: usize) -> f64 {
         self.values[place]
@@ -193,9 +197,27 @@ impl<const R: usize> Scores<'_, R> {
     /// Places of the sets that explain more than `threshold` and more than all their
     /// neighbours, best first.
     pub fn peaks(&self, threshold: f64) -> Vec<usize> {
-        let mut peaks: Vec<usize> = (0..self.values.len())
-            .filter(|place| self.values[*place] > threshold && self.is_peak(*place))
-            .collect();
+        let mut peaks = Vec::new();
+        for run in &self.grid.levels[self.terms - 1].runs {
+            let values = &self.values[run.start..run.start + self.grid.u.len() - run.first];
+            let last = values.len() - 1;
+            let mut check = |k: usize, candidate: bool| {
+                if candidate && values[k] > threshold && self.is_peak(run.start + k) {
+                    peaks.push(run.start + k);
+                }
+            };
+            check(0, last == 0 || values[0] >= values[1]);
+            for (k, window) in values.windows(3).enumerate() {
+                // Without short cuts, so that most sets fail without a mispredicted branch.
+                let [before, value, after] = [window[0], window[1], window[2]];
+                if (value > threshold) & (value >= before) & (value >= after) {
+                    check(k + 1, true);
+                }
+            }
+            if last > 0 {
+                check(last, values[last] >= values[last - 1]);
+            }
+        }
         peaks.sort_by(|a, b| self.values[*b].total_cmp(&self.values[*a]));
         peaks
     }

@@ -14,12 +14,14 @@
 //! Time counts from the first sample: N and c_i describe the signal there.
 
 mod basis;
+mod bound;
 mod covariance;
 mod engine;
 mod error;
 mod family;
 mod fit;
 mod grid;
+pub mod plan;
 mod point;
 mod refine;
 mod search;
@@ -27,6 +29,7 @@ mod table;
 mod vector;
 mod words;
 
+pub use bound::Bound;
 pub use error::Error;
 pub use fit::{
     ExponentialSum, Fit, MOST_TERMS, Normalisation, Note, Options, Parameter, Sign, Term,

@@ -8,7 +8,7 @@ use super::vector::dot;
 /// the sum of squares no longer changes: the limit is A t e^(−v t).
 pub(super) const SEPARATION: f64 = 1e-3;
 /// A step that would lower the sum of squares by a smaller share of it is not taken.
-const CONVERGED: f64 = 1e-11;
+const CONVERGED: f64 = 1e-10;
 /// Share of the target's sum of squares that counts as nothing: rounding and interpolation.
 const NOTHING: f64 = 1e-24;
 /// Longest step in ln v.
@@ -19,7 +19,7 @@ const MOST_DAMPING: f64 = 1e12;
 /// Why the iteration ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stop {
-    /// No step promises to lower the sum of squared residuals by more than 1e-11 of it.
+    /// No step promises to lower the sum of squared residuals by more than 1e-10 of it.
     Converged,
     /// No step, however short, lowers the sum of squared residuals: rounding is all there is.
     Rounding,

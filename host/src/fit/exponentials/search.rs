@@ -8,7 +8,7 @@ use super::vector::{add_scaled, dot};
 
 /// A start is refined when its sum of squares exceeds the least found so far by at most so many
 /// times what refining gained for the best start …
-const REACH_GAIN: f64 = 10.0;
+const REACH_GAIN: f64 = 5.0;
 /// … plus so many variances of the noise.
 const REACH_NOISE: f64 = 20.0;
 /// Most starts refined beside the best.
