@@ -38,8 +38,8 @@ pub const MIN_C0: f64 = 1.0 / 32.0;
 /// Shortest interval as a part of a time constant: below it the step drowns in the last bits of the coefficients.
 pub const MIN_INTERVAL_PER_TIME_CONSTANT: f64 = 1.0 / (1_u32 << 24) as f64;
 
-/// Fractional bits of a memory.
-const MEMORY_FRACTION_BITS: u32 = 37;
+/// FA is rounded from half LSB: a memory has 37 fractional bits.
+const BELOW_FA: u32 = 36;
 /// A memory's upper part, the one that is multiplied, has 7 fractional bits.
 const BELOW_MULTIPLIED: u32 = 30;
 /// The equilibrium is put out from memories of 6 fractional bits: whole, it has two bits to spare.
@@ -296,8 +296,8 @@ impl State {
             .saturating_sub((self.slow >> BELOW_EQUILIBRIUM) as i32);
         Output {
             signal,
-            fa: round_shift(self.fast, MEMORY_FRACTION_BITS) as i32,
-            equilibrium: round_shift(i64::from(equilibrium), 6) as i32,
+            fa: halve_rounded((self.fast >> BELOW_FA) as i32),
+            equilibrium: halve_rounded(equilibrium >> 5),
             // 6 + 31 fractional bits, and 1/c0 is 32 times its coefficient.
             elastic: round_shift(product(equilibrium, config.inverse_c0), 32) as i32,
         }
@@ -352,6 +352,12 @@ impl Row {
 #[inline]
 const fn multiplied(memory: i64) -> i32 {
     (memory >> BELOW_MULTIPLIED) as i32
+}
+
+/// LSB from half LSB, halves upwards; |value| below 2^31.
+#[inline]
+const fn halve_rounded(value: i32) -> i32 {
+    value.wrapping_add(1) >> 1
 }
 
 /// Whether a memory left ±2^61; looks at the upper word only.

@@ -10,6 +10,7 @@
 //!
 //! - [`fixed`]: every number format and unit, in one place, and the arithmetic on them.
 //! - [`calibration`]: counts of the converter → strain; tare and temperature.
+//! - [`flags`]: warnings that travel with a sample.
 //! - [`adaptation`]: the dual-exponential filter that splits strain into a fast and a slow adapting part.
 //! - [`phase`]: the six regions of a grasp, found while streaming, and the type of relaxation.
 //! - [`pipeline`]: the order in which one sample passes through the three above.
@@ -40,3 +41,4 @@ pub mod fixed;
 pub mod flags;
 pub mod latency;
 pub mod phase;
+pub mod pipeline;

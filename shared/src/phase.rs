@@ -263,13 +263,14 @@ impl Contact {
 }
 
 impl State {
-    /// At rest, standing, before the first sample, whose motion and signal are given.
+    /// Long at rest before the first sample, whose motion and signal are given. A recording that begins in motion or in contact
+    /// may report a boundary from before its first sample.
     #[must_use]
     pub const fn at_rest(motion: i32, signal: i32) -> Self {
         Self {
             now: 0,
             region: Region::Rest,
-            entered_at: 0,
+            entered_at: 0_u32.wrapping_sub(LONG_AGO),
             smooth_motion: Smooth::at(motion),
             smooth_signal: Smooth::at(signal),
             motion: Motion::still_at(fine(motion), 0),

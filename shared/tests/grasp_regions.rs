@@ -1,8 +1,12 @@
 //! The six regions on simulated grasps whose boundaries are known: with the displacement or the filter's elastic input as
 //! motion, with noise, at several rates, for repeated, partial and stepwise grasps.
 
+use proptest::prelude::*;
 use shared::adaptation::{self, Relaxation};
-use shared::phase::{Config, Region, RelaxationType, State, Thresholds};
+use shared::phase::Region::{
+    Loading, Preloading, Recovery, Relaxation as Held, Rest, Transition, Unloading,
+};
+use shared::phase::{Config, ConfigError, Region, RelaxationType, State, Thresholds};
 
 const SUSHI: Relaxation = Relaxation { c1: 0.2472, v1: 3.981, c2: 0.2676, v2: 0.5325 };
 /// LSB of the elastic strain at full displacement 1.0.
@@ -101,8 +105,10 @@ fn assert_regions(profile: Profile, expected: &[(Region, f64)], tolerance_s: f64
                 };
                 assert_eq!(names(&found), names(expected), "{case}");
                 for ((region, at), (_, want)) in found.iter().zip(expected) {
-                    // How long the material takes to settle is not a boundary of the motion.
-                    if *region != Region::Rest && *region != Region::Preloading {
+                    // How long the material takes to settle is not a boundary of the motion, and the elastic input does
+                    // not move before touch.
+                    let free = *region == Rest || (*region == Preloading && elastic_as_motion);
+                    if !free {
                         assert!((at - want).abs() <= tolerance_s, "{region:?}: {case}");
                     }
                 }
@@ -110,8 +116,6 @@ fn assert_regions(profile: Profile, expected: &[(Region, f64)], tolerance_s: f64
         }
     }
 }
-
-use Region::{Loading, Preloading, Recovery, Relaxation as Held, Rest, Transition, Unloading};
 
 #[test]
 fn a_press_held_and_released_shows_its_regions_where_they_were() {
@@ -224,4 +228,56 @@ fn the_sign_of_the_latent_part_is_the_type_of_relaxation() {
     assert_eq!(RelaxationType::of(-11, 10), RelaxationType::TypeII);
     assert_eq!(RelaxationType::of(-10, 10), RelaxationType::None);
     assert_eq!(RelaxationType::of(i32::MIN, i32::MIN), RelaxationType::TypeII);
+}
+
+#[test]
+fn thresholds_out_of_range_are_refused_by_name() {
+    let refused = |t: Thresholds| Config::new(&t, 0.005).unwrap_err();
+    let level = refused(Thresholds { motion_step: 0, ..thresholds() });
+    assert_eq!(level, ConfigError::Level { name: "motion_step", value: 0 });
+    let hysteresis = refused(Thresholds { release: 12_000, ..thresholds() });
+    assert_eq!(hysteresis, ConfigError::Hysteresis { touch: 12_000, release: 12_000 });
+    let time = refused(Thresholds { dwell_s: -1.0, ..thresholds() });
+    assert_eq!(time, ConfigError::Time { name: "dwell_s", value: -1.0 });
+    assert_eq!(Config::new(&thresholds(), 0.0), Err(ConfigError::Interval(0.0)));
+}
+
+/// Section 3.4.1 read as a graph.
+fn may_follow(before: Region, after: Region) -> bool {
+    match before {
+        Rest => after == Preloading,
+        Preloading => matches!(after, Loading | Rest),
+        Loading => matches!(after, Transition | Held | Unloading),
+        Transition => matches!(after, Held | Unloading | Recovery),
+        Held => matches!(after, Loading | Unloading | Recovery),
+        Unloading => matches!(after, Held | Loading | Recovery),
+        Recovery => matches!(after, Preloading | Rest),
+    }
+}
+
+proptest! {
+    #[test]
+    fn any_input_passes_through_the_regions_in_order_and_boundaries_never_cross(
+        samples in prop::collection::vec((any::<i32>(), any::<i32>(), any::<i32>(), 1_u8..60), 1..60),
+        smoothing_s in 0.0..0.1_f64,
+    ) {
+        let config = Config::new(&Thresholds { smoothing_s, ..thresholds() }, 0.005).unwrap();
+        let mut state = State::at_rest(samples[0].0, samples[0].1);
+        let (mut region, mut entered, mut now) = (Rest, i64::MIN, 0_i64);
+        for (motion, signal, latent, repeats) in samples {
+            for _ in 0..repeats {
+                now += 1;
+                let phase = state.step(&config, motion, signal, latent);
+                if let Some(ago) = phase.entered_samples_ago {
+                    prop_assert!(may_follow(region, phase.region), "{:?} to {:?}", region, phase.region);
+                    // Rest is dated by the clock; all other boundaries share the delay of smoothing.
+                    if phase.region != Rest && region != Rest {
+                        prop_assert!(now - i64::from(ago) >= entered);
+                    }
+                    entered = now - i64::from(ago);
+                }
+                region = phase.region;
+            }
+        }
+    }
 }

@@ -100,7 +100,8 @@ impl Motion {
         }
         if away.abs() <= config.motion_step.wrapping_mul(2) {
             let creep = config.motion_creep;
-            self.anchor = self.anchor.wrapping_add(away.clamp(creep.wrapping_neg(), creep));
+            // Not `clamp`, which would panic if its limits were exchanged.
+            self.anchor = self.anchor.wrapping_add(away.min(creep).max(creep.wrapping_neg()));
             return;
         }
         // From half a step to two steps took three quarters of the way from the anchor.
