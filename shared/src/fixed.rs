@@ -3,8 +3,9 @@
 //! | quantity | type | unit of the last bit | range |
 //! |-|-|-|-|
 //! | converter counts | `i32` | 1 count | −2^23 … 2^23 − 1 |
-//! | strain, FA, SA, equilibrium, latent | `i32` | 2^-8 µε, one *LSB* | strain −2^23 … 2^23 − 1 (±32768 µε); FA, SA twice that |
-//! | elastic input | `i32` | 2^-8 µε | ±2^28 |
+//! | strain | `i32` | 2^-8 µε, one *LSB* | −2^23 … 2^23 − 1 (±32768 µε) |
+//! | FA, SA | `i32` | 1 LSB | ±2^24, ±3 × 2^23 |
+//! | equilibrium, latent, elastic input | `i32` | 1 LSB | ±2^23, ±2^24, ±2^28; four times that after an exchange of shares |
 //! | filter memory | `i64` | 2^-37 LSB | ±2^24 LSB |
 //! | coefficient | `i32` × 2^-30 + `i32` × 2^-62 | 2^-62 | −1 … 1 |
 //! | share k_i, 1/(32 c0) | `i32` | 2^-31 | 0 … 1 |

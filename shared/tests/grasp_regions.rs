@@ -130,7 +130,7 @@ fn a_press_held_and_released_shows_its_regions_where_they_were() {
         (Recovery, 4.21),
         (Rest, 9.0),
     ];
-    assert_regions(&profile, &expected, 0.04);
+    assert_regions(&profile, &expected, 0.012);
 }
 
 #[test]
@@ -159,7 +159,7 @@ fn a_partial_release_that_is_held_returns_to_relaxation_and_a_further_press_to_l
         (Recovery, 6.207),
         (Rest, 11.0),
     ];
-    assert_regions(&profile, &expected, 0.05);
+    assert_regions(&profile, &expected, 0.012);
 }
 
 #[test]
