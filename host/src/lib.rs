@@ -17,6 +17,7 @@ pub mod dissertation;
 pub mod files;
 pub mod fit;
 pub mod model;
+pub mod press;
 pub mod regions;
 pub mod report;
 pub mod summary;

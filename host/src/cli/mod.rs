@@ -5,11 +5,11 @@
 
 mod completions;
 mod decompose;
-//mod demo;
+mod demo;
 mod fit;
 //mod import;
 mod output;
-//mod plan;
+mod plan;
 mod plot;
 mod progress;
 mod simulate;
@@ -43,7 +43,7 @@ Examples:
 #[derive(Subcommand)]
 enum Command {
     /// Replay a bundled press through the device's filter, fit it, write a report
-    //Demo(demo::Args),
+    Demo(demo::Args),
     /// Split signals into fast (FA) and slow adapting (SA) parts, and mark the regions of the grasp
     Decompose(decompose::Args),
     /// Fit a contact model
@@ -55,7 +55,7 @@ enum Command {
     /// Draw traces
     Plot(plot::Args),
     /// How long and how fast to record for a wanted precision
-    //Plan(plan::Args),
+    Plan(plan::Args),
     /// Print completions for a shell
     Completions(completions::Args),
 }
@@ -92,13 +92,13 @@ pub fn run() -> ExitCode {
     let arguments = Arguments::parse();
     start_log(arguments.verbose);
     let outcome = match &arguments.command {
-        //Command::Demo(args) => demo::run(args),
+        Command::Demo(args) => demo::run(args),
         Command::Decompose(args) => decompose::run(args),
         Command::Fit(args) => fit::run(args),
         Command::Simulate(args) => simulate::run(args),
         //Command::Import(args) => import::run(args),
         Command::Plot(args) => plot::run(args),
-        //Command::Plan(args) => plan::run(args),
+        Command::Plan(args) => plan::run(args),
         Command::Completions(args) => completions::run::<Arguments>(args),
     };
     match outcome {

@@ -2,6 +2,8 @@
 
 mod decomposition;
 mod holds;
+mod plan;
+mod press;
 mod recording;
 mod whole_motion;
 
@@ -9,6 +11,8 @@ pub use decomposition::{
     decomposed_trace, decomposition_json, decomposition_sections, part_panels, region_spans, region_table,
 };
 pub use holds::{hold_json, hold_sections};
+pub use plan::plan_section;
+pub use press::press_sections;
 pub use recording::{loops, overview, trace_panels};
 pub use whole_motion::FitSummary;
 
