@@ -35,7 +35,7 @@ pub fn print_json(value: &serde_json::Value) -> Result<(), Failure> {
 /// What standard output can show.
 pub fn terminal() -> Terminal {
     let shown = io::stdout().is_terminal();
-    let width = console::Term::stdout().size_checked().map_or(100, |(_, width)| width.into());
+    let width = console::Term::stdout().size_checked().map_or(160, |(_, width)| width.into());
     let colour = shown && std::env::var_os("NO_COLOR").is_none();
     Terminal { width, unicode: true, colour }
 }

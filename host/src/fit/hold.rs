@@ -14,12 +14,20 @@ pub enum RelaxationType {
     Two,
 }
 
+impl RelaxationType {
+    /// The bare numeral, for tables with a column of types.
+    #[must_use]
+    pub fn numeral(self) -> &'static str {
+        match self {
+            Self::One => "I",
+            Self::Two => "II",
+        }
+    }
+}
+
 impl std::fmt::Display for RelaxationType {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Self::One => "Type I",
-            Self::Two => "Type II",
-        })
+        write!(f, "Type {}", self.numeral())
     }
 }
 

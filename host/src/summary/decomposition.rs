@@ -84,15 +84,14 @@ pub fn part_panels(trace: &Trace, channels: &[(Channel, Regions)]) -> Panels {
     for (channel, regions) in channels {
         let unit = unit_of(&channel.signal);
         let line = |label: &str, values: &[f64]| Series::line(label, &trace.time[..], values);
-        let mut plot = Plot::new("", Axis::new("time", "s"), Axis::new(name_of(&channel.signal), unit))
+        let mut plot =
+            Plot::new("", Axis::new("time", "s"), Axis::new(name_of(&channel.signal), unit))
             .series(line("signal", &channel.input).colour(Colour::MEASURED))
             .series(line("SA", &channel.sa).colour(Colour::SA))
             .series(line("FA", &channel.fa).colour(Colour::FA))
             .series(line("equilibrium", &channel.equilibrium).colour(Colour::Muted))
             .height(190.0);
-        for (from, to, label) in region_spans(trace, regions) {
-            plot = plot.span(from, to, label);
-        }
+        plot = shaded(plot, &region_spans(trace, regions), panels.plots.is_empty());
         panels = panels.plot(plot);
     }
     panels
@@ -110,6 +109,15 @@ pub fn region_spans(trace: &Trace, regions: &Regions) -> Vec<(f64, f64, &'static
             (trace.time[stretch.range.start], trace.time[end], name(stretch.region).0)
         })
         .collect()
+}
+
+/// The plot with regions shaded; below each other, only the topmost panel need name them.
+#[must_use]
+pub fn shaded(mut plot: Plot, spans: &[(f64, f64, &'static str)], named: bool) -> Plot {
+    for &(from, to, name) in spans {
+        plot = plot.span(from, to, if named { name } else { "" });
+    }
+    plot
 }
 
 /// The recording with the parts of every channel as further columns.

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::{estimate, name_of, unit_of};
+use super::{CONCISE, concise, name_of, unit_of};
 use crate::fit::exponentials::{Fit, Parameter};
 use crate::fit::hold::{HoldFit, Spread, spreads};
 use crate::report::number::significant;
@@ -121,15 +121,15 @@ fn coefficient_table(fits: &[HoldFit], signal: &str) -> Table {
         let place = hold.displacement.map_or("–".into(), |x| significant(x, 3));
         let cells = coefficients.clone().map(|coefficient| {
             hold.fit.value(coefficient).map_or("–".into(), |value| {
-                estimate(value, hold.fit.standard_error(coefficient))
+                concise(value, hold.fit.standard_error(coefficient))
             })
         });
-        let head =
-            [hold.trace.clone(), format!("{:.2}", hold.from_s), place, hold.relaxation.to_string()];
+        let from = format!("{:.2}", hold.from_s);
+        let head = [hold.trace.clone(), from, place, hold.relaxation.numeral().into()];
         let tail = [format!("{:.4}", hold.fit.r_squared)];
         table = table.row(head.into_iter().chain(cells).chain(tail));
     }
-    table.note("N is the signal at the start of the hold; ± is the standard error.")
+    table.note(format!("N is the signal at the start of the hold. {CONCISE}"))
 }
 
 fn coefficient_unit(parameter: Parameter, signal: &str) -> &str {

@@ -9,6 +9,7 @@ mod whole_motion;
 
 pub use decomposition::{
     decomposed_trace, decomposition_json, decomposition_sections, part_panels, region_spans, region_table,
+    shaded,
 };
 pub use holds::{hold_json, hold_sections};
 pub use plan::plan_section;
@@ -26,6 +27,24 @@ fn estimate(value: f64, standard_error: Option<f64>) -> String {
         _ => significant(value, 4),
     }
 }
+
+/// A value with its standard error in the last digits in parentheses, for tables with many columns:
+/// 0.5978(10) is 0.5978 ± 0.0010.
+fn concise(value: f64, standard_error: Option<f64>) -> String {
+    let long = estimate(value, standard_error);
+    match long.split_once(" ± ") {
+        Some((value, error)) if !long.starts_with('(') && error.parse::<f64>().is_ok() => {
+            let digits: String = error.chars().filter(char::is_ascii_digit).collect();
+            // An error of one or more keeps its point: 53.2(1.4).
+            let error = if error.starts_with('0') { digits.trim_start_matches('0') } else { error };
+            format!("{value}({error})")
+        }
+        _ => long,
+    }
+}
+
+/// The note below a table of concise values.
+const CONCISE: &str = "In parentheses: the standard error in units of the last digits.";
 
 /// The unit of a column, as its name gives it, in print.
 #[must_use]
@@ -46,5 +65,30 @@ pub fn name_of(column: &str) -> String {
     match name.strip_prefix("gauge") {
         Some(number) if number.parse::<u32>().is_ok() => format!("gauge {number}"),
         _ => name.replace('_', " "),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_standard_error_stands_in_units_of_the_last_digits() {
+        assert_eq!(concise(0.59781, Some(0.00104)), "0.5978(10)");
+        assert_eq!(concise(53.21, Some(1.42)), "53.2(1.4)");
+        assert_eq!(concise(504.7, Some(12.1)), "505(12)");
+        assert_eq!(concise(-0.891, Some(0.0171)), "-0.891(17)");
+        assert_eq!(concise(2.0, None), "2.000");
+    }
+
+    #[test]
+    fn columns_are_named_in_words_with_their_unit() {
+        assert_eq!((&*name_of("gauge1_ustrain"), unit_of("gauge1_ustrain")), ("gauge 1", "µε"));
+        assert_eq!((&*name_of("force_N"), unit_of("force_N")), ("force", "N"));
+        let modulus = "relaxation_modulus_Pa";
+        assert_eq!((&*name_of(modulus), unit_of(modulus)), ("relaxation modulus", "Pa"));
+        let compliance = "creep_compliance_per_Pa";
+        assert_eq!((&*name_of(compliance), unit_of(compliance)), ("creep compliance", "1/Pa"));
+        assert_eq!((&*name_of("status"), unit_of("status")), ("status", ""));
     }
 }

@@ -1,6 +1,6 @@
 //! One press in words, tables and plots.
 
-use super::{FitSummary, estimate, hold_sections, name_of, part_panels, region_spans, region_table, unit_of};
+use super::{CONCISE, FitSummary, concise, estimate, hold_sections, name_of, part_panels, region_spans, region_table, shaded, unit_of};
 use crate::fit::exponentials::Parameter;
 use crate::press::Press;
 use crate::report::number::significant;
@@ -44,7 +44,8 @@ fn overview(trace: &Trace, press: &Press) -> Section {
         if let Some(values) = trace.column(name) {
             let line = Series::line(name_of(name), &trace.time[..], values).colour(Colour::MEASURED);
             let plot = Plot::new("", time(), Axis::new(name_of(name), unit_of(name))).series(line);
-            panels = panels.plot(shaded(plot.height(150.0), &spans));
+            let labelled = panels.plots.is_empty();
+            panels = panels.plot(shaded(plot.height(150.0), &spans, labelled));
         }
     }
     let mut gauges = Plot::new("", time(), Axis::new("strain", "µε")).height(190.0);
@@ -55,15 +56,8 @@ fn overview(trace: &Trace, press: &Press) -> Section {
         }
     }
     section
-        .figure(panels.plot(shaded(gauges, &spans)), "")
+        .figure(panels.plot(shaded(gauges, &spans, false)), "")
         .table(region_table(trace, channel, &regions.stretches()))
-}
-
-fn shaded(mut plot: Plot, spans: &[(f64, f64, &'static str)]) -> Plot {
-    for &(from, to, label) in spans {
-        plot = plot.span(from, to, label);
-    }
-    plot
 }
 
 /// FA and SA of every gauge.
@@ -132,13 +126,13 @@ fn gauge_table(press: &Press) -> Table {
         let gauge = press.channels.get(index / holds.max(1)).map_or("", |(channel, _)| &channel.signal);
         let cells = parameters.iter().map(|&parameter| {
             hold.fit.value(parameter).map_or("–".into(), |value| {
-                estimate(value, hold.fit.standard_error(parameter))
+                concise(value, hold.fit.standard_error(parameter))
             })
         });
-        let head = [name_of(gauge), format!("{:.2}", hold.from_s), hold.relaxation.to_string()];
+        let head = [name_of(gauge), format!("{:.2}", hold.from_s), hold.relaxation.numeral().into()];
         table = table.row(head.into_iter().chain(cells));
     }
-    table
+    table.note(CONCISE)
 }
 
 /// What the gauges show after the release.
