@@ -41,9 +41,14 @@ pub struct Segment {
 const SMALLEST_MOVE: f64 = 0.004;
 /// Deviations of the scatter within which samples count as the same.
 const SAME: f64 = 12.0;
-/// A rest is a hold if it lasts this part of the time that the whole stroke takes at the fastest rate:
-/// the turning point of a sine is none.
-const SHORTEST_HOLD: f64 = 0.2;
+/// A rest is a hold if it lasts this part of the time that the whole stroke takes at the fastest rate.
+const SHORTEST_HOLD: f64 = 0.02;
+/// Where the motion turns back, the same: the turning point of a sine is no hold.
+const SHORTEST_TURN: f64 = 0.1;
+/// There, a rest as long as this part of that time is a hold, a shorter one only if it is flat.
+const LONG_HOLD: f64 = 0.3;
+/// Flat is to have two samples of three within this part of the stroke.
+const FLAT: f64 = 3e-4;
 
 /// Cuts a displacement, mm (positive into the specimen, 0 at the nominal touch), into segments.
 ///
@@ -132,6 +137,8 @@ struct Course<'a> {
     stroke: f64,
     /// Moves up to this are rest, mm.
     rest: f64,
+    /// How far samples may lie off the polyline, mm.
+    off: f64,
 }
 
 impl<'a> Course<'a> {
@@ -143,7 +150,9 @@ impl<'a> Course<'a> {
             .iter()
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &x| (low.min(x), high.max(x)));
         let stroke = high - low;
-        Self { time, x, scatter, stroke, rest: (SAME * scatter).max(SMALLEST_MOVE * stroke) }
+        let rest = (SAME * scatter).max(SMALLEST_MOVE * stroke);
+        let off = (0.5 * SAME * scatter).max(0.25 * SMALLEST_MOVE * stroke);
+        Self { time, x, scatter, stroke, rest, off }
     }
 
     /// What each sample does: load, hold or unload.
@@ -162,7 +171,15 @@ impl<'a> Course<'a> {
         let fastest = self.fastest(&corners);
         for hold in rests(&kinds) {
             let lasts = self.time[hold.end - 1] - self.time[hold.start.saturating_sub(1)];
-            if lasts * fastest < SHORTEST_HOLD * self.stroke {
+            let part = lasts * fastest / self.stroke;
+            let beside = [hold.start.checked_sub(1), Some(hold.end)];
+            let [before, after] = beside.map(|i| i.and_then(|i| kinds.get(i)));
+            let holds = match before != after {
+                false => part >= SHORTEST_HOLD,
+                true if part < LONG_HOLD => part >= SHORTEST_TURN && self.is_flat(hold.clone()),
+                true => true,
+            };
+            if !holds {
                 self.dissolve(&mut kinds, hold);
             }
         }
@@ -172,8 +189,8 @@ impl<'a> Course<'a> {
         kinds
     }
 
-    /// Corners of the polyline that stays within half of `rest` of every sample (Douglas and
-    /// Peucker, with distances along the displacement).
+    /// Corners of the polyline that stays within `off` of every sample (Douglas and Peucker, with
+    /// distances along the displacement).
     fn corners(&self) -> Vec<usize> {
         let mut keep = vec![false; self.x.len()];
         let mut open = vec![(0, self.x.len() - 1)];
@@ -185,7 +202,7 @@ impl<'a> Course<'a> {
                 (self.x[i] - self.x[from] - rate * (self.time[i] - self.time[from])).abs()
             };
             let farthest = (from + 1..to).max_by(|&a, &b| off(a).total_cmp(&off(b)));
-            if let Some(corner) = farthest.filter(|&corner| off(corner) > 0.5 * self.rest) {
+            if let Some(corner) = farthest.filter(|&corner| off(corner) > self.off) {
                 open.push((from, corner));
                 open.push((corner, to));
             }
@@ -201,6 +218,15 @@ impl<'a> Course<'a> {
             if step > self.rest { step / lasts } else { 0.0 }
         };
         corners.windows(2).map(rate).fold(0.0, f64::max)
+    }
+
+    /// Whether two of three samples are at one level.
+    fn is_flat(&self, rest: Range<usize>) -> bool {
+        let inside = &self.x[rest];
+        let level = scatter::median(inside.to_vec()).unwrap_or(0.0);
+        let band = (6.0 * self.scatter).max(FLAT * self.stroke);
+        let on = inside.iter().filter(|&x| (x - level).abs() <= band).count();
+        3 * on >= 2 * inside.len()
     }
 
     /// Gives the samples of a rest that is too short to be a hold to the moves beside it; between a
@@ -373,7 +399,7 @@ mod tests {
     #[test]
     fn slow_long_records_and_uneven_sampling_are_cut_the_same() {
         let (mut time, mut x) = motion(&[(0.0, 0.0), (240.0, 20.0), (40_000.0, 20.0)], 4.0, 2e-4);
-        let thin = |i: usize| i < 100 || i % 7 == 0;
+        let thin = |i: usize| i < 100 || i.is_multiple_of(7);
         let keep: Vec<bool> = (0..time.len()).map(thin).collect();
         let mut kept = keep.iter();
         time.retain(|_| *kept.next().unwrap());
@@ -404,9 +430,9 @@ mod tests {
     fn without_displacement_the_hold_begins_at_the_largest_value() {
         let mut trace = Trace { time: vec![0.1, 0.2, 0.3, 0.4], ..Trace::default() };
         trace.set_column("relaxation_modulus_Pa", vec![3.0, 9.0, 7.0, 6.0]);
-        assert_eq!(holds(&trace, "relaxation_modulus_Pa"), Ok(vec![1..4]));
+        assert_eq!(holds(&trace, "relaxation_modulus_Pa"), Ok(iter::once(1..4).collect()));
         trace.head.control = Some(Control::Force);
-        assert_eq!(holds(&trace, "relaxation_modulus_Pa"), Ok(vec![0..4]));
+        assert_eq!(holds(&trace, "relaxation_modulus_Pa"), Ok(iter::once(0..4).collect()));
     }
 
     #[test]

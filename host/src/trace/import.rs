@@ -1,0 +1,391 @@
+//! Foreign recordings become traces, exactly as their mapping says.
+
+use std::path::Path;
+
+use super::error::Place;
+use super::import_error::ImportError;
+use super::mapping::{Change, FirstSample, Mapping, Others, Reference, Repeated, Time};
+use super::names::{self, Fault};
+use super::table::Rows;
+use super::{Column, TIME, Trace, gaps, head};
+
+/// A trace, and what became of the file it was made from.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Imported {
+    /// The trace; its head says the file's name and the mapping.
+    pub trace: Trace,
+    /// Rows of numbers in the file.
+    pub rows: usize,
+    /// Rows that shared their time stamp with another and were merged into it.
+    pub merged: usize,
+    /// Samples outside the time that every column's own clock covers, left out.
+    pub uncovered: usize,
+    /// Name in the file and name in the trace of every column, time first.
+    pub columns: Vec<(String, String)>,
+    /// Columns left out, each with the reason.
+    pub dropped: Vec<(String, String)>,
+}
+
+/// Brings in one foreign recording.
+///
+/// # Errors
+/// See [`ImportError`]; each names the file and, where there is one, line and column.
+pub fn import(path: &Path, mapping: &Mapping) -> Result<Imported, ImportError> {
+    let mut rows = Rows::open(path, mapping)?;
+    let mut recording = None;
+    while rows.next()? {
+        let recording = match &mut recording {
+            Some(recording) => recording,
+            none => none.insert(Recording::plan(&rows, mapping)?),
+        };
+        recording.take(&rows)?;
+    }
+    match recording {
+        Some(recording) => recording.finish(path, mapping),
+        None => Err(ImportError::TooShort { path: path.into(), samples: 0 }),
+    }
+}
+
+/// A name of letters, digits and underscores for a column that the mapping does not name.
+fn sanitized(name: &str, index: usize) -> String {
+    let word = |c: char| if c.is_ascii_alphanumeric() { c } else { '_' };
+    let spaced: String = name.chars().map(word).collect();
+    let words: Vec<&str> = spaced.split('_').filter(|word| !word.is_empty()).collect();
+    if words.is_empty() { format!("column_{}", index + 1) } else { words.join("_") }
+}
+
+/// What a column on the clock of the recording comes from.
+struct Source {
+    index: usize,
+    shown: String,
+    name: String,
+    change: Change,
+    reference: Option<Reference>,
+    /// A column the mapping does not name: left out, with this reason, once it holds no number.
+    other: bool,
+    dropped: Option<String>,
+}
+
+/// A column with a clock of its own.
+struct Clocked {
+    source: Source,
+    clock: usize,
+    clock_change: Change,
+    clock_reference: f64,
+    time: Vec<f64>,
+    values: Vec<f64>,
+}
+
+/// Rows with one time stamp.
+struct Stamp {
+    time: f64,
+    sums: Vec<f64>,
+    count: f64,
+}
+
+/// The samples so far.
+struct Recording {
+    time_from: Option<usize>,
+    time_change: Change,
+    plan: Time,
+    every: usize,
+    sources: Vec<Source>,
+    clocked: Vec<Clocked>,
+    open: Option<Stamp>,
+    time: Vec<f64>,
+    values: Vec<Vec<f64>>,
+    rows: usize,
+    stamps: usize,
+}
+
+impl Recording {
+    /// Finds every column that the mapping names in the file.
+    fn plan(rows: &Rows, mapping: &Mapping) -> Result<Self, ImportError> {
+        let shown = |index: usize| match rows.names.get(index) {
+            Some(name) if !name.is_empty() => name.clone(),
+            _ => format!("column {}", index + 1),
+        };
+        let checked = "checked when the mapping was read";
+        let time_from = mapping.time.from.as_ref().map(|from| rows.find(from)).transpose()?;
+        let mut used: Vec<usize> = time_from.into_iter().collect();
+        let (mut sources, mut clocked) = (Vec::new(), Vec::new());
+        for column in &mapping.column {
+            let index = rows.find(&column.from)?;
+            used.push(index);
+            let source = Source {
+                index,
+                shown: shown(index),
+                name: column.name.clone(),
+                change: column.change().expect(checked),
+                reference: column.reference.clone(),
+                other: false,
+                dropped: None,
+            };
+            let Some(clock) = &column.clock else {
+                sources.push(source);
+                continue;
+            };
+            let clock_at = rows.find(&clock.from)?;
+            used.push(clock_at);
+            clocked.push(Clocked {
+                source,
+                clock: clock_at,
+                clock_change: Change::clock(clock.unit.as_deref()).expect(checked),
+                clock_reference: clock.reference.unwrap_or(0.0),
+                time: Vec::new(),
+                values: Vec::new(),
+            });
+        }
+        for index in (0..rows.width()).filter(|index| !used.contains(index)) {
+            let drop = (mapping.others == Others::Drop).then(|| "`others = \"drop\"`".to_owned());
+            let name = sanitized(rows.names.get(index).map_or("", String::as_str), index);
+            let (change, reference) = (Change::NONE, None);
+            let shown = shown(index);
+            sources.push(Source {
+                index,
+                shown,
+                name,
+                change,
+                reference,
+                other: true,
+                dropped: drop,
+            });
+        }
+        Ok(Self {
+            time_from,
+            time_change: Change::clock(mapping.time.unit.as_deref()).expect(checked),
+            plan: mapping.time.clone(),
+            every: mapping.every.unwrap_or(1),
+            values: vec![Vec::new(); sources.len()],
+            sources,
+            clocked,
+            open: None,
+            time: Vec::new(),
+            rows: 0,
+            stamps: 0,
+        })
+    }
+
+    /// Takes one row.
+    fn take(&mut self, rows: &Rows) -> Result<(), ImportError> {
+        for column in &mut self.clocked {
+            column.take(rows)?;
+        }
+        // Columns with clocks of their own may go on after the recording's has ended.
+        let named = self.sources.iter().filter(|source| !source.other).map(|source| source.index);
+        let ended = self.time_from.is_some_and(|time| rows.cell(time).is_empty())
+            && named.into_iter().all(|index| rows.cell(index).is_empty());
+        if ended && !self.clocked.is_empty() {
+            return Ok(());
+        }
+        let time = match self.time_from {
+            Some(index) => changed(rows, index, &self.time_change)?,
+            None => {
+                let (start, step) = (self.plan.start_s, self.plan.step_s);
+                start.unwrap_or(0.0) + self.rows as f64 * step.unwrap_or(1.0)
+            }
+        };
+        self.rows += 1;
+        let mut values = Vec::with_capacity(self.sources.len());
+        for source in &mut self.sources {
+            values.push(source.take(rows)?);
+        }
+        self.put(time, values, rows)
+    }
+
+    /// Adds a row to the time stamp under way, or begins the next.
+    fn put(&mut self, time: f64, values: Vec<f64>, rows: &Rows) -> Result<(), ImportError> {
+        let before = self.open.as_ref().map_or(f64::NEG_INFINITY, |stamp| stamp.time);
+        let repeated = self.plan.repeated;
+        if time < before || (time == before && repeated == Repeated::Error) {
+            let place = rows.place(self.time_from.unwrap_or(0));
+            return Err(ImportError::TimeOrder { place, time, previous: before });
+        }
+        match &mut self.open {
+            Some(stamp) if time == before => match repeated {
+                Repeated::KeepLast => stamp.sums = values,
+                Repeated::Mean => {
+                    stamp.sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += value);
+                    stamp.count += 1.0;
+                }
+                Repeated::KeepFirst | Repeated::Error => {}
+            },
+            _ => {
+                self.close();
+                self.open = Some(Stamp { time, sums: values, count: 1.0 });
+            }
+        }
+        Ok(())
+    }
+
+    /// Ends the time stamp under way; one of every so many becomes a sample.
+    fn close(&mut self) {
+        let Some(stamp) = self.open.take() else { return };
+        if self.stamps.is_multiple_of(self.every) {
+            self.time.push(stamp.time);
+            for (column, sum) in self.values.iter_mut().zip(&stamp.sums) {
+                column.push(sum / stamp.count);
+            }
+        }
+        self.stamps += 1;
+    }
+
+    fn finish(mut self, path: &Path, mapping: &Mapping) -> Result<Imported, ImportError> {
+        self.close();
+        subtract(self.plan.reference.as_ref(), &mut self.time);
+        let clock = match self.time_from {
+            Some(index) => format!("column {}", index + 1),
+            None => "start_s and step_s".to_owned(),
+        };
+        let mut columns = vec![(clock, TIME.to_owned())];
+        let mut dropped = Vec::new();
+        let mut trace = Trace { time: self.time, ..Trace::default() };
+        for (source, mut values) in self.sources.into_iter().zip(self.values) {
+            if let Some(reason) = source.dropped {
+                dropped.push((source.shown, reason));
+                continue;
+            }
+            subtract(source.reference.as_ref(), &mut values);
+            columns.push((source.shown, source.name.clone()));
+            trace.columns.push(Column { name: source.name, values });
+        }
+        let samples = trace.len();
+        for column in self.clocked {
+            columns.push((column.source.shown.clone(), column.source.name.clone()));
+            column.join(path, &mut trace)?;
+        }
+        check_names(path, &columns)?;
+        if trace.len() < 2 {
+            return Err(ImportError::TooShort { path: path.into(), samples: trace.len() });
+        }
+        trace.head = mapping.head.clone();
+        trace.head.version = Some(head::VERSION);
+        trace.head.other.insert("import".into(), origin(path, mapping, self.every).into());
+        Ok(Imported {
+            uncovered: samples - trace.len(),
+            merged: self.rows - self.stamps,
+            rows: self.rows,
+            trace,
+            columns,
+            dropped,
+        })
+    }
+}
+
+impl Source {
+    /// The number of one row; of a column that the mapping does not name it may be none.
+    fn take(&mut self, rows: &Rows) -> Result<f64, ImportError> {
+        if self.dropped.is_some() {
+            return Ok(0.0);
+        }
+        match changed(rows, self.index, &self.change) {
+            Ok(value) => Ok(value),
+            Err(_) if self.other => {
+                self.dropped = Some(format!("no number in line {}", rows.line_number()));
+                Ok(0.0)
+            }
+            Err(error) => Err(error),
+        }
+    }
+}
+
+impl Clocked {
+    fn take(&mut self, rows: &Rows) -> Result<(), ImportError> {
+        if rows.cell(self.clock).is_empty() && rows.cell(self.source.index).is_empty() {
+            return Ok(());
+        }
+        let time = changed(rows, self.clock, &self.clock_change)? - self.clock_reference;
+        if let Some(&previous) = self.time.last()
+            && time <= previous
+        {
+            return Err(ImportError::TimeOrder { place: rows.place(self.clock), time, previous });
+        }
+        self.time.push(time);
+        self.values.push(self.source.take(rows)?);
+        Ok(())
+    }
+
+    /// Puts the column onto the clock of the trace. Samples of the trace before its first, after its
+    /// last or in one of its gaps are left out: nothing is extrapolated or made up across a gap.
+    fn join(mut self, path: &Path, trace: &mut Trace) -> Result<(), ImportError> {
+        subtract(self.source.reference.as_ref(), &mut self.values);
+        let gaps = gaps(&self.time);
+        let mut keep = Vec::with_capacity(trace.len());
+        let mut values = Vec::new();
+        let mut next = 0;
+        for &t in &trace.time {
+            next += self.time[next..].iter().take_while(|&&own| own < t).count();
+            let value = match self.time.get(next) {
+                Some(&own) if own == t => Some(self.values[next]),
+                Some(_) if next > 0 && !gaps.iter().any(|gap| gap.index == next) => {
+                    let (t0, t1) = (self.time[next - 1], self.time[next]);
+                    let (y0, y1) = (self.values[next - 1], self.values[next]);
+                    Some(y0 + (y1 - y0) * ((t - t0) / (t1 - t0)))
+                }
+                _ => None,
+            };
+            keep.push(value.is_some());
+            values.extend(value);
+        }
+        if values.len() < 2 {
+            return Err(ImportError::NoOverlap {
+                path: path.into(),
+                column: self.source.name,
+                from_s: self.time.first().copied().unwrap_or(0.0),
+                to_s: self.time.last().copied().unwrap_or(0.0),
+            });
+        }
+        let thin = |all: &mut Vec<f64>| {
+            let mut kept = keep.iter();
+            all.retain(|_| kept.next().copied().unwrap_or(false));
+        };
+        thin(&mut trace.time);
+        trace.columns.iter_mut().for_each(|column| thin(&mut column.values));
+        trace.columns.push(Column { name: self.source.name, values });
+        Ok(())
+    }
+}
+
+/// The number in a cell, in the unit of the trace.
+fn changed(rows: &Rows, index: usize, change: &Change) -> Result<f64, ImportError> {
+    let value = change.apply(rows.number(index)?);
+    if value.is_finite() {
+        return Ok(value);
+    }
+    let place: Place = rows.place(index);
+    Err(ImportError::NotFinite { place, text: rows.cell(index).into() })
+}
+
+fn subtract(reference: Option<&Reference>, values: &mut [f64]) {
+    let zero = match reference {
+        None => return,
+        Some(Reference::Value(value)) => *value,
+        Some(Reference::First(FirstSample::First)) => values.first().copied().unwrap_or(0.0),
+    };
+    values.iter_mut().for_each(|value| *value -= zero);
+}
+
+fn check_names(path: &Path, columns: &[(String, String)]) -> Result<(), ImportError> {
+    let all: Vec<&str> = columns.iter().map(|(_, name)| name.as_str()).collect();
+    names::check(&all).map_err(|fault| {
+        let (index, fault) = match fault {
+            Fault::Unnamed(index) => (index, "has no printable name".to_owned()),
+            Fault::Duplicate { index, .. } => (index, "appears twice".to_owned()),
+            Fault::Unit { index, expected } => (index, format!("is `{expected}` in a trace")),
+        };
+        ImportError::Name { path: path.into(), name: all[index].to_owned(), fault }
+    })
+}
+
+/// Where a trace came from, for its head.
+fn origin(path: &Path, mapping: &Mapping, every: usize) -> toml::Table {
+    let file = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let mut origin = toml::Table::new();
+    origin.insert("file".into(), file.into());
+    origin.insert("mapping".into(), mapping.name.clone().into());
+    if every > 1 {
+        origin.insert("every".into(), i64::try_from(every).unwrap_or(i64::MAX).into());
+    }
+    origin.insert("mapping_text".into(), mapping.source.clone().into());
+    origin
+}
