@@ -238,6 +238,7 @@ fn found(
         let excess = ours / least - 1.0;
         worst = worst.max(excess);
         assert!((fit.rss / ours - 1.0).abs() < 1e-6, "{} is not {ours}", fit.rss);
+
         successes += usize::from(excess < 1e-6);
     }
     (successes, worst)
@@ -279,13 +280,13 @@ fn reaches_the_global_minimum(copies: usize, starts: usize) {
 
 #[test]
 fn every_fit_is_the_best_of_many_starts() {
-    reaches_the_global_minimum(12, 8);
+    reaches_the_global_minimum(12, 6);
 }
 
 #[test]
-#[ignore = "1,000 copies of 13 scenarios with 20 starts each take some minutes"]
+#[ignore = "1,000 copies of 26 scenarios with ten starts each take half an hour"]
 fn a_thousand_fits_of_every_scenario_are_the_best_of_many_starts() {
-    reaches_the_global_minimum(1000, 20);
+    reaches_the_global_minimum(1000, 8);
 }
 
 // ---------------------------------------------------------------- statistics
@@ -358,7 +359,7 @@ fn is_efficient(truth: &ExponentialSum, times: &[f64], sd: f64, copies: usize) {
 fn fits_are_unbiased_scatter_at_the_bound_and_cover_the_truth() {
     is_efficient(&sushi(), &recording(), 0.01, 10_000);
     is_efficient(&sushi(), &recording(), 0.001, 10_000);
-    is_efficient(&sushi(), &logarithmic(), 0.005, 10_000);
+    is_efficient(&sushi(), &logarithmic(), 0.002, 10_000);
 }
 
 #[test]

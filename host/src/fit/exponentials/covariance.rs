@@ -77,6 +77,38 @@ pub(super) fn describe<const N: usize, const R: usize>(
     described
 }
 
+/// By how many variances of the noise the sum of squares would rise, in the linear theory, if the
+/// least significant term were left out or merged with its neighbour.
+pub(super) fn significance<const N: usize, const R: usize>(
+    problem: &Problem<R>,
+    refined: &Refined<N, R>,
+) -> f64 {
+    let mut amplitudes = [0.0; N];
+    let mut ratios = [0.0; N];
+    columns(problem, refined, |change| {
+        for i in 0..N {
+            amplitudes[i] += change.terms[i] * change.terms[i];
+            if i > 0 {
+                let ratio = change.u[i] - change.u[i - 1];
+                ratios[i] += ratio * ratio;
+            }
+        }
+    });
+    let point = &refined.point;
+    let mut least = f64::INFINITY;
+    for i in 0..N {
+        if !point.face.terms[i] || refined.curvature.directions.of[i].is_none() {
+            return 0.0;
+        }
+        least = least.min(point.amplitudes[i] * point.amplitudes[i] / amplitudes[i]);
+        if i > 0 {
+            let ratio = point.u[i] - point.u[i - 1];
+            least = least.min(ratio * ratio / ratios[i]);
+        }
+    }
+    if least.is_nan() { 0.0 } else { least }
+}
+
 /// Independent changes of the amplitudes and rates whose outer products sum to the covariance.
 #[inline]
 fn columns<const N: usize, const R: usize>(

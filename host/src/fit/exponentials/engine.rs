@@ -9,7 +9,7 @@ use super::fit::{
 use super::grid::Grid;
 use super::point::{Problem, Signs};
 use super::refine::{Cholesky, Refined, touching};
-use super::search::{Grids, search};
+use super::search::{Fewer, Found, Grids, search};
 use super::table::Table;
 use super::vector::dot;
 use super::{Error, MOST_TERMS};
@@ -32,11 +32,11 @@ pub(super) struct Core<const R: usize> {
 }
 
 impl<const R: usize> Core<R> {
-    /// Prepares `terms` exponentials, all numbers of them in the range.
+    /// Prepares up to `terms` exponentials.
     pub fn new(
         family: &Family,
         roots: Vec<f64>,
-        terms: std::ops::RangeInclusive<usize>,
+        terms: usize,
         options: &Options,
     ) -> Result<Self, TooNarrow> {
         let samples = match roots.len() {
@@ -49,7 +49,7 @@ impl<const R: usize> Core<R> {
         let table = Table::new(coordinates, lowest, highest, family.spacing);
         let mut grids = [const { None }; MOST_TERMS];
         let without = signs(options, 1.0).constant != 0.0;
-        for n in terms {
+        for n in 1..=terms {
             grids[n - 1] = Some(Grids {
                 with_constant: Grid::new(&table, n, true),
                 without_constant: without.then(|| Grid::new(&table, n, false)),
@@ -68,9 +68,7 @@ impl<const R: usize> Core<R> {
             constant_norm: self.basis.constant_norm,
             signs: signs(&self.options, target[0]),
         };
-        let grids = self.grids[N - 1].as_ref().expect("the number of terms was prepared");
-        let degrees = (self.samples - (2 * N + 1)) as f64;
-        let refined = search::<N, R>(&problem, grids, degrees);
+        let refined = self.search::<N>(&problem).signed;
         let described = describe(&problem, &refined, self.options.normalisation);
         let largest = refined.point.amplitudes.iter().fold(refined.point.constant.abs(), |a, b| {
             a.max(b.abs())
@@ -84,6 +82,18 @@ impl<const R: usize> Core<R> {
             return Err(Error::ZeroScale { place });
         }
         Ok(self.report(&projection, &refined, &described))
+    }
+
+    /// The global minimum of `N` terms, by way of those of fewer.
+    fn search<const N: usize>(&self, problem: &Problem<R>) -> Found<N, R> {
+        let fewer = || match N {
+            4 => Fewer::from(&self.search::<3>(problem)),
+            3 => Fewer::from(&self.search::<2>(problem)),
+            2 => Fewer::from(&self.search::<1>(problem)),
+            _ => Fewer::default(),
+        };
+        let grids = self.grids[N - 1].as_ref().expect("grids of all fewer terms are prepared");
+        search(problem, grids, (self.samples - (2 * N + 1)) as f64, fewer)
     }
 
     /// Projects a trace, refusing one that cannot be fitted.
@@ -232,55 +242,5 @@ fn signs(options: &Options, mean: f64) -> Signs {
             Normalisation::Initial => orientation * options.constant_sign.number(),
             Normalisation::Asymptotic => 0.0,
         },
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn timing() {
-        use rand::SeedableRng;
-        use rand_distr::{Distribution, Normal};
-        let times: Vec<f64> = (0..860).map(|k| f64::from(k) / 200.0).collect();
-        let family = Family::new(times.clone(), 0.02 / 4.3, 40.0);
-        let core = Core::<24>::new(&family, vec![], 2..=2, &Options::relaxation()).unwrap();
-        let noise = Normal::new(0.0, 0.01).unwrap();
-        let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(36);
-        let traces: Vec<Vec<f64>> = (0..200).map(|_| times.iter().map(|t: &f64| 0.4852+0.2472*(-3.981*t).exp()+0.2676*(-0.5325*t).exp() + noise.sample(&mut random)).collect()).collect();
-        let time = |name: &str, f: &mut dyn FnMut(&[f64]) -> f64| {
-            let mut best = f64::INFINITY;
-            let mut sum = 0.0;
-            for _ in 0..200 {
-                let start = std::time::Instant::now();
-                for t in &traces { sum += std::hint::black_box(f(std::hint::black_box(t))); }
-                best = best.min(start.elapsed().as_secs_f64() / 200.0 * 1e6);
-            }
-            println!("{name} {best:.3} us  mean value {:.4}", sum / 40000.0);
-        };
-        time("project", &mut |t| core.basis.project(t).coordinates[3]);
-        time("sum of squares", &mut |t| core.basis.sum_of_squares(t, t[0]));
-        let grids = core.grids[1].as_ref().unwrap();
-        let p = core.basis.project(&traces[0]);
-        let mut target = p.coordinates; target[0] = 0.0;
-        time("scores", &mut |_| grids.with_constant.scores(std::hint::black_box(&target), 2).value(3));
-        let s = grids.with_constant.scores(&target, 2);
-        println!("sets {}", s.count());
-        time("best", &mut |_| s.best() as f64);
-        time("peaks", &mut |_| s.peaks(std::hint::black_box(s.value(s.best())*(0.999))).len() as f64);
-        let problem = Problem { table: &core.table, target: &p.coordinates, outside: p.outside, constant_norm: core.basis.constant_norm, signs: Signs::FREE };
-        time("lookup", &mut |_| core.table.at(std::hint::black_box(1.3)).slope[2]);
-        time("point", &mut |_| problem.point(std::hint::black_box([-0.6, 1.4])).rss);
-        let pt = problem.point([-0.6,1.4]);
-        time("curvature", &mut |_| super::super::refine::Curvature::new(std::hint::black_box(&pt), (core.table.lowest, core.table.highest)).hessian[0][0]);
-        let rates: Vec<f64> = s.rates(s.best()).collect();
-        println!("start {rates:?}");
-        time("refine", &mut |_| super::super::refine::refine(&problem, std::hint::black_box([rates[0], rates[1]])).point.rss);
-        time("search", &mut |_| search::<2, 24>(&problem, grids, 855.0).iterations as f64);
-        let r = search::<2, 24>(&problem, grids, 855.0);
-        time("describe", &mut |_| describe(std::hint::black_box(&problem), &r, Normalisation::Initial).scale);
-        time("fit", &mut |t| core.fit_terms::<2>(t).unwrap().rss);
-        time("iterations", &mut |t| core.fit_terms::<2>(t).unwrap().iterations as f64);
     }
 }

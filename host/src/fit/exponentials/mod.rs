@@ -62,7 +62,7 @@ impl Prepared {
     /// # Errors
     /// When the times, the limits of the rates or the number of terms cannot be used.
     pub fn new(times: &[f64], options: &Options) -> Result<Self, Error> {
-        Self::prepare(times, &[], options, options.terms..=options.terms)
+        Self::prepare(times, &[], options)
     }
 
     /// Prepares fits that weigh the square of each sample's residual; only the proportions of
@@ -75,18 +75,17 @@ impl Prepared {
         if weights.len() != times.len() {
             return Err(Error::Lengths { times: times.len(), other: weights.len(), what: "weights" });
         }
-        Self::prepare(times, weights, options, options.terms..=options.terms)
+        Self::prepare(times, weights, options)
     }
 
     fn prepare(
         times: &[f64],
         weights: &[f64],
         options: &Options,
-        terms: std::ops::RangeInclusive<usize>,
     ) -> Result<Self, Error> {
-        let most = *terms.end();
-        if *terms.start() < 1 || most > MOST_TERMS {
-            return Err(Error::Terms { terms: if most > MOST_TERMS { most } else { *terms.start() } });
+        let terms = options.terms;
+        if !(1..=MOST_TERMS).contains(&terms) {
+            return Err(Error::Terms { terms });
         }
         check_times(times)?;
         let roots = roots(weights)?;
@@ -94,9 +93,9 @@ impl Prepared {
             0 => times.len(),
             _ => roots.iter().filter(|root| **root > 0.0).count(),
         };
-        let needed = 2 * most + 2;
+        let needed = 2 * terms + 2;
         if samples < needed {
-            return Err(Error::TooFewSamples { samples, terms: most, needed });
+            return Err(Error::TooFewSamples { samples, terms, needed });
         }
         let duration = times[times.len() - 1] - times[0];
         let slowest = options.slowest.unwrap_or(SLOWEST / duration);
@@ -109,10 +108,10 @@ impl Prepared {
         let since = times.iter().map(|time| time - times[0]).collect();
         let family = Family::new(since, slowest, fastest);
         Ok(Self {
-            engine: engine(&family, &roots, &terms, options)
+            engine: engine(&family, &roots, options)
                 .ok_or(Error::TooWide { slowest, fastest })?,
             samples: times.len(),
-            terms: options.terms,
+            terms,
             limits: (slowest, fastest),
         })
     }
@@ -140,13 +139,12 @@ impl Prepared {
 fn engine(
     family: &Family,
     roots: &[f64],
-    terms: &std::ops::RangeInclusive<usize>,
     options: &Options,
 ) -> Option<Arc<dyn Engine>> {
-    if let Ok(core) = Core::<24>::new(family, roots.to_vec(), terms.clone(), options) {
+    if let Ok(core) = Core::<24>::new(family, roots.to_vec(), options.terms, options) {
         return Some(Arc::new(core));
     }
-    let core = Core::<64>::new(family, roots.to_vec(), terms.clone(), options).ok()?;
+    let core = Core::<64>::new(family, roots.to_vec(), options.terms, options).ok()?;
     Some(Arc::new(core))
 }
 

@@ -1,6 +1,7 @@
 //! The global minimum: every promising start of the grid is refined, and signs are imposed only
 //! where the free minimum breaks them.
 
+use super::covariance::significance;
 use super::grid::{Grid, Scores};
 use super::point::{Problem, Signs};
 use super::refine::{Refined, refine};
@@ -14,6 +15,13 @@ const REACH_NOISE: f64 = 20.0;
 /// Most starts refined beside the best.
 const MOST_STARTS: usize = 12;
 
+/// A term stands out of the noise when leaving it out, or merging it with another, would raise the
+/// sum of squares by more than so many variances of the noise.
+const CERTAIN: f64 = 100.0;
+/// Rates tried when one term is moved, and how often all terms are.
+const SCANNED_RATES: usize = 48;
+const MOST_EXCHANGES: usize = 4;
+
 /// Grids for the starts.
 #[derive(Clone, Debug)]
 pub(super) struct Grids<const R: usize> {
@@ -23,12 +31,39 @@ pub(super) struct Grids<const R: usize> {
     pub without_constant: Option<Grid<R>>,
 }
 
-/// Finds the global minimum; `degrees` of freedom are for the scale of the noise.
+/// Logarithms of the rates at the minimum with one term less, for amplitudes of any sign and of
+/// the allowed ones.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Fewer {
+    pub free: Vec<f64>,
+    pub signed: Vec<f64>,
+}
+
+impl Fewer {
+    pub fn from<const N: usize, const R: usize>(found: &Found<N, R>) -> Self {
+        Self { free: found.free.to_vec(), signed: found.signed.point.u.to_vec() }
+    }
+}
+
+/// The global minimum for amplitudes of any sign and of the allowed signs.
+pub(super) struct Found<const N: usize, const R: usize> {
+    pub free: [f64; N],
+    pub signed: Refined<N, R>,
+}
+
+/// Finds the global minimum; `degrees` of freedom are for the scale of the noise, `fewer` is
+/// asked only where it is needed.
+///
+/// Where every term stands out of the noise, a sum of squares that a rival could undercut has one
+/// wide basin, which the grid shows. Where one does not, there are about as many minima as there
+/// are ways to fit noise with it: then the minimum with one term less is extended by a term
+/// anywhere. So are three and more terms, whose grids are coarse.
 pub(super) fn search<const N: usize, const R: usize>(
     problem: &Problem<R>,
     grids: &Grids<R>,
     degrees: f64,
-) -> Refined<N, R> {
+    fewer: impl FnOnce() -> Fewer,
+) -> Found<N, R> {
     let free = Problem { signs: Signs::FREE, ..*problem };
     let mut target = *problem.target;
     target[0] = 0.0;
@@ -44,10 +79,18 @@ pub(super) fn search<const N: usize, const R: usize>(
             keep_better(&mut best, refine(&free, start(&scores, place)));
         }
     }
-    if problem.allows(&best.point) {
-        return best;
+    let allowed = problem.allows(&best.point);
+    let certain = significance(problem, &best) * degrees >= CERTAIN * best.point.rss;
+    if allowed && (N == 1 || (N == 2 && certain)) {
+        return Found { free: best.point.u, signed: best };
     }
-    signed(problem, grids)
+    let fewer = fewer();
+    best = exchange(&free, one_more(&free, best, &fewer.free));
+    if problem.allows(&best.point) {
+        return Found { free: best.point.u, signed: best };
+    }
+    let allowed = one_more(problem, signed(problem, grids), &fewer.signed);
+    Found { free: best.point.u, signed: exchange(problem, allowed) }
 }
 
 /// A set of the grid; terms beyond it start at the ends of the range.
@@ -93,6 +136,58 @@ fn signed<const N: usize, const R: usize>(
         }
     }
     best
+}
+
+/// Moves one rate at a time over the whole range, the others staying, and refines every minimum
+/// met on the way, until that brings nothing.
+fn exchange<const N: usize, const R: usize>(
+    problem: &Problem<R>,
+    mut best: Refined<N, R>,
+) -> Refined<N, R> {
+    for _ in 0..MOST_EXCHANGES {
+        let from = best.point;
+        for moved in 0..N {
+            scan(problem, &mut best, from.u, moved);
+        }
+        if best.point.rss >= from.rss * (1.0 - 1e-9) {
+            break;
+        }
+    }
+    best
+}
+
+/// Adds a term anywhere to the minimum with one less.
+fn one_more<const N: usize, const R: usize>(
+    problem: &Problem<R>,
+    mut best: Refined<N, R>,
+    fewer: &[f64],
+) -> Refined<N, R> {
+    let u = std::array::from_fn(|i| fewer.get(i).copied().unwrap_or(problem.table.highest));
+    scan(problem, &mut best, u, N - 1);
+    best
+}
+
+/// Moves one rate over the whole range and refines every minimum of the sum of squares.
+fn scan<const N: usize, const R: usize>(
+    problem: &Problem<R>,
+    best: &mut Refined<N, R>,
+    from: [f64; N],
+    moved: usize,
+) {
+    let at = |rate: f64| {
+        let mut u = from;
+        u[moved] = rate;
+        u
+    };
+    let rates = problem.table.coarse(SCANNED_RATES);
+    let sums: Vec<f64> = rates.iter().map(|rate| problem.point(at(*rate)).rss).collect();
+    for (k, rate) in rates.iter().enumerate() {
+        let before = k.checked_sub(1).map_or(f64::INFINITY, |before| sums[before]);
+        let after = sums.get(k + 1).copied().unwrap_or(f64::INFINITY);
+        if sums[k] <= before && sums[k] < after {
+            keep_better(best, refine(problem, at(*rate)));
+        }
+    }
 }
 
 /// While a term is at 0, gives it the rate at which it would help most. When no rate helps, the
