@@ -149,8 +149,3 @@ impl Trace {
         }
     }
 }
-impl Trace {
-    pub fn runs(&self) -> Vec<std::ops::Range<usize>> {
-        vec![0..self.len()]
-    }
-}

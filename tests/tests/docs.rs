@@ -1,0 +1,92 @@
+//! Every command in the documentation runs.
+#![cfg(unix)]
+
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+use palpate_tests::{palpate, workspace};
+
+/// The commands of a document: the lines of its blocks of kind `sh`.
+fn commands(document: &Path) -> Vec<String> {
+    let text = fs::read_to_string(document).unwrap();
+    let mut inside = false;
+    let mut found = Vec::new();
+    for line in text.lines() {
+        if line.starts_with("```") {
+            inside = line == "```sh";
+        } else if inside && !line.trim().is_empty() && !line.starts_with('#') {
+            found.push(line.to_owned());
+        }
+    }
+    found
+}
+
+/// A folder with what the documents assume: the bundled recordings, and `palpate` on the path.
+fn place() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let link = |from: &Path, to: &str| std::os::unix::fs::symlink(from, folder.path().join(to));
+    fs::create_dir_all(folder.path().join("bin")).unwrap();
+    link(Path::new(palpate().get_program()), "bin/palpate").unwrap();
+    link(&workspace().join("tests"), "tests").unwrap();
+    folder
+}
+
+fn run_all(document: &str) {
+    let path = workspace().join(document);
+    let folder = place();
+    let found = commands(&path);
+    assert!(!found.is_empty(), "{document} has no commands");
+    for command in found {
+        // `cargo run` and the installed command are one; other cargo commands are tests of their own.
+        let command = command.replace("cargo run --release -- ", "palpate ");
+        if command.starts_with("cargo ") {
+            continue;
+        }
+        let search = format!("{}:{}", folder.path().join("bin").display(), env!("PATH"));
+        let output = Command::new("sh")
+            .args(["-c", &command])
+            .current_dir(folder.path())
+            .env("PATH", search)
+            .output()
+            .unwrap();
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{document}: {command}\n{said}");
+    }
+}
+
+#[test]
+fn the_commands_of_the_readme_run() {
+    run_all("README.md");
+}
+
+#[test]
+fn the_commands_of_the_format_description_run() {
+    run_all("docs/formats.md");
+}
+
+#[test]
+fn every_link_to_a_file_leads_somewhere() {
+    for document in ["README.md", "docs/formats.md", "docs/dependencies.md", "docs/measured.md"] {
+        let path = workspace().join(document);
+        let text = fs::read_to_string(&path).unwrap();
+        for target in text.split("](").skip(1).filter_map(|rest| rest.split(')').next()) {
+            if target.starts_with("http") || target.starts_with('#') {
+                continue;
+            }
+            let file = target.split('#').next().unwrap_or(target);
+            assert!(path.parent().unwrap().join(file).exists(), "{document} links to {target}");
+        }
+    }
+}
+
+#[test]
+fn every_task_of_the_readme_is_a_task() {
+    let text = fs::read_to_string(workspace().join("README.md")).unwrap();
+    let source = fs::read_to_string(workspace().join("xtask/src/main.rs")).unwrap();
+    for line in text.lines().filter_map(|line| line.strip_prefix("cargo xtask ")) {
+        let task = line.split_whitespace().next().unwrap();
+        let variant = format!("    {}{},", task[..1].to_uppercase(), &task[1..]);
+        assert!(source.contains(&variant), "no task {task}");
+    }
+}
