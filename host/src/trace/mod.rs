@@ -17,6 +17,7 @@ mod read;
 mod sampling;
 mod scatter;
 mod set;
+mod suggest;
 mod table;
 pub mod units;
 mod write;
@@ -32,7 +33,8 @@ pub use noise::{Noise, Source, force_noise, noise};
 pub use read::{SIZE_LIMIT, parse, read};
 pub use sampling::{Sampling, sampling};
 pub use set::read_set;
-pub use write::{write, write_to};
+pub use suggest::suggest;
+pub use write::{shortest, write, write_to};
 
 use std::path::{Path, PathBuf};
 
