@@ -7,7 +7,7 @@ mod completions;
 mod decompose;
 mod demo;
 mod fit;
-//mod import;
+mod import;
 mod output;
 mod plan;
 mod plot;
@@ -51,7 +51,7 @@ enum Command {
     /// Predict the force of a motion
     Simulate(simulate::Args),
     /// Turn a foreign recording into a trace
-    //Import(import::Args),
+    Import(import::Args),
     /// Draw traces
     Plot(plot::Args),
     /// How long and how fast to record for a wanted precision
@@ -96,7 +96,7 @@ pub fn run() -> ExitCode {
         Command::Decompose(args) => decompose::run(args),
         Command::Fit(args) => fit::run(args),
         Command::Simulate(args) => simulate::run(args),
-        //Command::Import(args) => import::run(args),
+        Command::Import(args) => import::run(args),
         Command::Plot(args) => plot::run(args),
         Command::Plan(args) => plan::run(args),
         Command::Completions(args) => completions::run::<Arguments>(args),

@@ -389,3 +389,171 @@ fn origin(path: &Path, mapping: &Mapping, every: usize) -> toml::Table {
     origin.insert("mapping_text".into(), mapping.source.clone().into());
     origin
 }
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn try_import(map: &str, bytes: &[u8]) -> Result<Imported, ImportError> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("foreign.txt");
+        std::fs::write(&path, bytes).unwrap();
+        let mapping = Mapping::parse(Path::new("map.toml"), &format!("palpate-map = 1\n{map}"))
+            .unwrap_or_else(|error| panic!("{error}"));
+        import(&path, &mapping)
+    }
+
+    fn column<'a>(imported: &'a Imported, name: &str) -> &'a [f64] {
+        imported.trace.column(name).unwrap()
+    }
+
+    #[test]
+    fn units_scale_sign_and_reference_are_applied_in_the_order_documented() {
+        let map = r#"
+            [time]
+            from = 1
+            unit = "ms"
+            reference = "first"
+            [[column]]
+            from = 2
+            name = "displacement_mm"
+            unit = "m"
+            scale = 2.0
+            offset = 1.0
+            negate = true
+            reference = -5000.0
+            [[column]]
+            from = 3
+            name = "force_N"
+            unit = "kPa"
+            area_mm2 = 20.0"#;
+        let found = try_import(map, b"1000,1,50\n1500,2,100\n").unwrap();
+        assert_eq!(found.trace.time, [0.0, 0.5]);
+        assert_eq!(column(&found, "displacement_mm"), [2000.0, 0.0]);
+        assert_eq!(column(&found, "force_N"), [1.0, 2.0]);
+    }
+
+    #[test]
+    fn a_column_with_its_own_clock_is_interpolated_where_its_clock_reaches_and_nowhere_else() {
+        let map = r#"
+            [time]
+            from = 1
+            [[column]]
+            from = 2
+            name = "force_N"
+            [[column]]
+            from = 4
+            name = "displacement_mm"
+            clock = { from = 3, unit = "ms" }"#;
+        let rows = b"0,10,500,1\n1,11,1500,3\n2,12,2500,5\n3,13,,\n4,14,,\n";
+        let found = try_import(map, rows).unwrap();
+        assert_eq!(found.trace.time, [1.0, 2.0]);
+        assert_eq!(column(&found, "displacement_mm"), [2.0, 4.0]);
+        assert_eq!(column(&found, "force_N"), [11.0, 12.0]);
+        assert_eq!(found.uncovered, 3);
+        let apart = b"0,10,50000,1\n1,11,51000,3\n";
+        assert!(matches!(try_import(map, apart), Err(ImportError::NoOverlap { .. })));
+    }
+
+    #[test]
+    fn a_gap_of_a_columns_own_clock_stays_a_gap() {
+        let map = r#"
+            [time]
+            from = 1
+            [[column]]
+            from = 3
+            name = "force_N"
+            clock = { from = 2 }"#;
+        let own = |i: i32| if i < 20 { f64::from(i) } else { f64::from(i) + 40.0 };
+        let text: String = (0..100).map(|i| format!("{i},{},{i}\n", own(i))).collect();
+        let trace = try_import(map, text.as_bytes()).unwrap().trace;
+        let gaps = gaps(&trace.time);
+        assert_eq!((gaps.len(), gaps[0].from_s, gaps[0].to_s), (1, 19.0, 60.0));
+    }
+
+    #[test]
+    fn repeated_time_stamps_follow_the_policy() {
+        let rows = b"0,1\n1,2\n1,4\n2,8\n";
+        let with = |policy: &str| {
+            let map = format!("[time]\nfrom = 1\n{policy}\n[[column]]\nfrom = 2\nname = \"a\"");
+            try_import(&map, rows)
+        };
+        for (policy, values) in [
+            ("keep-first", [1.0, 2.0, 8.0]),
+            ("keep-last", [1.0, 4.0, 8.0]),
+            ("mean", [1.0, 3.0, 8.0]),
+        ] {
+            let found = with(&format!("repeated = \"{policy}\"")).unwrap();
+            assert_eq!(column(&found, "a"), values, "{policy}");
+            assert_eq!(found.merged, 1);
+        }
+        let error = with("").unwrap_err().to_string();
+        assert!(error.contains("line 3, column 1: time 1 s is repeated"), "{error}");
+    }
+
+    #[test]
+    fn every_nth_sample_and_a_part_of_the_rows_can_be_taken() {
+        let rows: String = (0..20).map(|i| format!("{i},{i}\n")).collect();
+        let map = "every = 4\n[table]\nfirst_row = 3\nlast_row = 15\n[time]\nfrom = 1";
+        let found = try_import(map, rows.as_bytes()).unwrap();
+        assert_eq!(found.trace.time, [2.0, 6.0, 10.0, 14.0]);
+        assert_eq!(found.trace.head.other["import"]["every"].as_integer(), Some(4));
+    }
+
+    #[test]
+    fn columns_that_the_mapping_does_not_name_are_kept_if_they_are_numbers() {
+        let map = "[table]\nheader_line = 1\n[time]\nfrom = \"t\"";
+        let found = try_import(map, b"t,Shear Stress [Pa],Status\n0,1,ok\n1,2,ok\n").unwrap();
+        assert_eq!(column(&found, "Shear_Stress_Pa"), [1.0, 2.0]);
+        assert_eq!(found.dropped, [("Status".to_owned(), "no number in line 2".to_owned())]);
+        let map = format!("others = \"drop\"\n{map}");
+        let found = try_import(&map, b"t,a\n0,1\n1,2\n").unwrap();
+        assert!(found.trace.columns.is_empty());
+    }
+
+    #[test]
+    fn tables_are_chosen_by_their_marker_and_end_where_the_mapping_says() {
+        let file =
+            b"title\n#begin\nt;a;\n0;1;\n1;2;\n\nrubbish\n#begin\nt;a;\n2;3;\n3;4;\nEND\n9;9\n";
+        let map = |blocks: &str| {
+            format!(
+                "[text]\ndelimiter = \"semicolon\"\n[table]\nblock_prefix = \"#begin\"\n\
+                 header_prefix = \"t;\"\nempty_last_cell = true\nstop_at_blank = true\n\
+                 stop_at_prefix = \"END\"\n{blocks}\n[time]\nfrom = 1"
+            )
+        };
+        // The prefix is not part of the names: one name is left for two columns.
+        assert!(matches!(try_import(&map(""), file), Err(ImportError::CellCount { .. })));
+        let file = String::from_utf8_lossy(file).replace("t;a;", "names t;a;");
+        let whole = map("").replace("\"t;\"", "\"names \"");
+        assert_eq!(try_import(&whole, file.as_bytes()).unwrap().trace.time, [0.0, 1.0, 2.0, 3.0]);
+        let second = map("blocks = [1]").replace("\"t;\"", "\"names \"");
+        assert_eq!(try_import(&second, file.as_bytes()).unwrap().trace.time, [2.0, 3.0]);
+        let third = map("blocks = [2]").replace("\"t;\"", "\"names \"");
+        assert!(matches!(try_import(&third, file.as_bytes()), Err(ImportError::NoTable { .. })));
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(64))]
+        #[test]
+        fn no_bytes_make_the_importer_panic(
+            bytes in proptest::collection::vec(any::<u8>(), 0..200),
+            encoding in "utf-8|utf-16le|latin1|shift_jis",
+            delimiter in "comma|tab|space|semicolon",
+        ) {
+            let map = format!(
+                "[text]\nencoding = \"{encoding}\"\ndelimiter = \"{delimiter}\"\n[time]\nfrom = 1"
+            );
+            let _ = try_import(&map, &bytes);
+            let rows = String::from_utf8_lossy(&bytes).replace(char::is_alphabetic, "1,2\n");
+            let _ = try_import(&map, rows.as_bytes());
+        }
+
+        #[test]
+        fn no_text_makes_the_mapping_panic(text in "(palpate-map = 1\n)?(\\[?\\[?(time|table|text|column|head)\\]?\\]?\n|from = [0-9]\n|\\PC{0,20}\n){0,8}") {
+            let _ = Mapping::parse(Path::new("map.toml"), &text);
+        }
+    }
+}

@@ -430,7 +430,7 @@ impl Mapping {
         }
         Change::clock(time.unit.as_deref()).map_err(|message| ("[time".to_owned(), message))?;
         for column in &self.column {
-            let near = |message: String| (column.name.clone(), message);
+            let near = |message: String| (format!("\"{}\"", column.name), message);
             if column.name == TIME {
                 return fault(TIME, "time has a section of its own, `[time]`");
             }
@@ -449,7 +449,10 @@ impl Mapping {
             && let Some(From::Name(name)) =
                 sources.clone().find(|from| matches!(from, From::Name(_)))
         {
-            return fault(name, "without a header row columns go by their place: `from = 2`");
+            return fault(
+                &format!("\"{name}\""),
+                "without a header row columns go by their place: `from = 2`",
+            );
         }
         if sources.clone().any(|from| *from == From::Place(0)) {
             return fault("from", "places count from 1");

@@ -3,8 +3,9 @@
 use std::ops::Range;
 
 use super::error::SignalError;
-use super::holds::{self, Kind};
+use super::holds;
 use super::scatter;
+use super::segments::{Kind, segments};
 use super::{FORCE, Trace};
 
 /// Samples of rest before the touch that are enough to measure noise in.
@@ -50,7 +51,7 @@ pub fn noise(trace: &Trace, column: &str) -> Result<Noise, SignalError> {
     {
         return Ok(found);
     }
-    let resting = holds::holds(trace, column).unwrap_or_default();
+    let resting = holds(trace, column).unwrap_or_default();
     let whole = std::iter::once(0..trace.len()).collect();
     for (ranges, source) in [(resting, Source::Holds), (whole, Source::WholeTrace)] {
         let ranges: Vec<Range<usize>> = ranges;
@@ -82,10 +83,8 @@ pub fn noise(trace: &Trace, column: &str) -> Result<Noise, SignalError> {
 /// The samples before the first touch that show noise alone.
 fn before_touch(trace: &Trace) -> Option<Range<usize>> {
     let x = trace.displacement()?;
-    let approach = holds::segments(&trace.time, x)
-        .into_iter()
-        .find(|segment| segment.kind == Kind::Approach)?
-        .range;
+    let approach =
+        segments(&trace.time, x).into_iter().find(|segment| segment.kind == Kind::Approach)?.range;
     let differences: Vec<f64> =
         scatter::second_differences(&trace.time[approach.clone()], &x[approach.clone()]).collect();
     let band = 6.0 * scatter::deviation(&differences);

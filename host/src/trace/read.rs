@@ -238,6 +238,8 @@ impl Row<'_> {
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
     use super::*;
 
     fn parse_text(text: &str) -> Result<Trace, Error> {
@@ -280,6 +282,23 @@ mod tests {
                 error.starts_with("press.csv, line 6, column 2 (force_N): `x` is not"),
                 "{error}"
             );
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn no_bytes_make_the_reader_panic(bytes in proptest::collection::vec(any::<u8>(), 0..200)) {
+            let _ = parse(Path::new("press.csv"), &bytes);
+        }
+
+        #[test]
+        fn nothing_like_a_trace_makes_the_reader_panic(
+            text in "(# [a-z=\"\\[\\]0-9 .]{0,12}\r?\n){0,3}(time_s|\"time_s\"|a),b\r?\n([0-9.,;\"eE+-]{0,9}[\r\n]{0,2}){0,6}"
+        ) {
+            if let Ok(trace) = parse_text(&text) {
+                prop_assert!(trace.len() >= 2);
+                prop_assert!(trace.time.windows(2).all(|pair| pair[0] < pair[1]));
+            }
         }
     }
 }

@@ -56,14 +56,15 @@ pub fn sampling(time: &[f64]) -> Option<Sampling> {
     })
 }
 
-/// One unit of the last decimal that any time needs, from a spread of at most a thousand of them.
+/// One unit of the last decimal that any of the first and last five hundred times needs.
 fn resolution(time: &[f64]) -> f64 {
-    let stride = time.len().div_ceil(1000).max(1);
+    let some = time.len().min(500);
+    let ends = time[..some].iter().chain(&time[time.len() - some..]);
     let decimals = |t: &f64| {
         let text = t.to_string();
         text.split_once('.').map_or(0, |(_, decimals)| decimals.len())
     };
-    let most = time.iter().step_by(stride).map(decimals).max().unwrap_or(0);
+    let most = ends.map(decimals).max().unwrap_or(0);
     10f64.powi(-i32::try_from(most).unwrap_or(i32::MAX))
 }
 

@@ -45,6 +45,15 @@ pub fn write_to(mut out: impl Write, trace: &Trace) -> io::Result<()> {
 }
 
 /// The shortest text that reads back as the same number.
+#[must_use]
+pub fn shortest(value: f64) -> String {
+    let mut text = Vec::new();
+    // Writing to memory does not fail, and what is written is ASCII.
+    let _ = write_number(&mut text, value);
+    String::from_utf8_lossy(&text).into_owned()
+}
+
+/// Writes [`shortest`] without a string in between.
 fn write_number(out: &mut impl Write, value: f64) -> io::Result<()> {
     let size = value.abs();
     if value == 0.0 || (1e-5..1e16).contains(&size) {

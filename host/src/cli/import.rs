@@ -1,0 +1,162 @@
+//! `palpate import`: a foreign recording becomes a trace.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use miette::{Report, miette};
+
+use super::Failure;
+use crate::trace::{self, Error, ImportError, Imported, Mapping};
+
+/// Samples that `--preview` shows.
+const SHOWN: usize = 5;
+
+/// Turn a foreign recording into a trace, by a mapping that says what is what
+///
+/// The mapping is a small TOML file that names the encoding, the delimiter, the table within the file,
+/// and for each column its name and unit in the trace. It can be used for any number of files, and its
+/// text is kept in the head of every trace made with it.
+#[derive(Clone, Debug, clap::Args)]
+#[command(after_help = "Examples:
+  palpate import pull.csv --suggest > pull.map.toml    a proposal to check and edit
+  palpate import pull.csv --map pull.map.toml --preview
+  palpate import pull.csv --map pull.map.toml          writes pull.trace.csv
+  palpate import long.csv --map pull.map.toml --every 10 -o long.trace.csv")]
+pub struct Args {
+    /// The recording
+    pub file: PathBuf,
+    /// The mapping file
+    #[arg(long, value_name = "MAP.toml", required_unless_present = "suggest")]
+    pub map: Option<PathBuf>,
+    /// The trace to write [default: FILE's name with .trace.csv, in the current folder]
+    #[arg(short, long, value_name = "TRACE")]
+    pub output: Option<PathBuf>,
+    /// Keep every N-th sample, whatever the mapping says
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub every: Option<u32>,
+    /// Show what the mapping makes of the file and write nothing
+    #[arg(long)]
+    pub preview: bool,
+    /// Print a proposed mapping for the file, to be checked by you
+    #[arg(long, conflicts_with_all = ["map", "output", "every", "preview", "force"])]
+    pub suggest: bool,
+    /// Write over an existing file
+    #[arg(long)]
+    pub force: bool,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// [`Failure::Input`] for a recording, a mapping or a name that will not do, [`Failure::Work`] if the
+/// trace cannot be written.
+pub fn run(args: &Args) -> Result<(), Failure> {
+    let Some(map) = args.map.as_ref().filter(|_| !args.suggest) else {
+        return show(&trace::suggest(&args.file).map_err(|error| input(&error))?);
+    };
+    let mut mapping = Mapping::read(map).map_err(|error| input(&error))?;
+    if let Some(every) = args.every {
+        mapping.every = Some(every as usize);
+    }
+    let output = args.output.clone().unwrap_or_else(|| default_output(&args.file));
+    if !args.preview {
+        check_output(args, &output)?;
+    }
+    let imported = trace::import(&args.file, &mapping).map_err(|error| input(&error))?;
+    if args.preview {
+        return show(&preview(&imported));
+    }
+    trace::write(&output, &imported.trace).map_err(|error| Failure::Work(report(&error)))?;
+    eprintln!("{}", summary(&imported, &output));
+    Ok(())
+}
+
+/// Prints a result; a reader that has seen enough (`| head`) is no failure.
+fn show(text: &str) -> Result<(), Failure> {
+    match std::io::stdout().write_all(text.as_bytes()) {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
+            Err(Failure::Work(miette!("standard output: {error}")))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// `pull.csv` becomes `pull.trace.csv` in the current folder.
+fn default_output(file: &Path) -> PathBuf {
+    let mut name = file.file_stem().unwrap_or_default().to_os_string();
+    name.push(".trace.csv");
+    name.into()
+}
+
+/// Refuses to write over anything that was not offered for it.
+fn check_output(args: &Args, output: &Path) -> Result<(), Failure> {
+    let same = |path: &Path| match (path.canonicalize(), output.canonicalize()) {
+        (Ok(a), Ok(b)) => a == b,
+        _ => false,
+    };
+    if same(&args.file) || args.map.as_deref().is_some_and(same) {
+        let what = output.display();
+        return Err(Failure::Input(miette!("{what}: is read by this import. Choose another -o.")));
+    }
+    if output.exists() && !args.force {
+        let what = output.display();
+        return Err(Failure::Input(miette!(
+            "{what}: exists already. Choose another -o, or write over it with --force."
+        )));
+    }
+    Ok(())
+}
+
+/// What was made, in one or a few lines.
+fn summary(imported: &Imported, output: &Path) -> String {
+    let trace = &imported.trace;
+    let mut text = format!("{}: {} samples", output.display(), trace.len());
+    let mut add = |count: usize, what: &str| {
+        if count > 0 {
+            text += &format!(", {count} {what}");
+        }
+    };
+    add(imported.merged, "rows merged by their time stamp");
+    add(imported.uncovered, "samples left out where a column's own clock does not reach");
+    add(trace::gaps(&trace.time).len(), "gaps in time");
+    if !imported.dropped.is_empty() {
+        let names: Vec<&str> = imported.dropped.iter().map(|(name, _)| name.as_str()).collect();
+        text += &format!("; columns left out: {}", names.join(", "));
+    }
+    text
+}
+
+/// What the mapping makes of the file.
+fn preview(imported: &Imported) -> String {
+    let trace = &imported.trace;
+    let mut text = format!("{} rows, {} samples\n", imported.rows, trace.len());
+    for (from, name) in &imported.columns {
+        text += &format!("  {name}  from {from}\n");
+    }
+    for (name, reason) in &imported.dropped {
+        text += &format!("  left out: {name} ({reason})\n");
+    }
+    let names = trace.columns.iter().map(|column| column.name.as_str());
+    text += &std::iter::once(trace::TIME).chain(names).collect::<Vec<_>>().join(",");
+    text.push('\n');
+    for row in 0..SHOWN.min(trace.len()) {
+        let values = trace.columns.iter().map(|column| column.values[row]);
+        let cells: Vec<_> = std::iter::once(trace.time[row]).chain(values).collect();
+        let cells: Vec<_> = cells.iter().map(|value| trace::shortest(*value)).collect();
+        text += &cells.join(",");
+        text.push('\n');
+    }
+    text
+}
+
+fn input(error: &ImportError) -> Failure {
+    match error {
+        ImportError::File(error @ Error::Write { .. }) => Failure::Work(report(error)),
+        error => Failure::Input(report(error)),
+    }
+}
+
+/// The message is whole as it is; the source it was made from would only repeat it.
+fn report(error: &dyn std::error::Error) -> Report {
+    miette!("{error}")
+}
