@@ -70,7 +70,9 @@ pub enum DecompositionError {
     NoSignal { trace: String },
     #[error("{trace} has no column `{column}`")]
     NoColumn { trace: String, column: String },
-    #[error("the device's filter has two exponentials; the model has {terms}: fit it with --terms 2")]
+    #[error(
+        "the device's filter has two exponentials; the model has {terms}: fit it with --terms 2"
+    )]
     Terms { terms: usize },
     #[error("{trace}: the filter cannot run with this relaxation function: {source}")]
     Filter { trace: String, source: ConfigError },
@@ -95,7 +97,9 @@ pub fn relaxation_of(model: &Model) -> Result<Relaxation, DecompositionError> {
     branches.sort_by(|a, b| b.rate.total_cmp(&a.rate));
     match branches[..] {
         [only] => Ok(Relaxation { c1: only.share, v1: only.rate, c2: 0.0, v2: only.rate }),
-        [fast, slow] => Ok(Relaxation { c1: fast.share, v1: fast.rate, c2: slow.share, v2: slow.rate }),
+        [fast, slow] => {
+            Ok(Relaxation { c1: fast.share, v1: fast.rate, c2: slow.share, v2: slow.rate })
+        }
         _ => Err(DecompositionError::Terms { terms: branches.len() }),
     }
 }
@@ -182,7 +186,8 @@ impl Configs {
     }
 
     fn at(&mut self, interval: f64) -> Result<&Config, ConfigError> {
-        let known = |(before, _): &(f64, Config)| (interval - before).abs() <= Self::SAME * interval;
+        let known =
+            |(before, _): &(f64, Config)| (interval - before).abs() <= Self::SAME * interval;
         if !self.last.as_ref().is_some_and(known) {
             self.last = None;
         }

@@ -60,9 +60,10 @@ struct Scaled {
 impl Scaled {
     /// Positive where the largest value by size is.
     fn of(values: &[f64]) -> Self {
-        let largest = values.iter().copied().fold(0.0, |most: f64, value| {
-            if value.abs() > most.abs() { value } else { most }
-        });
+        let largest = values
+            .iter()
+            .copied()
+            .fold(0.0, |most: f64, value| if value.abs() > most.abs() { value } else { most });
         let lsb = if largest == 0.0 { 1.0 } else { largest.abs() / STEPS };
         Self { lsb, sense: if largest < 0.0 { -1.0 } else { 1.0 } }
     }
@@ -175,7 +176,8 @@ impl Regions {
 
     /// The type that most samples of a stretch show, those near equilibrium not counted.
     fn usual(&self, range: &Range<usize>) -> RelaxationType {
-        let count = |wanted| self.relaxation[range.clone()].iter().filter(|r| **r == wanted).count();
+        let count =
+            |wanted| self.relaxation[range.clone()].iter().filter(|r| **r == wanted).count();
         let (one, two) = (count(RelaxationType::TypeI), count(RelaxationType::TypeII));
         match one.cmp(&two) {
             std::cmp::Ordering::Greater => RelaxationType::TypeI,

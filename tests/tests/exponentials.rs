@@ -143,7 +143,13 @@ impl MPFitter for Oracle<'_> {
     }
 }
 
-fn oracle(times: &[f64], values: &[f64], start: &[f64], options: &Options, rates: (f64, f64)) -> f64 {
+fn oracle(
+    times: &[f64],
+    values: &[f64],
+    start: &[f64],
+    options: &Options,
+    rates: (f64, f64),
+) -> f64 {
     let terms = start.len() / 2;
     let limits = (0..start.len())
         .map(|k| {
@@ -167,7 +173,8 @@ fn oracle(times: &[f64], values: &[f64], start: &[f64], options: &Options, rates
             }
         })
         .collect();
-    let tight = MPConfig { ftol: 1e-14, xtol: 1e-14, gtol: 1e-14, max_iter: 500, ..MPConfig::new() };
+    let tight =
+        MPConfig { ftol: 1e-14, xtol: 1e-14, gtol: 1e-14, max_iter: 500, ..MPConfig::new() };
     let mut parameters = start.to_vec();
     let status = Oracle { times, values, limits, config: tight }.mpfit(&mut parameters);
     status.map_or(f64::INFINITY, |status| status.best_norm)
@@ -272,7 +279,9 @@ fn reaches_the_global_minimum(copies: usize, starts: usize) {
         };
         for (kind, options) in [("free", &free), ("signed", &signed)] {
             let (successes, worst) = found(&truth, &times, sd, options, copies, starts);
-            println!("{name}, noise {sd}, {kind}: {successes} of {copies}, worst excess {worst:.1e}");
+            println!(
+                "{name}, noise {sd}, {kind}: {successes} of {copies}, worst excess {worst:.1e}"
+            );
             assert_eq!(successes, copies, "{name}, noise {sd}, {kind}: excess {worst:e}");
         }
     }

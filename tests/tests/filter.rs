@@ -47,7 +47,12 @@ fn every_bundled_recording_is_decomposed_within_two_lsb_and_fa_plus_sa_is_the_si
             let first = channel.input[0] / channel.lsb;
             let mut reference = Reference { relaxation, signal: first, memories: [0.0; 2] };
             for k in 0..trace.len() {
-                assert_eq!(channel.fa[k] + channel.sa[k], channel.input[k], "{} {k}", path.display());
+                assert_eq!(
+                    channel.fa[k] + channel.sa[k],
+                    channel.input[k],
+                    "{} {k}",
+                    path.display()
+                );
                 let interval = trace.time[k.max(1)] - trace.time[k.max(1) - 1];
                 let expected = reference.step(channel.input[k] / channel.lsb, interval);
                 let found = [

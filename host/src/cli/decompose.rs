@@ -63,8 +63,10 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     if let Some(folder) = &args.output {
         write_all(folder, &parts)?;
     }
-    let sections: Vec<_> =
-        parts.iter().flat_map(|(trace, channels)| decomposition_sections(trace, channels)).collect();
+    let sections: Vec<_> = parts
+        .iter()
+        .flat_map(|(trace, channels)| decomposition_sections(trace, channels))
+        .collect();
     if let Some(path) = &args.result.report {
         let names = traces.iter().map(Trace::label).collect();
         write_report(path, "Fast and slow adapting parts", "", names, sections.clone())?;
@@ -97,7 +99,12 @@ pub fn channels(
         .map_err(Failure::input)?;
         let regions = regions(trace, &channel).map_err(Failure::input)?;
         if channel.saturated > 0 {
-            eprintln!("! {} of {}: {} samples beyond full scale", signal, trace.label(), channel.saturated);
+            eprintln!(
+                "! {} of {}: {} samples beyond full scale",
+                signal,
+                trace.label(),
+                channel.saturated
+            );
         }
         Ok((channel, regions))
     };

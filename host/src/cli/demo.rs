@@ -50,10 +50,13 @@ pub fn run(args: &Args) -> Result<(), Failure> {
 fn lines(trace: &Trace, press: &Press) -> String {
     let terminal = terminal();
     let width = terminal.width.saturating_sub(20).min(80);
-    let mut text = format!("{} s of a press, replayed through the filter of the device\n\n", trace.duration());
+    let mut text =
+        format!("{} s of a press, replayed through the filter of the device\n\n", trace.duration());
     for (channel, _) in &press.channels {
         let name = name_of(&channel.signal);
-        for (label, values) in [("signal", &channel.input), ("FA", &channel.fa), ("SA", &channel.sa)] {
+        for (label, values) in
+            [("signal", &channel.input), ("FA", &channel.fa), ("SA", &channel.sa)]
+        {
             text += &format!("{name:>8} {label:<7} {}\n", terminal.sparkline(values, width));
         }
     }
@@ -63,8 +66,9 @@ fn lines(trace: &Trace, press: &Press) -> String {
 /// A section without what only the report needs.
 fn in_short(section: &Section) -> Section {
     use crate::report::Block;
-    let kept = section.blocks.iter().filter(|block| {
-        matches!(block, Block::Table(_) | Block::Callout { .. })
-    });
+    let kept = section
+        .blocks
+        .iter()
+        .filter(|block| matches!(block, Block::Table(_) | Block::Callout { .. }));
     Section { title: section.title.clone(), blocks: kept.cloned().collect() }
 }

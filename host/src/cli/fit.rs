@@ -69,6 +69,8 @@ enum SeparationArg {
     Clamp,
     /// The parted surface recovers by itself until the indenter meets it
     Free,
+    /// The specimen is glued or clamped: the force may turn to tension
+    Bonded,
 }
 
 fn parse_terms(text: &str) -> Result<Terms, String> {
@@ -91,6 +93,7 @@ fn whole(args: &Args, traces: &[Trace]) -> Result<(), Failure> {
     let separation = match args.separation {
         SeparationArg::Clamp => Separation::Clamp,
         SeparationArg::Free => Separation::Free,
+        SeparationArg::Bonded => Separation::Bonded,
     };
     let candidates = candidates(args.terms, separation, &data)?;
     let best = candidates
@@ -112,18 +115,32 @@ fn whole(args: &Args, traces: &[Trace]) -> Result<(), Failure> {
         summary.model().write(path).map_err(Failure::work)?;
     }
     if let Some(path) = &args.result.report {
-        write_report(path, "A fit over whole motions", &args.signal, names(traces), summary.sections())?;
+        write_report(
+            path,
+            "A fit over whole motions",
+            &args.signal,
+            names(traces),
+            summary.sections(),
+        )?;
     }
     if args.result.json {
         print_json(&summary.json())?;
     } else {
         print_sections(&summary.sections())?;
     }
-    if best.stop.converged() { Ok(()) } else { Err(Failure::Work(miette::miette!("{}", best.stop))) }
+    if best.stop.converged() {
+        Ok(())
+    } else {
+        Err(Failure::Work(miette::miette!("{}", best.stop)))
+    }
 }
 
 /// The fit with the number of exponentials asked for, or with each number.
-fn candidates(terms: Terms, separation: Separation, data: &Data) -> Result<Vec<MotionFit>, Failure> {
+fn candidates(
+    terms: Terms,
+    separation: Separation,
+    data: &Data,
+) -> Result<Vec<MotionFit>, Failure> {
     let numbers = match terms {
         Terms::Fixed(terms) => terms..=terms,
         Terms::Auto => 1..=MAX_TERMS,
@@ -154,9 +171,19 @@ fn holds(args: &Args, traces: &[Trace]) -> Result<(), Failure> {
     }
     let sections = hold_sections(&fits, traces, &args.signal);
     if let Some(path) = &args.result.report {
-        write_report(path, "Relaxation during holds", &args.signal, names(traces), sections.clone())?;
+        write_report(
+            path,
+            "Relaxation during holds",
+            &args.signal,
+            names(traces),
+            sections.clone(),
+        )?;
     }
-    if args.result.json { print_json(&hold_json(&fits, &args.signal)) } else { print_sections(&sections) }
+    if args.result.json {
+        print_json(&hold_json(&fits, &args.signal))
+    } else {
+        print_sections(&sections)
+    }
 }
 
 fn model_of_holds(fits: &[HoldFit], signal: &str) -> Result<Model, Failure> {

@@ -59,7 +59,8 @@ fn parse_noise(text: &str) -> Result<f64, String> {
 pub fn run(args: &Args) -> Result<(), Failure> {
     let model = Model::read(&args.model).map_err(Failure::input)?;
     // Reading has checked the law.
-    let (law, parameters) = model.law().map_err(|problem| Failure::Input(miette::miette!(problem)))?;
+    let (law, parameters) =
+        model.law().map_err(|problem| Failure::Input(miette::miette!(problem)))?;
     let (head, motion) = motion(&args.motion)?;
     if let Some(seen) = model.fit.as_ref().and_then(|fit| fit.largest_compression_mm)
         && motion.largest_compression() > seen * 1.001

@@ -6,5 +6,6 @@
 mod relaxation_tables;
 
 pub use relaxation_tables::{
-    EQUATION_3_5, EQUATION_3_6, RelaxationRow, Statistic, TABLE_3_1, TABLE_3_2, TABLE_3_3, TABLE_3_4,
+    EQUATION_3_5, EQUATION_3_6, RelaxationRow, Statistic, TABLE_3_1, TABLE_3_2, TABLE_3_3,
+    TABLE_3_4,
 };

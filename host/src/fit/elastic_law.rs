@@ -14,7 +14,9 @@ pub enum ElasticLawError {
     OneCompression,
     #[error("the holds were fitted with different numbers of exponentials: give --terms")]
     MixedTerms,
-    #[error("eq. 3.4 fits the holds with {coefficient} = {value}, which is not a relaxation: use --signs")]
+    #[error(
+        "eq. 3.4 fits the holds with {coefficient} = {value}, which is not a relaxation: use --signs"
+    )]
     NotARelaxation { coefficient: Parameter, value: f64 },
 }
 

@@ -35,7 +35,11 @@ pub fn region_table(trace: &Trace, channel: &Channel, stretches: &[Stretch]) -> 
     ];
     let shown: Vec<&str> =
         [DISPLACEMENT, FORCE].into_iter().filter(|name| trace.column(name).is_some()).collect();
-    columns.extend(shown.iter().map(|name| Column::number(format!("{} at its end", name_of(name)), unit_of(name))));
+    columns.extend(
+        shown
+            .iter()
+            .map(|name| Column::number(format!("{} at its end", name_of(name)), unit_of(name))),
+    );
     if !shown.contains(&channel.signal.as_str()) {
         let title = format!("{} at its end", name_of(&channel.signal));
         columns.push(Column::number(title, unit_of(&channel.signal)));
@@ -53,7 +57,9 @@ pub fn region_table(trace: &Trace, channel: &Channel, stretches: &[Stretch]) -> 
             format!("{until:.3}"),
         ];
         for name in &shown {
-            cells.push(trace.column(name).map_or(String::new(), |values| significant(values[last], 4)));
+            cells.push(
+                trace.column(name).map_or(String::new(), |values| significant(values[last], 4)),
+            );
         }
         if !shown.contains(&channel.signal.as_str()) {
             cells.push(significant(channel.input[last], 4));
@@ -86,11 +92,11 @@ pub fn part_panels(trace: &Trace, channels: &[(Channel, Regions)]) -> Panels {
         let line = |label: &str, values: &[f64]| Series::line(label, &trace.time[..], values);
         let mut plot =
             Plot::new("", Axis::new("time", "s"), Axis::new(name_of(&channel.signal), unit))
-            .series(line("signal", &channel.input).colour(Colour::MEASURED))
-            .series(line("SA", &channel.sa).colour(Colour::SA))
-            .series(line("FA", &channel.fa).colour(Colour::FA))
-            .series(line("equilibrium", &channel.equilibrium).colour(Colour::Muted))
-            .height(190.0);
+                .series(line("signal", &channel.input).colour(Colour::MEASURED))
+                .series(line("SA", &channel.sa).colour(Colour::SA))
+                .series(line("FA", &channel.fa).colour(Colour::FA))
+                .series(line("equilibrium", &channel.equilibrium).colour(Colour::Muted))
+                .height(190.0);
         plot = shaded(plot, &region_spans(trace, regions), panels.plots.is_empty());
         panels = panels.plot(plot);
     }

@@ -78,10 +78,8 @@ fn one_json(hold: &HoldFit) -> Value {
         })
         .collect();
     let order: Vec<Parameter> = fit.parameters().collect();
-    let rows: Vec<Vec<Option<f64>>> = order
-        .iter()
-        .map(|&a| order.iter().map(|&b| fit.correlation(a, b)).collect())
-        .collect();
+    let rows: Vec<Vec<Option<f64>>> =
+        order.iter().map(|&a| order.iter().map(|&b| fit.correlation(a, b)).collect()).collect();
     let order: Vec<String> = order.iter().map(ToString::to_string).collect();
     json!({
         "trace": hold.trace,
@@ -120,9 +118,9 @@ fn coefficient_table(fits: &[HoldFit], signal: &str) -> Table {
     for hold in fits {
         let place = hold.displacement.map_or("–".into(), |x| significant(x, 3));
         let cells = coefficients.clone().map(|coefficient| {
-            hold.fit.value(coefficient).map_or("–".into(), |value| {
-                concise(value, hold.fit.standard_error(coefficient))
-            })
+            hold.fit
+                .value(coefficient)
+                .map_or("–".into(), |value| concise(value, hold.fit.standard_error(coefficient)))
         });
         let from = format!("{:.2}", hold.from_s);
         let head = [hold.trace.clone(), from, place, hold.relaxation.numeral().into()];
@@ -162,7 +160,9 @@ fn spread_table(spreads: &[Spread], signal: &str) -> Table {
             coefficient_unit(spread.parameter, signal).to_owned(),
         ]);
     }
-    table.note("Sample standard deviation (n − 1). Beyond that from noise alone, the specimens differ.")
+    table.note(
+        "Sample standard deviation (n − 1). Beyond that from noise alone, the specimens differ.",
+    )
 }
 
 fn candidate_table(hold: &HoldFit, signal: &str) -> Table {
@@ -174,7 +174,8 @@ fn candidate_table(hold: &HoldFit, signal: &str) -> Table {
         Column::text("time constants, s"),
         Column::text("notes"),
     ];
-    let title = format!("How many exponentials: {} from {:.2} s (appendix A)", hold.trace, hold.from_s);
+    let title =
+        format!("How many exponentials: {} from {:.2} s (appendix A)", hold.trace, hold.from_s);
     let mut table = Table::new(title, columns);
     for fit in &hold.candidates {
         let constants = fit.sum.terms.iter().map(|term| significant(1.0 / term.rate, 4));
@@ -203,20 +204,25 @@ fn warnings(fits: &[HoldFit]) -> Vec<String> {
 fn plot(hold: &HoldFit, trace: &Trace, signal: &str) -> Plot {
     let time: Vec<f64> =
         trace.time[hold.range.clone()].iter().map(|time| time - hold.from_s).collect();
-    let measured = trace.column(signal).map_or(Vec::new(), |values| values[hold.range.clone()].to_vec());
+    let measured =
+        trace.column(signal).map_or(Vec::new(), |values| values[hold.range.clone()].to_vec());
     let fitted = smooth(&hold.fit, hold.duration_s);
     let title = format!("{}: {} from {:.2} s", hold.trace, hold.relaxation, hold.from_s);
     let settled = hold.fit.sum.scale * hold.fit.sum.constant;
-    Plot::new(title, Axis::new("time in the hold", "s"), Axis::new(name_of(signal), unit_of(signal)))
-        .summary(format!(
-            "Measured and fitted {} over a hold of {:.2} s; R² {:.4}",
-            name_of(signal),
-            hold.duration_s,
-            hold.fit.r_squared
-        ))
-        .series(Series::points("measured", time, measured).colour(Colour::MEASURED))
-        .series(Series::line("eq. 3.4", fitted.0, fitted.1).colour(Colour::MODEL).width(1.8))
-        .level(settled, "where it settles")
+    Plot::new(
+        title,
+        Axis::new("time in the hold", "s"),
+        Axis::new(name_of(signal), unit_of(signal)),
+    )
+    .summary(format!(
+        "Measured and fitted {} over a hold of {:.2} s; R² {:.4}",
+        name_of(signal),
+        hold.duration_s,
+        hold.fit.r_squared
+    ))
+    .series(Series::points("measured", time, measured).colour(Colour::MEASURED))
+    .series(Series::line("eq. 3.4", fitted.0, fitted.1).colour(Colour::MODEL).width(1.8))
+    .level(settled, "where it settles")
 }
 
 /// The fitted function at 200 instants.

@@ -8,8 +8,8 @@ mod recording;
 mod whole_motion;
 
 pub use decomposition::{
-    decomposed_trace, decomposition_json, decomposition_sections, part_panels, region_spans, region_table,
-    shaded,
+    decomposed_trace, decomposition_json, decomposition_sections, part_panels, region_spans,
+    region_table, shaded,
 };
 pub use holds::{hold_json, hold_sections};
 pub use plan::plan_section;

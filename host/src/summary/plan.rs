@@ -45,7 +45,8 @@ pub fn plan_section(
                 format!(
                     "{instead}, even {} leaves {parameter} {}",
                     words(*recording),
-                    relative.map_or("undetermined".into(), |share| format!("at {}", percent(share, 2)))
+                    relative
+                        .map_or("undetermined".into(), |share| format!("at {}", percent(share, 2)))
                 ),
             ),
         };

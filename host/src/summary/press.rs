@@ -1,6 +1,9 @@
 //! One press in words, tables and plots.
 
-use super::{CONCISE, FitSummary, concise, estimate, hold_sections, name_of, part_panels, region_spans, region_table, shaded, unit_of};
+use super::{
+    CONCISE, FitSummary, concise, estimate, hold_sections, name_of, part_panels, region_spans,
+    region_table, shaded, unit_of,
+};
 use crate::fit::exponentials::Parameter;
 use crate::press::Press;
 use crate::report::number::significant;
@@ -42,7 +45,8 @@ fn overview(trace: &Trace, press: &Press) -> Section {
     let mut panels = Panels::new("Motion, force and gauges").summary("The recording over time");
     for name in ["displacement_mm", FORCE] {
         if let Some(values) = trace.column(name) {
-            let line = Series::line(name_of(name), &trace.time[..], values).colour(Colour::MEASURED);
+            let line =
+                Series::line(name_of(name), &trace.time[..], values).colour(Colour::MEASURED);
             let plot = Plot::new("", time(), Axis::new(name_of(name), unit_of(name))).series(line);
             let labelled = panels.plots.is_empty();
             panels = panels.plot(shaded(plot.height(150.0), &spans, labelled));
@@ -55,9 +59,11 @@ fn overview(trace: &Trace, press: &Press) -> Section {
             gauges = gauges.series(line.colour(Colour::Hue(hue)));
         }
     }
-    section
-        .figure(panels.plot(shaded(gauges, &spans, false)), "")
-        .table(region_table(trace, channel, &regions.stretches()))
+    section.figure(panels.plot(shaded(gauges, &spans, false)), "").table(region_table(
+        trace,
+        channel,
+        &regions.stretches(),
+    ))
 }
 
 /// FA and SA of every gauge.
@@ -123,13 +129,15 @@ fn gauge_table(press: &Press) -> Table {
     let mut table = Table::new("The same holds as each gauge sees them", columns);
     let holds = press.gauge_holds.len() / press.channels.len().max(1);
     for (index, hold) in press.gauge_holds.iter().enumerate() {
-        let gauge = press.channels.get(index / holds.max(1)).map_or("", |(channel, _)| &channel.signal);
+        let gauge =
+            press.channels.get(index / holds.max(1)).map_or("", |(channel, _)| &channel.signal);
         let cells = parameters.iter().map(|&parameter| {
-            hold.fit.value(parameter).map_or("–".into(), |value| {
-                concise(value, hold.fit.standard_error(parameter))
-            })
+            hold.fit
+                .value(parameter)
+                .map_or("–".into(), |value| concise(value, hold.fit.standard_error(parameter)))
         });
-        let head = [name_of(gauge), format!("{:.2}", hold.from_s), hold.relaxation.numeral().into()];
+        let head =
+            [name_of(gauge), format!("{:.2}", hold.from_s), hold.relaxation.numeral().into()];
         table = table.row(head.into_iter().chain(cells));
     }
     table.note(CONCISE)
@@ -163,12 +171,16 @@ fn recovery(trace: &Trace, press: &Press) -> Section {
         else {
             continue;
         };
-        let shown = trace.time.iter().zip(&channel.input).filter(|(time, _)| **time >= recovery.from_s);
+        let shown =
+            trace.time.iter().zip(&channel.input).filter(|(time, _)| **time >= recovery.from_s);
         let (time, values): (Vec<f64>, Vec<f64>) =
             shown.map(|(time, value)| (time - recovery.from_s, *value)).unzip();
         let fitted: Vec<f64> = time.iter().map(|&time| fit.sum.at(time)).collect();
         plot = plot
-            .series(Series::points(name_of(&recovery.signal), time.clone(), values).colour(Colour::Hue(hue)))
+            .series(
+                Series::points(name_of(&recovery.signal), time.clone(), values)
+                    .colour(Colour::Hue(hue)),
+            )
             .series(Series::line("", time, fitted).colour(Colour::Hue(hue)).width(2.0));
     }
     Section::new("Creep after the release")

@@ -26,7 +26,11 @@ pub fn overview(traces: &[Trace]) -> Table {
         };
         let rate = sampling(&trace.time).map_or("–".into(), |sampling| {
             let rate = significant(sampling.rate_hz(), 4);
-            if sampling.is_uniform() { format!("{rate} Hz") } else { format!("about {rate} Hz, uneven") }
+            if sampling.is_uniform() {
+                format!("{rate} Hz")
+            } else {
+                format!("about {rate} Hz, uneven")
+            }
         });
         table = table.row([
             trace.label(),
@@ -52,8 +56,11 @@ pub fn trace_panels(trace: &Trace) -> Panels {
         .map(|column| column.name.as_str())
         .filter(|name| !known.contains(name) && !gauges.contains(name))
         .collect();
-    let mut panels = Panels::new(trace.label())
-        .summary(format!("{} samples over {}", trace.len(), duration(trace.duration())));
+    let mut panels = Panels::new(trace.label()).summary(format!(
+        "{} samples over {}",
+        trace.len(),
+        duration(trace.duration())
+    ));
     for name in [DISPLACEMENT, FORCE] {
         if trace.column(name).is_some() {
             panels = panels.plot(panel(trace, &[name]));
@@ -124,9 +131,12 @@ pub fn loops(traces: &[Trace]) -> Option<Plot> {
     if both.is_empty() {
         return None;
     }
-    let mut plot =
-        Plot::new("Force against displacement", Axis::new("displacement", "mm"), Axis::new("force", "N"))
-            .summary("The loop between loading and unloading is the energy that is lost");
+    let mut plot = Plot::new(
+        "Force against displacement",
+        Axis::new("displacement", "mm"),
+        Axis::new("force", "N"),
+    )
+    .summary("The loop between loading and unloading is the energy that is lost");
     for (index, (trace, displacement, force)) in both.into_iter().enumerate() {
         plot = plot
             .series(Series::line(trace.label(), displacement, force).colour(Colour::Hue(index)));

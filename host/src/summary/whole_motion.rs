@@ -277,8 +277,7 @@ impl FitSummary<'_> {
 
     /// Measurement and model above, what is left below.
     fn panels(&self, trace: usize) -> Panels {
-        let motions: Vec<_> =
-            self.data.pieces.iter().map(|piece| piece.motion.clone()).collect();
+        let motions: Vec<_> = self.data.pieces.iter().map(|piece| piece.motion.clone()).collect();
         let predicted = self.fit.law.predict(&self.fit.values, &motions);
         let (mut time, mut measured, mut model, mut residual) = (vec![], vec![], vec![], vec![]);
         let pieces = self.data.pieces.iter().zip(&predicted);
@@ -297,9 +296,8 @@ impl FitSummary<'_> {
             .series(Series::line("residual", time, residual).colour(Colour::RESIDUAL))
             .height(140.0);
         if let Some(noise) = &self.noise {
-            left = left
-                .level(noise.standard_deviation, "noise")
-                .level(-noise.standard_deviation, "");
+            left =
+                left.level(noise.standard_deviation, "noise").level(-noise.standard_deviation, "");
         }
         let label = &self.data.labels[trace];
         Panels::new(label.as_str())

@@ -70,9 +70,11 @@ impl<const R: usize> Core<R> {
         };
         let refined = self.search::<N>(&problem).signed;
         let described = describe(&problem, &refined, self.options.normalisation);
-        let largest = refined.point.amplitudes.iter().fold(refined.point.constant.abs(), |a, b| {
-            a.max(b.abs())
-        });
+        let largest = refined
+            .point
+            .amplitudes
+            .iter()
+            .fold(refined.point.constant.abs(), |a, b| a.max(b.abs()));
         let amount = described.scale.abs();
         if !(amount > 1e-12 * largest) {
             let place = match self.options.normalisation {

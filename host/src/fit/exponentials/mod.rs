@@ -73,16 +73,16 @@ impl Prepared {
     /// As [`Self::new`], and when a weight is negative or not finite.
     pub fn weighted(times: &[f64], weights: &[f64], options: &Options) -> Result<Self, Error> {
         if weights.len() != times.len() {
-            return Err(Error::Lengths { times: times.len(), other: weights.len(), what: "weights" });
+            return Err(Error::Lengths {
+                times: times.len(),
+                other: weights.len(),
+                what: "weights",
+            });
         }
         Self::prepare(times, weights, options)
     }
 
-    fn prepare(
-        times: &[f64],
-        weights: &[f64],
-        options: &Options,
-    ) -> Result<Self, Error> {
+    fn prepare(times: &[f64], weights: &[f64], options: &Options) -> Result<Self, Error> {
         let terms = options.terms;
         if !(1..=MOST_TERMS).contains(&terms) {
             return Err(Error::Terms { terms });
@@ -108,8 +108,7 @@ impl Prepared {
         let since = times.iter().map(|time| time - times[0]).collect();
         let family = Family::new(since, slowest, fastest);
         Ok(Self {
-            engine: engine(&family, &roots, options)
-                .ok_or(Error::TooWide { slowest, fastest })?,
+            engine: engine(&family, &roots, options).ok_or(Error::TooWide { slowest, fastest })?,
             samples: times.len(),
             terms,
             limits: (slowest, fastest),
@@ -123,7 +122,11 @@ impl Prepared {
     /// it vanishes where it is normalised.
     pub fn fit(&self, values: &[f64]) -> Result<Fit, Error> {
         if values.len() != self.samples {
-            return Err(Error::Lengths { times: self.samples, other: values.len(), what: "values" });
+            return Err(Error::Lengths {
+                times: self.samples,
+                other: values.len(),
+                what: "values",
+            });
         }
         self.engine.fit(values, self.terms)
     }
@@ -136,11 +139,7 @@ impl Prepared {
 }
 
 /// The smallest engine that spans the family.
-fn engine(
-    family: &Family,
-    roots: &[f64],
-    options: &Options,
-) -> Option<Arc<dyn Engine>> {
+fn engine(family: &Family, roots: &[f64], options: &Options) -> Option<Arc<dyn Engine>> {
     if let Ok(core) = Core::<24>::new(family, roots.to_vec(), options.terms, options) {
         return Some(Arc::new(core));
     }

@@ -100,12 +100,7 @@ impl Experiment {
     ///
     /// # Errors
     /// As [`Self::bound`], and when something wanted cannot be.
-    pub fn duration_for(
-        &self,
-        wanted: &[Wanted],
-        rate: f64,
-        longest: f64,
-    ) -> Result<Plan, Error> {
+    pub fn duration_for(&self, wanted: &[Wanted], rate: f64, longest: f64) -> Result<Plan, Error> {
         let most = positive("the longest duration", longest)? * positive("the rate", rate)?;
         self.least(wanted, most, |samples| Recording { rate, samples })
     }
@@ -115,12 +110,7 @@ impl Experiment {
     ///
     /// # Errors
     /// As [`Self::bound`], and when something wanted cannot be.
-    pub fn rate_for(
-        &self,
-        wanted: &[Wanted],
-        duration: f64,
-        fastest: f64,
-    ) -> Result<Plan, Error> {
+    pub fn rate_for(&self, wanted: &[Wanted], duration: f64, fastest: f64) -> Result<Plan, Error> {
         let most = positive("the fastest rate", fastest)? * positive("the duration", duration)?;
         self.least(wanted, most, |samples| Recording { rate: samples as f64 / duration, samples })
     }
@@ -146,9 +136,10 @@ impl Experiment {
         // The bound where everything wanted is reached.
         let reach = |samples: usize| -> Result<Option<Bound>, Error> {
             match self.bound(recording(samples)) {
-                Ok(bound) => {
-                    Ok(self.shortfall(&bound, wanted).is_none_or(|worst| worst.1 <= 1.0).then_some(bound))
-                }
+                Ok(bound) => Ok(self
+                    .shortfall(&bound, wanted)
+                    .is_none_or(|worst| worst.1 <= 1.0)
+                    .then_some(bound)),
                 Err(Error::Indeterminate) => Ok(None),
                 Err(error) => Err(error),
             }

@@ -154,7 +154,7 @@ impl<const N: usize, const R: usize> Curvature<N, R> {
                 }
             }
         }
-        Self { directions, gradient, hessian, parts, }
+        Self { directions, gradient, hessian, parts }
     }
 
     /// Damped Gauss–Newton step and how much it promises to lower the sum of squares; nothing

@@ -26,13 +26,19 @@ impl fmt::Display for Note {
             Self::Vanishes { term } => {
                 write!(f, "c{term} is held at 0 by its sign: v{term} has no meaning")
             }
-            Self::ConstantAtZero => f.write_str("c0 is held at 0 by its sign: nothing shows where the signal settles"),
+            Self::ConstantAtZero => {
+                f.write_str("c0 is held at 0 by its sign: nothing shows where the signal settles")
+            }
             Self::Coincide { first, second } => write!(
                 f,
                 "v{first} and v{second} coincide: c{first} and c{second} have no meaning one by one; fit fewer terms"
             ),
-            Self::Singular => f.write_str("the rates are not identifiable from this hold: fit fewer terms or record longer"),
-            Self::ScaleNearZero => f.write_str("N is hardly different from 0, so the coefficients are hardly determined"),
+            Self::Singular => f.write_str(
+                "the rates are not identifiable from this hold: fit fewer terms or record longer",
+            ),
+            Self::ScaleNearZero => f.write_str(
+                "N is hardly different from 0, so the coefficients are hardly determined",
+            ),
         }
     }
 }
