@@ -171,7 +171,7 @@ fn columns(out: &mut String, names: &[String], units_rows: &[Vec<String>], guess
         let texts = std::iter::once(name(index)).chain(below);
         let words =
             texts.flat_map(|text| text.split(|c: char| c.is_whitespace() || "()[]_".contains(c)));
-        words.filter_map(units::named).last().map(|unit| unit.name)
+        words.filter_map(units::named).next_back().map(|unit| unit.name)
     };
     let _ = writeln!(out, "\n[time]\nfrom = {}", from(time));
     match unit(time) {
