@@ -259,7 +259,7 @@ const MAPPINGS: &[(&str, &str)] = &[
     ),
     (
         "[time]\nfrom = 1\n[[column]]\nfrom = 2\nname = \"force_N\"\nunit = \"MPa\"",
-        "line 6, column 9: the mapping is not understood: `MPa` does not convert to `N` (give `area_mm2`)",
+        "line 6, column 8: the mapping is not understood: `MPa` does not convert to `N` (give `area_mm2`)",
     ),
     ("about = \"no clock\"", "the mapping is not understood: missing field `time`"),
     ("[time]\nfrom = ", "line 3, column 8: the mapping is not understood"),

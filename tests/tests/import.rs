@@ -646,3 +646,15 @@ fn a_repeated_time_stamp_and_a_lost_clock_stop_an_import_that_does_not_mention_t
     let error = trace::import(&file, &mapping("silicone-tension.toml")).unwrap_err().to_string();
     assert!(error.contains("line 427, column 1 (Time (s)): time 40.1 s goes backwards"), "{error}");
 }
+
+#[test]
+fn the_examples_in_the_documentation_are_a_trace_and_a_mapping() {
+    let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/formats.md");
+    let docs = std::fs::read_to_string(docs).unwrap();
+    let block =
+        |kind: &str| docs.split(&format!("```{kind}\n")).nth(1).unwrap().split("```").next();
+    let trace = trace::parse(Path::new("docs"), block("text").unwrap().as_bytes()).unwrap();
+    assert_eq!(trace.head.specimen.height_mm, Some(30.0));
+    let mapping = Mapping::parse(Path::new("docs"), block("toml").unwrap());
+    mapping.unwrap_or_else(|error| panic!("{error}"));
+}

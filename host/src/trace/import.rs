@@ -86,6 +86,7 @@ struct Stamp {
 /// The samples so far.
 struct Recording {
     time_from: Option<usize>,
+    time_shown: String,
     time_change: Change,
     plan: Time,
     every: usize,
@@ -153,6 +154,7 @@ impl Recording {
         }
         Ok(Self {
             time_from,
+            time_shown: time_from.map_or_else(|| "start_s and step_s".into(), shown),
             time_change: Change::clock(mapping.time.unit.as_deref()).expect(checked),
             plan: mapping.time.clone(),
             every: mapping.every.unwrap_or(1),
@@ -233,11 +235,7 @@ impl Recording {
     fn finish(mut self, path: &Path, mapping: &Mapping) -> Result<Imported, ImportError> {
         self.close();
         subtract(self.plan.reference.as_ref(), &mut self.time);
-        let clock = match self.time_from {
-            Some(index) => format!("column {}", index + 1),
-            None => "start_s and step_s".to_owned(),
-        };
-        let mut columns = vec![(clock, TIME.to_owned())];
+        let mut columns = vec![(self.time_shown, TIME.to_owned())];
         let mut dropped = Vec::new();
         let mut trace = Trace { time: self.time, ..Trace::default() };
         for (source, mut values) in self.sources.into_iter().zip(self.values) {

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::error::SignalError;
-use super::holds;
+use super::holds::{changing, holds};
 use super::scatter;
 use super::segments::{Kind, segments};
 use super::{FORCE, Trace};
@@ -45,7 +45,7 @@ pub enum Source {
 /// [`SignalError::NoColumn`], [`SignalError::Constant`], [`SignalError::EmptyHold`] where fewer than
 /// three samples lie together.
 pub fn noise(trace: &Trace, column: &str) -> Result<Noise, SignalError> {
-    let values = holds::changing(trace, column)?;
+    let values = changing(trace, column)?;
     if let Some(quiet) = before_touch(trace)
         && let Some(found) = of_rest(&values[quiet])
     {

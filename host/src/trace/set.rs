@@ -12,7 +12,7 @@ use super::{Trace, read};
 ///
 /// # Errors
 /// The first of: a folder without traces, no trace at all, a file given twice, a file that
-/// [`read`] refuses, two traces with the same place in the order.
+/// [`read()`] refuses, two traces with the same place in the order.
 pub fn read_set<P: AsRef<Path>>(paths: &[P]) -> Result<Vec<Trace>, Error> {
     let files = files(paths)?;
     let mut traces = files.iter().map(|file| read(file)).collect::<Result<Vec<_>, _>>()?;

@@ -110,13 +110,17 @@ fn text(path: &Path, encoding: &'static Encoding, lines: &[String], guess: &Gues
     let width = guess.numeric.len();
     let same_width = |line: &&String| cells(line, guess.delimiter).len() == width;
     let above = lines[..guess.first].iter().enumerate().rev();
+    // A row of units in brackets has words too, but no names.
     let named = |line: &str| {
         let cells = cells(line, guess.delimiter);
-        let words = cells.iter().filter(|cell| cell.chars().any(char::is_alphabetic)).count();
-        words >= 2 && cells.iter().any(|cell| !cell.starts_with('['))
+        let mut words = cells.iter().filter(|cell| cell.chars().any(char::is_alphabetic));
+        words.clone().count() >= 2 && words.any(|cell| !cell.starts_with(['[', '(']))
     };
     let header = above.clone().find(|(_, line)| same_width(line) && named(line)).map(|(at, _)| at);
     let names = header.map(|at| cells(&lines[at], guess.delimiter)).unwrap_or_default();
+    // Each name with what stands between it and the numbers: its unit, often.
+    let below = header.map_or(0..0, |at| at + 1..guess.first);
+    let units: Vec<Vec<String>> = below.map(|at| cells(&lines[at], guess.delimiter)).collect();
     let empty_last = lines[guess.first].trim_end().ends_with([',', ';']);
     let mut out = String::new();
     let file = path.file_name().unwrap_or_default().to_string_lossy();
@@ -147,12 +151,12 @@ fn text(path: &Path, encoding: &'static Encoding, lines: &[String], guess: &Gues
     if empty_last {
         let _ = writeln!(out, "empty_last_cell = true");
     }
-    columns(&mut out, &names, guess);
+    columns(&mut out, &names, &units, guess);
     out
 }
 
 /// The sections of the columns: time first, the rest under names with the unit that is written there.
-fn columns(out: &mut String, names: &[String], guess: &Guess) {
+fn columns(out: &mut String, names: &[String], units_rows: &[Vec<String>], guess: &Guess) {
     let numbers: Vec<usize> = (0..guess.numeric.len()).filter(|&i| guess.numeric[i]).collect();
     let name = |index: usize| names.get(index).map_or("", String::as_str);
     let is_time = |index: &&usize| name(**index).to_lowercase().contains("time");
@@ -163,7 +167,10 @@ fn columns(out: &mut String, names: &[String], guess: &Guess) {
         name => toml::Value::from(name).to_string(),
     };
     let unit = |index: usize| {
-        let words = name(index).split(|c: char| c.is_whitespace() || "()[]_".contains(c));
+        let below = units_rows.iter().filter_map(|row| row.get(index)).map(String::as_str);
+        let texts = std::iter::once(name(index)).chain(below);
+        let words =
+            texts.flat_map(|text| text.split(|c: char| c.is_whitespace() || "()[]_".contains(c)));
         words.filter_map(units::named).next_back().map(|unit| unit.name)
     };
     let _ = writeln!(out, "\n[time]\nfrom = {}", from(time));
@@ -225,6 +232,23 @@ mod tests {
         assert_eq!(trace.column("stress").unwrap(), [5.5, 4.0, 3.0]);
         let (mapping, path, _folder) = proposal(b"0 1 2\n1 1 3\n2 1 4\n").unwrap();
         assert_eq!(import(&path, &mapping).unwrap().trace.columns.len(), 2);
+    }
+
+    #[test]
+    fn units_below_the_names_are_told_from_the_names() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("foreign.txt");
+        std::fs::write(&path, "No.\tTime\tForce\n\t[ms]\t[mN]\n1\t0\t5\n2\t1\t4\n3\t2\t3\n")
+            .unwrap();
+        let text = suggest(&path).unwrap();
+        for line in [
+            "header_line = 1",
+            "skip_lines = 1",
+            "from = \"Time\"\nunit = \"ms\"",
+            "# unit = \"mN\"",
+        ] {
+            assert!(text.contains(line), "{text}\nlacks {line}");
+        }
     }
 
     #[test]

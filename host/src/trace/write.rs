@@ -17,10 +17,10 @@ pub fn write(path: &Path, trace: &Trace) -> Result<(), Error> {
         .map_err(|source| Error::Write { path: path.into(), source })
 }
 
-/// As [`write`], to anything that takes bytes; nothing is written if the trace is not one.
+/// As [`write()`], to anything that takes bytes; nothing is written if the trace is not one.
 ///
 /// # Errors
-/// As [`write`], as an [`io::Error`].
+/// As [`write()`], as an [`io::Error`].
 pub fn write_to(mut out: impl Write, trace: &Trace) -> io::Result<()> {
     check(trace).map_err(|message| io::Error::new(io::ErrorKind::InvalidData, message))?;
     let mut head = trace.head.clone();
