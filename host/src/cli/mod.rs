@@ -7,7 +7,7 @@ mod completions;
 mod decompose;
 mod demo;
 mod fit;
-mod import;
+pub mod import;
 mod output;
 mod plan;
 mod plot;
