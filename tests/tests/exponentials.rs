@@ -369,3 +369,31 @@ fn statistics_at_high_noise() {
         print(&format!("noise {sd}"), &statistics(&sushi(), &recording(), sd, 40_000));
     }
 }
+
+/// Share of copies whose 95 % profile-likelihood interval covers the truth, for each parameter.
+fn profile_coverage(sd: f64, options: &Options, copies: usize) -> Vec<(Parameter, f64)> {
+    let (truth, times) = (sushi(), recording());
+    let prepared = Prepared::new(&times, options).unwrap();
+    let mut covered = vec![0; 6];
+    for values in noisy(&truth, &times, sd, 41).take(copies) {
+        let fit = prepared.fit(&values).unwrap();
+        for (count, parameter) in covered.iter_mut().zip(Parameter::all(2)) {
+            let interval = prepared.profile(&values, &fit, parameter, 0.95).unwrap();
+            *count += usize::from(interval.covers(truth.value(parameter).unwrap()));
+        }
+    }
+    Parameter::all(2).zip(covered.into_iter().map(|count| count as f64 / copies as f64)).collect()
+}
+
+#[test]
+#[ignore = "4,000 copies at each of three noises take a minute"]
+fn profile_intervals_cover_the_truth_at_high_noise() {
+    for sd in [0.01, 0.05, 0.1] {
+        for (kind, options) in [("free", Options::default()), ("signed", Options::relaxation())] {
+            let coverage = profile_coverage(sd, &options, 4000);
+            let text: Vec<String> =
+                coverage.iter().map(|(p, share)| format!("{p} {:.1}", 100.0 * share)).collect();
+            println!("noise {sd}, {kind}: {} %", text.join(", "));
+        }
+    }
+}

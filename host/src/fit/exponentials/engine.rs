@@ -8,6 +8,7 @@ use super::fit::{
 };
 use super::grid::Grid;
 use super::point::{Problem, Signs};
+use super::profile::{Interval, interval};
 use super::refine::{Cholesky, Refined, touching};
 use super::search::{Fewer, Found, Grids, search};
 use super::table::Table;
@@ -18,6 +19,15 @@ use super::{Error, MOST_TERMS};
 pub(super) trait Engine: std::fmt::Debug + Send + Sync {
     /// Fits `terms` exponentials, which were prepared.
     fn fit(&self, values: &[f64], terms: usize) -> Result<Fit, Error>;
+
+    /// Profile-likelihood interval of one parameter of a fit to the same values.
+    fn profile(
+        &self,
+        values: &[f64],
+        fit: &Fit,
+        parameter: Parameter,
+        level: f64,
+    ) -> Result<Interval, Error>;
 }
 
 /// An engine of `R` coordinates.
@@ -60,14 +70,7 @@ impl<const R: usize> Core<R> {
 
     fn fit_terms<const N: usize>(&self, values: &[f64]) -> Result<Fit, Error> {
         let projection = self.project(values)?;
-        let target = &projection.coordinates;
-        let problem = Problem {
-            table: &self.table,
-            target,
-            outside: projection.outside,
-            constant_norm: self.basis.constant_norm,
-            signs: signs(&self.options, target[0]),
-        };
+        let problem = self.problem(&projection);
         let refined = self.search::<N>(&problem).signed;
         let described = describe(&problem, &refined, self.options.normalisation);
         let largest = refined.point.amplitudes.iter().fold(refined.point.constant.abs(), |a, b| {
@@ -82,6 +85,17 @@ impl<const R: usize> Core<R> {
             return Err(Error::ZeroScale { place });
         }
         Ok(self.report(&projection, &refined, &described))
+    }
+
+    fn problem<'a>(&'a self, projection: &'a Projection<R>) -> Problem<'a, R> {
+        let target = &projection.coordinates;
+        Problem {
+            table: &self.table,
+            target,
+            outside: projection.outside,
+            constant_norm: self.basis.constant_norm,
+            signs: signs(&self.options, target[0]),
+        }
     }
 
     /// The global minimum of `N` terms, by way of those of fewer.
@@ -224,6 +238,21 @@ impl<const R: usize> Engine for Core<R> {
             3 => self.fit_terms::<3>(values),
             _ => self.fit_terms::<4>(values),
         }
+    }
+
+    fn profile(
+        &self,
+        values: &[f64],
+        fit: &Fit,
+        parameter: Parameter,
+        level: f64,
+    ) -> Result<Interval, Error> {
+        let projection = self.project(values)?;
+        let problem = self.problem(&projection);
+        interval(&problem, fit, self.options.normalisation, parameter, level).ok_or_else(|| {
+            let terms = fit.sum.terms.len();
+            Error::NoSuchParameter { terms, parameter: parameter.to_string() }
+        })
     }
 }
 
