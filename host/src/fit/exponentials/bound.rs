@@ -36,7 +36,7 @@ impl Bound {
         if !(noise > 0.0 && noise.is_finite()) {
             return Err(Error::Argument { what: "the noise", value: noise, wanted: "positive" });
         }
-        if let Some(term) = sum.terms.iter().find(|term| !(term.rate > 0.0)) {
+        if let Some(term) = sum.terms.iter().find(|term| term.rate.is_nan() || term.rate <= 0.0) {
             return Err(Error::Argument { what: "a rate", value: term.rate, wanted: "positive" });
         }
         let (factor, samples) = triangle(sum, times);
@@ -72,10 +72,7 @@ impl Bound {
 }
 
 /// Upper triangle of the Jacobian in (A0, A_i, ln v_i), and the number of rows it had.
-fn triangle(
-    sum: &ExponentialSum,
-    times: impl IntoIterator<Item = f64>,
-) -> (DMatrix<f64>, usize) {
+fn triangle(sum: &ExponentialSum, times: impl IntoIterator<Item = f64>) -> (DMatrix<f64>, usize) {
     let size = 2 * sum.terms.len() + 1;
     let mut block = DMatrix::zeros(size + ROWS, size);
     let mut filled = size;
@@ -88,8 +85,7 @@ fn triangle(
         for (i, term) in sum.terms.iter().enumerate() {
             let value = (-term.rate * time).exp();
             row[1 + i] = value;
-            row[1 + sum.terms.len() + i] =
-                -sum.scale * term.coefficient * term.rate * time * value;
+            row[1 + sum.terms.len() + i] = -sum.scale * term.coefficient * term.rate * time * value;
         }
         filled += 1;
         if filled == size + ROWS || times.peek().is_none() {

@@ -15,6 +15,9 @@ use super::table::Table;
 use super::vector::dot;
 use super::{Error, MOST_TERMS};
 
+/// N smaller than this share of the largest amplitude is rounding.
+const ZERO: f64 = 1e-9;
+
 /// Fits of one set of times; the implementors differ in how many coordinates they work with.
 pub(super) trait Engine: std::fmt::Debug + Send + Sync {
     /// Fits `terms` exponentials, which were prepared.
@@ -73,11 +76,13 @@ impl<const R: usize> Core<R> {
         let problem = self.problem(&projection);
         let refined = self.search::<N>(&problem).signed;
         let described = describe(&problem, &refined, self.options.normalisation);
-        let largest = refined.point.amplitudes.iter().fold(refined.point.constant.abs(), |a, b| {
-            a.max(b.abs())
-        });
+        let largest = refined
+            .point
+            .amplitudes
+            .iter()
+            .fold(refined.point.constant.abs(), |a, b| a.max(b.abs()));
         let amount = described.scale.abs();
-        if !(amount > 1e-12 * largest) {
+        if amount.is_nan() || amount <= ZERO * largest {
             let place = match self.options.normalisation {
                 Normalisation::Initial => "at the first sample",
                 Normalisation::Asymptotic => "in the limit of long times",

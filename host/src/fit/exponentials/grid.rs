@@ -140,7 +140,8 @@ impl Level {
             let ends = &products[run.first..];
             let range = run.start..run.start + ends.len();
             let last = &self.last[range.clone()];
-            let before = |j: usize| (&self.before[j][range.clone()], products[run.before[j] as usize]);
+            let before =
+                |j: usize| (&self.before[j][range.clone()], products[run.before[j] as usize]);
             let base = shorter[run.base];
             let out = values[range.clone()].iter_mut().zip(ends).zip(last).enumerate();
             // One loop for each number of terms keeps the sums in registers.
@@ -181,7 +182,8 @@ impl<const R: usize> Scores<'_, R> {
         let mut largest = [0.0; 8];
         for chunk in chunks {
             for lane in 0..8 {
-                largest[lane] = if chunk[lane] > largest[lane] { chunk[lane] } else { largest[lane] };
+                largest[lane] =
+                    if chunk[lane] > largest[lane] { chunk[lane] } else { largest[lane] };
             }
         }
         let most = largest.iter().chain(tail).fold(0.0, |a: f64, b| a.max(*b));

@@ -22,8 +22,10 @@ mod family;
 mod fit;
 mod grid;
 pub mod plan;
+#[allow(clippy::needless_range_loop, reason = "indices as in the formulas")]
 mod point;
 mod profile;
+#[allow(clippy::needless_range_loop, reason = "indices as in the formulas")]
 mod refine;
 mod search;
 mod table;
@@ -76,16 +78,16 @@ impl Prepared {
     /// As [`Self::new`], and when a weight is negative or not finite.
     pub fn weighted(times: &[f64], weights: &[f64], options: &Options) -> Result<Self, Error> {
         if weights.len() != times.len() {
-            return Err(Error::Lengths { times: times.len(), other: weights.len(), what: "weights" });
+            return Err(Error::Lengths {
+                times: times.len(),
+                other: weights.len(),
+                what: "weights",
+            });
         }
         Self::prepare(times, weights, options)
     }
 
-    fn prepare(
-        times: &[f64],
-        weights: &[f64],
-        options: &Options,
-    ) -> Result<Self, Error> {
+    fn prepare(times: &[f64], weights: &[f64], options: &Options) -> Result<Self, Error> {
         let terms = options.terms;
         if !(1..=MOST_TERMS).contains(&terms) {
             return Err(Error::Terms { terms });
@@ -111,8 +113,7 @@ impl Prepared {
         let since = times.iter().map(|time| time - times[0]).collect();
         let family = Family::new(since, slowest, fastest);
         Ok(Self {
-            engine: engine(&family, &roots, options)
-                .ok_or(Error::TooWide { slowest, fastest })?,
+            engine: engine(&family, &roots, options).ok_or(Error::TooWide { slowest, fastest })?,
             samples: times.len(),
             terms,
             limits: (slowest, fastest),
@@ -177,15 +178,11 @@ impl Prepared {
 }
 
 /// The smallest engine that spans the family.
-fn engine(
-    family: &Family,
-    roots: &[f64],
-    options: &Options,
-) -> Option<Arc<dyn Engine>> {
+fn engine(family: &Family, roots: &[f64], options: &Options) -> Option<Arc<dyn Engine>> {
     if let Ok(core) = Core::<24>::new(family, roots.to_vec(), options.terms, options) {
         return Some(Arc::new(core));
     }
-    let core = Core::<64>::new(family, roots.to_vec(), options.terms, options).ok()?;
+    let core = Core::<96>::new(family, roots.to_vec(), options.terms, options).ok()?;
     Some(Arc::new(core))
 }
 
@@ -211,3 +208,6 @@ fn roots(weights: &[f64]) -> Result<Vec<f64>, Error> {
     let mean = weights.iter().map(|weight| weight / largest).sum::<f64>() / counted;
     Ok(weights.iter().map(|weight| (weight / largest / mean).sqrt()).collect())
 }
+
+#[cfg(test)]
+mod tests;

@@ -100,12 +100,7 @@ impl Experiment {
     ///
     /// # Errors
     /// As [`Self::bound`], and when something wanted cannot be.
-    pub fn duration_for(
-        &self,
-        wanted: &[Wanted],
-        rate: f64,
-        longest: f64,
-    ) -> Result<Plan, Error> {
+    pub fn duration_for(&self, wanted: &[Wanted], rate: f64, longest: f64) -> Result<Plan, Error> {
         let most = positive("the longest duration", longest)? * positive("the rate", rate)?;
         self.least(wanted, most, |samples| Recording { rate, samples })
     }
@@ -115,12 +110,7 @@ impl Experiment {
     ///
     /// # Errors
     /// As [`Self::bound`], and when something wanted cannot be.
-    pub fn rate_for(
-        &self,
-        wanted: &[Wanted],
-        duration: f64,
-        fastest: f64,
-    ) -> Result<Plan, Error> {
+    pub fn rate_for(&self, wanted: &[Wanted], duration: f64, fastest: f64) -> Result<Plan, Error> {
         let most = positive("the fastest rate", fastest)? * positive("the duration", duration)?;
         self.least(wanted, most, |samples| Recording { rate: samples as f64 / duration, samples })
     }
@@ -133,7 +123,7 @@ impl Experiment {
         recording: impl Fn(usize) -> Recording,
     ) -> Result<Plan, Error> {
         self.check(wanted)?;
-        if !(most <= MOST_SAMPLES as f64) {
+        if most > MOST_SAMPLES as f64 {
             let what = "the number of samples within the limits";
             return Err(Error::Argument { what, value: most, wanted: "at most 1,000,000" });
         }
@@ -146,9 +136,10 @@ impl Experiment {
         // The bound where everything wanted is reached.
         let reach = |samples: usize| -> Result<Option<Bound>, Error> {
             match self.bound(recording(samples)) {
-                Ok(bound) => {
-                    Ok(self.shortfall(&bound, wanted).is_none_or(|worst| worst.1 <= 1.0).then_some(bound))
-                }
+                Ok(bound) => Ok(self
+                    .shortfall(&bound, wanted)
+                    .is_none_or(|worst| worst.1 <= 1.0)
+                    .then_some(bound)),
                 Err(Error::Indeterminate) => Ok(None),
                 Err(error) => Err(error),
             }
@@ -230,12 +221,12 @@ mod tests {
     use super::*;
     use crate::fit::exponentials::Term;
 
-    /// (3.6) with the noise of 0.01 at 200 Hz.
+    /// (3.5) and (3.6) with a noise of 0.01 N.
     fn experiment() -> Experiment {
         let term = |coefficient, rate| Term { coefficient, rate };
         Experiment {
             sum: ExponentialSum {
-                scale: 1.0,
+                scale: 2.187,
                 constant: 0.4852,
                 terms: vec![term(0.2472, 3.981), term(0.2676, 0.5325)],
             },

@@ -126,7 +126,8 @@ impl<const R: usize> Profile<'_, R> {
             stride *= 2.0;
         }
         for _ in 0..MOST_REFINEMENTS {
-            if (outer_root - wanted).abs() < PRECISION || (outer - inner).abs() < 1e-9 * step.abs() {
+            if (outer_root - wanted).abs() < PRECISION || (outer - inner).abs() < 1e-9 * step.abs()
+            {
                 break;
             }
             // The root is nearly a straight line in the parameter.

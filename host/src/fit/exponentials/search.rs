@@ -113,18 +113,13 @@ fn keep_better<const N: usize, const R: usize>(best: &mut Refined<N, R>, other: 
 
 /// The global minimum among amplitudes of the allowed signs. It lies in a face, some amplitudes
 /// being 0, and is a free minimum of that face: so all faces are searched for starts.
-fn signed<const N: usize, const R: usize>(
-    problem: &Problem<R>,
-    grids: &Grids<R>,
-) -> Refined<N, R> {
+fn signed<const N: usize, const R: usize>(problem: &Problem<R>, grids: &Grids<R>) -> Refined<N, R> {
     let middle = 0.5 * (problem.table.lowest + problem.table.highest);
     let mut best = insert(problem, refine(problem, [middle; N]));
     let mut centred = *problem.target;
     centred[0] = 0.0;
-    let faces = [
-        (Some(&grids.with_constant), centred),
-        (grids.without_constant.as_ref(), *problem.target),
-    ];
+    let faces =
+        [(Some(&grids.with_constant), centred), (grids.without_constant.as_ref(), *problem.target)];
     for (grid, target) in faces {
         let Some(grid) = grid else { continue };
         for terms in (1..=N).rev() {
