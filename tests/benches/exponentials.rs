@@ -28,11 +28,14 @@ const NOISE: f64 = 0.01;
 const TRACES: usize = 200;
 const ROUNDS: usize = 15;
 
+/// A name, and a fit that returns its sum of squared residuals.
+type Run<'a> = (&'a str, &'a dyn Fn(&[f64]) -> f64);
+
 fn main() {
     let times: Vec<f64> = (0..860).map(|k| f64::from(k) / 200.0).collect();
     let traces = traces(&times);
     let prepared = Prepared::new(&times, &Options::relaxation()).expect("these times can be used");
-    let runs: [(&str, &dyn Fn(&[f64]) -> f64); 4] = [
+    let runs: [Run; 4] = [
         ("palpate", &|trace| ours(&prepared, trace)),
         ("rmpfit", &|trace| rmpfit(&times, trace)),
         ("varpro", &|trace| varpro(&times, trace)),
@@ -69,7 +72,7 @@ fn traces(times: &[f64]) -> Vec<Vec<f64>> {
 
 /// Median over rounds of the time for each trace; rounds of all four alternate, so that all see
 /// the same machine. Also how far each ends above the least sum of squares that any reached.
-fn summary(runs: &[(&str, &dyn Fn(&[f64]) -> f64)], traces: &[Vec<f64>]) {
+fn summary(runs: &[Run], traces: &[Vec<f64>]) {
     let mut micros = vec![Vec::new(); runs.len()];
     for _ in 0..ROUNDS {
         for (times, (_, run)) in micros.iter_mut().zip(runs) {

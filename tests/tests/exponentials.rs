@@ -27,7 +27,12 @@ fn sum(constant: f64, terms: &[(f64, f64)]) -> ExponentialSum {
     }
 }
 
-/// (3.6).
+/// (3.5) and (3.6): the force, N.
+fn force() -> ExponentialSum {
+    ExponentialSum { scale: 2.187, ..sushi() }
+}
+
+/// (3.6) by itself, 2.187 times as hard to fit at the same noise.
 fn sushi() -> ExponentialSum {
     sum(0.4852, &[(0.2472, 3.981), (0.2676, 0.5325)])
 }
@@ -366,15 +371,50 @@ fn is_efficient(truth: &ExponentialSum, times: &[f64], sd: f64, copies: usize) {
 
 #[test]
 fn fits_are_unbiased_scatter_at_the_bound_and_cover_the_truth() {
-    is_efficient(&sushi(), &recording(), 0.01, 10_000);
+    is_efficient(&force(), &recording(), 0.01, 10_000);
     is_efficient(&sushi(), &recording(), 0.001, 10_000);
     is_efficient(&sushi(), &logarithmic(), 0.002, 10_000);
 }
 
 #[test]
-#[ignore = "prints what is reached at high noise, where the promise is not made"]
-fn statistics_at_high_noise() {
+#[ignore = "prints measured figures, among them those at high noise, where linear theory fails"]
+fn statistics_at_every_noise() {
     for sd in [0.01, 0.001, 0.05, 0.1] {
-        print(&format!("noise {sd}"), &statistics(&sushi(), &recording(), sd, 40_000));
+        for (name, truth) in [("force (3.5, 3.6)", force()), ("(3.6)", sushi())] {
+            let title = format!("{name}, noise {sd}");
+            print(&title, &statistics(&truth, &recording(), sd, 40_000));
+        }
+    }
+}
+
+/// Share of copies whose 95 % profile-likelihood interval covers the truth, for each parameter.
+fn profile_coverage(sd: f64, options: &Options, copies: usize) -> Vec<(Parameter, f64)> {
+    let (truth, times) = (sushi(), recording());
+    let prepared = Prepared::new(&times, options).unwrap();
+    let mut covered = vec![0; 6];
+    for values in noisy(&truth, &times, sd, 41).take(copies) {
+        let fit = prepared.fit(&values).unwrap();
+        for (count, parameter) in covered.iter_mut().zip(Parameter::all(2)) {
+            let interval = prepared.profile(&values, &fit, parameter, 0.95).unwrap();
+            *count += usize::from(interval.covers(truth.value(parameter).unwrap()));
+        }
+    }
+    Parameter::all(2).zip(covered.into_iter().map(|count| count as f64 / copies as f64)).collect()
+}
+
+#[test]
+#[ignore = "4,000 copies at each noise take two minutes"]
+fn profile_intervals_cover_the_truth_at_high_noise() {
+    for (sd, copies) in [(0.01, 1000), (0.05, 4000), (0.1, 4000)] {
+        for (kind, options) in [("free", Options::default()), ("signed", Options::relaxation())] {
+            let coverage = profile_coverage(sd, &options, copies);
+            let text: Vec<String> =
+                coverage.iter().map(|(p, share)| format!("{p} {:.1}", 100.0 * share)).collect();
+            println!("noise {sd}, {kind}, {copies} copies: {} %", text.join(", "));
+            for (parameter, share) in coverage {
+                // Binomial scatter of 1,000 copies is 0.7 %.
+                assert!((0.93..=0.98).contains(&share), "{parameter} at {sd}, {kind}: {share}");
+            }
+        }
     }
 }

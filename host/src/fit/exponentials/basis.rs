@@ -147,12 +147,8 @@ impl<const R: usize> Basis<R> {
         Projection { coordinates, outside }
     }
 
-    #[cfg(test)]
-    pub fn lens(&self) -> Vec<usize> {
-        self.blocks.iter().map(|b| b.rows.len()).collect()
-    }
     /// Weighted sum of squares about a reference.
-    pub(super) fn sum_of_squares(&self, values: &[f64], reference: f64) -> f64 {
+    fn sum_of_squares(&self, values: &[f64], reference: f64) -> f64 {
         let mut sum = [0.0; 8];
         if self.roots.is_empty() {
             let (chunks, tail) = values.as_chunks::<8>();

@@ -36,7 +36,7 @@ impl Bound {
         if !(noise > 0.0 && noise.is_finite()) {
             return Err(Error::Argument { what: "the noise", value: noise, wanted: "positive" });
         }
-        if let Some(term) = sum.terms.iter().find(|term| !(term.rate > 0.0)) {
+        if let Some(term) = sum.terms.iter().find(|term| term.rate.is_nan() || term.rate <= 0.0) {
             return Err(Error::Argument { what: "a rate", value: term.rate, wanted: "positive" });
         }
         let (factor, samples) = triangle(sum, times);

@@ -8,16 +8,29 @@ use super::fit::{
 };
 use super::grid::Grid;
 use super::point::{Problem, Signs};
+use super::profile::{Interval, interval};
 use super::refine::{Cholesky, Refined, touching};
 use super::search::{Fewer, Found, Grids, search};
 use super::table::Table;
 use super::vector::dot;
 use super::{Error, MOST_TERMS};
 
+/// N smaller than this share of the largest amplitude is rounding.
+const ZERO: f64 = 1e-9;
+
 /// Fits of one set of times; the implementors differ in how many coordinates they work with.
 pub(super) trait Engine: std::fmt::Debug + Send + Sync {
     /// Fits `terms` exponentials, which were prepared.
     fn fit(&self, values: &[f64], terms: usize) -> Result<Fit, Error>;
+
+    /// Profile-likelihood interval of one parameter of a fit to the same values.
+    fn profile(
+        &self,
+        values: &[f64],
+        fit: &Fit,
+        parameter: Parameter,
+        level: f64,
+    ) -> Result<Interval, Error>;
 }
 
 /// An engine of `R` coordinates.
@@ -60,14 +73,7 @@ impl<const R: usize> Core<R> {
 
     fn fit_terms<const N: usize>(&self, values: &[f64]) -> Result<Fit, Error> {
         let projection = self.project(values)?;
-        let target = &projection.coordinates;
-        let problem = Problem {
-            table: &self.table,
-            target,
-            outside: projection.outside,
-            constant_norm: self.basis.constant_norm,
-            signs: signs(&self.options, target[0]),
-        };
+        let problem = self.problem(&projection);
         let refined = self.search::<N>(&problem).signed;
         let described = describe(&problem, &refined, self.options.normalisation);
         let largest = refined
@@ -76,7 +82,7 @@ impl<const R: usize> Core<R> {
             .iter()
             .fold(refined.point.constant.abs(), |a, b| a.max(b.abs()));
         let amount = described.scale.abs();
-        if !(amount > 1e-12 * largest) {
+        if amount.is_nan() || amount <= ZERO * largest {
             let place = match self.options.normalisation {
                 Normalisation::Initial => "at the first sample",
                 Normalisation::Asymptotic => "in the limit of long times",
@@ -84,6 +90,17 @@ impl<const R: usize> Core<R> {
             return Err(Error::ZeroScale { place });
         }
         Ok(self.report(&projection, &refined, &described))
+    }
+
+    fn problem<'a>(&'a self, projection: &'a Projection<R>) -> Problem<'a, R> {
+        let target = &projection.coordinates;
+        Problem {
+            table: &self.table,
+            target,
+            outside: projection.outside,
+            constant_norm: self.basis.constant_norm,
+            signs: signs(&self.options, target[0]),
+        }
     }
 
     /// The global minimum of `N` terms, by way of those of fewer.
@@ -226,6 +243,21 @@ impl<const R: usize> Engine for Core<R> {
             3 => self.fit_terms::<3>(values),
             _ => self.fit_terms::<4>(values),
         }
+    }
+
+    fn profile(
+        &self,
+        values: &[f64],
+        fit: &Fit,
+        parameter: Parameter,
+        level: f64,
+    ) -> Result<Interval, Error> {
+        let projection = self.project(values)?;
+        let problem = self.problem(&projection);
+        interval(&problem, fit, self.options.normalisation, parameter, level).ok_or_else(|| {
+            let terms = fit.sum.terms.len();
+            Error::NoSuchParameter { terms, parameter: parameter.to_string() }
+        })
     }
 }
 

@@ -190,10 +190,6 @@ impl<const R: usize> Scores<'_, R> {
         self.values.iter().position(|value| *value == most).unwrap_or(0)
     }
 
-    #[cfg(test)]
-    pub fn count(&self) -> usize {
-        self.values.len()
-    }
     /// What a set explains.
     pub fn value(&self, place: usize) -> f64 {
         self.values[place]

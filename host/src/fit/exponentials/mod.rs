@@ -22,10 +22,14 @@ mod family;
 mod fit;
 mod grid;
 pub mod plan;
+#[allow(clippy::needless_range_loop, reason = "indices as in the formulas")]
 mod point;
+mod profile;
+#[allow(clippy::needless_range_loop, reason = "indices as in the formulas")]
 mod refine;
 mod search;
 mod table;
+mod terms;
 mod vector;
 mod words;
 
@@ -34,7 +38,9 @@ pub use error::Error;
 pub use fit::{
     ExponentialSum, Fit, MOST_TERMS, Normalisation, Note, Options, Parameter, Sign, Term,
 };
+pub use profile::Interval;
 pub use refine::Stop;
+pub use terms::{Row, SIGNIFICANCE, Terms};
 
 use engine::{Core, Engine};
 use family::Family;
@@ -121,14 +127,48 @@ impl Prepared {
     /// When a value is not finite, the signal is constant, its length differs from the times', or
     /// it vanishes where it is normalised.
     pub fn fit(&self, values: &[f64]) -> Result<Fit, Error> {
-        if values.len() != self.samples {
-            return Err(Error::Lengths {
-                times: self.samples,
-                other: values.len(),
-                what: "values",
-            });
-        }
+        self.check_length(values)?;
         self.engine.fit(values, self.terms)
+    }
+
+    /// Fits one to `options.terms` exponentials to one trace and says how many the data tell.
+    ///
+    /// # Errors
+    /// As [`Self::fit`].
+    pub fn compare_terms(&self, values: &[f64]) -> Result<Terms, Error> {
+        self.check_length(values)?;
+        let fits = (1..=self.terms).map(|terms| self.engine.fit(values, terms));
+        Ok(Terms::new(fits.collect::<Result<_, _>>()?))
+    }
+
+    /// Profile-likelihood interval of one parameter of a fit to these values: wider and truer
+    /// than [`Fit::interval`] where the noise is high. `level` is 0.95 for a 95 % interval. Takes
+    /// about a hundred times as long as the fit.
+    ///
+    /// # Errors
+    /// As [`Self::fit`], and when the level is not between 0 and 1 or the fit has no such
+    /// parameter.
+    pub fn profile(
+        &self,
+        values: &[f64],
+        fit: &Fit,
+        parameter: Parameter,
+        level: f64,
+    ) -> Result<Interval, Error> {
+        self.check_length(values)?;
+        if !(level > 0.0 && level < 1.0) {
+            let (what, wanted) = ("the level of confidence", "between 0 and 1");
+            return Err(Error::Argument { what, value: level, wanted });
+        }
+        self.engine.profile(values, fit, parameter, level)
+    }
+
+    fn check_length(&self, values: &[f64]) -> Result<(), Error> {
+        if values.len() == self.samples {
+            Ok(())
+        } else {
+            Err(Error::Lengths { times: self.samples, other: values.len(), what: "values" })
+        }
     }
 
     /// Slowest and fastest rate that a fit can return, 1/s.
@@ -143,7 +183,7 @@ fn engine(family: &Family, roots: &[f64], options: &Options) -> Option<Arc<dyn E
     if let Ok(core) = Core::<24>::new(family, roots.to_vec(), options.terms, options) {
         return Some(Arc::new(core));
     }
-    let core = Core::<64>::new(family, roots.to_vec(), options.terms, options).ok()?;
+    let core = Core::<96>::new(family, roots.to_vec(), options.terms, options).ok()?;
     Some(Arc::new(core))
 }
 
@@ -169,3 +209,6 @@ fn roots(weights: &[f64]) -> Result<Vec<f64>, Error> {
     let mean = weights.iter().map(|weight| weight / largest).sum::<f64>() / counted;
     Ok(weights.iter().map(|weight| (weight / largest / mean).sqrt()).collect())
 }
+
+#[cfg(test)]
+mod tests;

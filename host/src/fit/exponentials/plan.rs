@@ -123,7 +123,7 @@ impl Experiment {
         recording: impl Fn(usize) -> Recording,
     ) -> Result<Plan, Error> {
         self.check(wanted)?;
-        if !(most <= MOST_SAMPLES as f64) {
+        if most > MOST_SAMPLES as f64 {
             let what = "the number of samples within the limits";
             return Err(Error::Argument { what, value: most, wanted: "at most 1,000,000" });
         }
@@ -221,12 +221,12 @@ mod tests {
     use super::*;
     use crate::fit::exponentials::Term;
 
-    /// (3.6) with the noise of 0.01 at 200 Hz.
+    /// (3.5) and (3.6) with a noise of 0.01 N.
     fn experiment() -> Experiment {
         let term = |coefficient, rate| Term { coefficient, rate };
         Experiment {
             sum: ExponentialSum {
-                scale: 1.0,
+                scale: 2.187,
                 constant: 0.4852,
                 terms: vec![term(0.2472, 3.981), term(0.2676, 0.5325)],
             },

@@ -13,6 +13,8 @@ const CONVERGED: f64 = 1e-10;
 const NOTHING: f64 = 1e-24;
 /// Longest step in ln v.
 const STRIDE: f64 = 1.5;
+/// A pivot below this share of its diagonal makes a matrix singular.
+const SINGULAR: f64 = 1e-14;
 const MOST_ITERATIONS: u32 = 300;
 const MOST_DAMPING: f64 = 1e12;
 
@@ -228,7 +230,7 @@ impl<const N: usize> Cholesky<N> {
                     sum -= lower[i][k] * lower[j][k];
                 }
                 if i == j {
-                    if !(sum > 1e-14 * matrix[i][i]) {
+                    if sum.is_nan() || sum <= SINGULAR * matrix[i][i] {
                         return None;
                     }
                     lower[i][i] = sum.sqrt();
