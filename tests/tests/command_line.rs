@@ -63,7 +63,12 @@ const BAD: &[(&str, &str, &[&str], &[&str])] = &[
         &["m.toml", "c1"],
     ),
     ("", "", &["plan", "--noise", "0"], &["noise"]),
-    ("", "", &["plan", "--noise", "0.01", "--shares", "0.2,0.3", "--rates", "4"], &["2 shares", "1 rates"]),
+    (
+        "",
+        "",
+        &["plan", "--noise", "0.01", "--shares", "0.2,0.3", "--rates", "4"],
+        &["2 shares", "1 rates"],
+    ),
     ("", "", &["fit", "fang", "a.csv"], &["fang"]),
     ("", "", &["fit", "fung", "a.csv", "--terms", "7"], &["1 to 4"]),
 ];
@@ -101,10 +106,9 @@ fn a_trace_of_two_gigabytes_is_refused_at_once() {
 fn a_result_that_cannot_be_written_is_status_1() {
     let folder = tempfile::tempdir().unwrap();
     let press = press();
-    for arguments in [
-        ["plot", &press, "-o", "nowhere/a.svg"],
-        ["fit", "fung", &press, "-o=nowhere/m.toml"],
-    ] {
+    for arguments in
+        [["plot", &press, "-o", "nowhere/a.svg"], ["fit", "fung", &press, "-o=nowhere/m.toml"]]
+    {
         let (status, _, error) = call(folder.path(), &arguments);
         assert_eq!(status, 1, "{error}");
         assert!(error.contains("nowhere"), "{error}");
@@ -142,12 +146,16 @@ fn json_is_one_object_of_its_version() {
 fn every_subcommand_has_help_with_examples() {
     let folder = tempfile::tempdir().unwrap();
     let (_, help, _) = call(folder.path(), &["--help"]);
-    let commands = ["demo", "decompose", "fit", "simulate", "import", "plot", "plan", "completions"];
+    let commands =
+        ["demo", "decompose", "fit", "simulate", "import", "plot", "plan", "completions"];
     for command in commands {
         assert!(help.contains(command), "{help}");
         let (status, help, _) = call(folder.path(), &[command, "--help"]);
         assert_eq!(status, 0);
-        assert!(help.contains("Examples:") && help.contains(&format!("palpate {command}")), "{help}");
+        assert!(
+            help.contains("Examples:") && help.contains(&format!("palpate {command}")),
+            "{help}"
+        );
     }
 }
 
@@ -169,7 +177,8 @@ fn a_model_predicts_the_press_it_was_fitted_to_down_to_the_noise() {
     let simulate = ["simulate", "m.toml", "--motion", &press, "-o", "predicted.csv"];
     assert_eq!(call(folder.path(), &simulate).0, 0);
     let read = |path: &Path| palpate::trace::read(path).unwrap();
-    let (measured, predicted) = (read(Path::new(&press)), read(&folder.path().join("predicted.csv")));
+    let (measured, predicted) =
+        (read(Path::new(&press)), read(&folder.path().join("predicted.csv")));
     let square: f64 = measured
         .force()
         .unwrap()

@@ -2,7 +2,9 @@
 
 use std::ops::Range;
 
-use super::exponentials::{self, Fit, Normalisation, Options, Parameter, Prepared, Sign};
+use super::exponentials::{
+    self, Fit, MOST_TERMS, Normalisation, Options, Parameter, Prepared, Row, Sign,
+};
 use crate::trace::{DISPLACEMENT, SignalError, Trace, holds};
 
 /// Which way a held signal goes (4.2.1).
@@ -50,7 +52,7 @@ pub struct HoldFit {
     pub fit: Fit,
     /// The fits with one to four exponentials among which this one was chosen; empty where the
     /// number was given.
-    pub candidates: Vec<Fit>,
+    pub candidates: Vec<Row>,
 }
 
 /// How many exponentials to fit.
@@ -101,12 +103,13 @@ fn fit_hold(
     let failed = |source| HoldError::Fit { trace: trace.label(), from_s, source };
     let trend = trend(values);
     let options = options(terms, if signs { Some(trend) } else { None });
+    let prepared = Prepared::new(time, &options).map_err(failed)?;
     let (fit, candidates) = match terms {
-        Terms::Fixed(_) => {
-            let prepared = Prepared::new(time, &options).map_err(failed)?;
-            (prepared.fit(values).map_err(failed)?, Vec::new())
+        Terms::Fixed(_) => (prepared.fit(values).map_err(failed)?, Vec::new()),
+        Terms::Auto => {
+            let compared = prepared.compare_terms(values).map_err(failed)?;
+            (compared.best().clone(), compared.rows)
         }
-        Terms::Auto => panic!(),
     };
     let relaxation = direction(&fit).unwrap_or(trend);
     let displacement = trace.column(DISPLACEMENT).map(|x| mean(&x[range.clone()]));
@@ -118,7 +121,7 @@ fn fit_hold(
 fn options(terms: Terms, signs: Option<RelaxationType>) -> Options {
     let terms = match terms {
         Terms::Fixed(terms) => terms,
-        Terms::Auto => Options::default().terms,
+        Terms::Auto => MOST_TERMS,
     };
     let (sign, constant_sign) = match signs {
         None => (Sign::Free, Sign::Free),

@@ -171,24 +171,33 @@ fn candidate_table(hold: &HoldFit, signal: &str) -> Table {
         Column::whole("exponentials"),
         Column::number("residual RMS", unit),
         Column::number("R²", ""),
+        Column::number("BIC over the best", ""),
+        Column::text("identified"),
         Column::text("time constants, s"),
         Column::text("notes"),
     ];
     let title =
         format!("How many exponentials: {} from {:.2} s (appendix A)", hold.trace, hold.from_s);
     let mut table = Table::new(title, columns);
-    for fit in &hold.candidates {
+    let best = hold.candidates.iter().map(|row| row.bic).fold(f64::INFINITY, f64::min);
+    for row in &hold.candidates {
+        let fit = &row.fit;
         let constants = fit.sum.terms.iter().map(|term| significant(1.0 / term.rate, 4));
         let notes = fit.notes.iter().map(ToString::to_string);
         table = table.row([
             fit.sum.terms.len().to_string(),
             significant(fit.residual_rms, 4),
             format!("{:.5}", fit.r_squared),
+            format!("{:.1}", row.bic - best),
+            if row.identified { "yes" } else { "no" }.to_owned(),
             constants.collect::<Vec<_>>().join(", "),
             notes.collect::<Vec<_>>().join("; "),
         ]);
     }
-    table.note(format!("Chosen: {}.", hold.fit.sum.terms.len()))
+    table.note(format!(
+        "Chosen: {}, the least BIC (Bayesian information criterion) among those whose every term the data tell.",
+        hold.fit.sum.terms.len()
+    ))
 }
 
 /// What to beware of, each remark with its hold.
