@@ -25,7 +25,7 @@ const BAD: &[(&str, &str, &[&str], &[&str])] = &[
     ("a.csv", "time_s,force_N\n0,1\n2,1\n1,1\n", &["plot", "a.csv"], &["line 4", "time_s"]),
     ("a.csv", "time_s,force_mN\n0,1\n1,2\n", &["plot", "a.csv"], &["force_mN", "import"]),
     ("a.csv", "time_s,force_N\n0,1\n", &["plot", "a.csv"], &["a.csv", "sample"]),
-    ("a.csv", "", &["decompose", "a.csv"], &["a.csv", "empty"]),
+    ("a.csv", "", &["decompose", "a.csv"], &["a.csv", "no samples"]),
     (
         "a.csv",
         "time_s,displacement_mm,force_N\n0,0,5\n1,1,5\n2,1,5\n3,0,5\n",

@@ -90,3 +90,27 @@ fn every_task_of_the_readme_is_a_task() {
         assert!(source.contains(&variant), "no task {task}");
     }
 }
+
+/// The blocks of kind `toml` in the description of the formats that begin with a key.
+fn toml_blocks(key: &str) -> Vec<String> {
+    let text = fs::read_to_string(workspace().join("docs/formats.md")).unwrap();
+    let blocks = text.split("```toml\n").skip(1);
+    let blocks = blocks.filter_map(|rest| rest.split("```").next().map(String::from));
+    blocks.filter(|block| block.starts_with(key)).collect()
+}
+
+#[test]
+fn the_model_and_the_profile_of_the_description_are_understood() {
+    let folder = tempfile::tempdir().unwrap();
+    let [model] = &toml_blocks("palpate-model")[..] else { panic!("one model") };
+    let [profile] = &toml_blocks("palpate-profile")[..] else { panic!("one profile") };
+    // The description shows one parameter of six.
+    let others = ["q", "c1", "c2", "v1", "v2"]
+        .map(|name| format!("[base.parameters.{name}]\nvalue = 0.4\n"))
+        .concat();
+    let model = model.replace("[fit] ", &format!("{others}[fit] "));
+    fs::write(folder.path().join("model.toml"), model).unwrap();
+    fs::write(folder.path().join("profile.toml"), profile).unwrap();
+    let call = ["simulate", "model.toml", "--motion", "profile.toml", "-o", "predicted.csv"];
+    palpate().current_dir(folder.path()).args(call).assert().success();
+}

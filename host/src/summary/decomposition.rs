@@ -8,7 +8,7 @@ use super::{name_of, unit_of};
 use crate::decomposition::Channel;
 use crate::regions::{Regions, Stretch, code, name, type_code};
 use crate::report::number::significant;
-use crate::report::{Axis, Colour, Column, Panels, Plot, Section, Series, Table};
+use crate::report::{Axis, Colour, Column, Legend, Panels, Plot, Section, Series, Table};
 use crate::trace::{DISPLACEMENT, FORCE, Trace};
 
 /// The regions of the grasp and the parts of every channel.
@@ -35,14 +35,9 @@ pub fn region_table(trace: &Trace, channel: &Channel, stretches: &[Stretch]) -> 
     ];
     let shown: Vec<&str> =
         [DISPLACEMENT, FORCE].into_iter().filter(|name| trace.column(name).is_some()).collect();
-    columns.extend(
-        shown
-            .iter()
-            .map(|name| Column::number(format!("{} at its end", name_of(name)), unit_of(name))),
-    );
+    columns.extend(shown.iter().map(|name| Column::number(name_of(name), unit_of(name))));
     if !shown.contains(&channel.signal.as_str()) {
-        let title = format!("{} at its end", name_of(&channel.signal));
-        columns.push(Column::number(title, unit_of(&channel.signal)));
+        columns.push(Column::number(name_of(&channel.signal), unit_of(&channel.signal)));
     }
     columns.push(Column::text("relaxation"));
     let mut table = Table::new("Regions of the grasp (Fig. 3.10)", columns);
@@ -67,7 +62,7 @@ pub fn region_table(trace: &Trace, channel: &Channel, stretches: &[Stretch]) -> 
         cells.push(type_word(stretch).to_owned());
         table = table.row(cells);
     }
-    table
+    table.note("Displacement, force and strain are those at the end of each region.")
 }
 
 /// The type of relaxation, where the region is one of relaxing.
@@ -97,7 +92,11 @@ pub fn part_panels(trace: &Trace, channels: &[(Channel, Regions)]) -> Panels {
                 .series(line("FA", &channel.fa).colour(Colour::FA))
                 .series(line("equilibrium", &channel.equilibrium).colour(Colour::Muted))
                 .height(190.0);
-        plot = shaded(plot, &region_spans(trace, regions), panels.plots.is_empty());
+        let first = panels.plots.is_empty();
+        if !first {
+            plot = plot.legend(Legend::Hidden);
+        }
+        plot = shaded(plot, &region_spans(trace, regions), first);
         panels = panels.plot(plot);
     }
     panels

@@ -32,7 +32,7 @@ pub fn press_sections(trace: &Trace, press: &Press) -> Vec<Section> {
 /// What was done, what answered, and where the regions lie.
 fn overview(trace: &Trace, press: &Press) -> Section {
     let section = Section::new("The press").paragraph(format!(
-        "{}: {} samples over {} s, {} gauges. The six regions are those of Fig. 3.10: OA preloading, \
+        "A {}: {} samples over {} s, {} gauges. The six regions are those of Fig. 3.10: OA preloading, \
          AB loading, BC transition, CD relaxation, DE unloading, EF recovery.",
         trace.head.name.as_deref().unwrap_or("a press"),
         trace.len(),
