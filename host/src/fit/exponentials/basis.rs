@@ -75,7 +75,7 @@ impl<const R: usize> Basis<R> {
         let constant_norm = total.sqrt();
         let tolerance = TOLERANCE * constant_norm;
         let mut drafts = Vec::new();
-        draft(family, &roots, 0..family.times.len(), 0.1 * tolerance, &mut drafts);
+        draft(family, &roots, 0..family.times.len(), 0.3 * tolerance, &mut drafts);
 
         let height = drafts.len() * WIDTH;
         let columns = family.columns();

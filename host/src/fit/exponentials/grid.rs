@@ -187,7 +187,10 @@ impl<const R: usize> Scores<'_, R> {
             }
         }
         let most = largest.iter().chain(tail).fold(0.0, |a: f64, b| a.max(*b));
-        self.values.iter().position(|value| *value == most).unwrap_or(0)
+        let within = |chunk: &[f64]| chunk.iter().fold(false, |any, value| any | (*value == most));
+        let chunk = self.values.chunks(8).position(within).unwrap_or(0);
+        let rest = &self.values[8 * chunk..];
+        8 * chunk + rest.iter().position(|value| *value == most).unwrap_or(0)
     }
 
     /// What a set explains.
@@ -201,6 +204,10 @@ impl<const R: usize> Scores<'_, R> {
         let mut peaks = Vec::new();
         for run in &self.grid.levels[self.terms - 1].runs {
             let values = &self.values[run.start..run.start + self.grid.u.len() - run.first];
+            // Most runs are below; without short cuts this is done in lanes.
+            if !values.iter().fold(false, |any, value| any | (*value > threshold)) {
+                continue;
+            }
             let last = values.len() - 1;
             let mut check = |k: usize, candidate: bool| {
                 if candidate && values[k] > threshold && self.is_peak(run.start + k) {
