@@ -7,6 +7,7 @@
 //! the law's own parameters, their covariance carried over by the delta method.
 
 use nalgebra::{Const, DMatrix, DVector, U1};
+use num_dual::DualNum;
 
 use super::data::{Data, DataError};
 use super::least_squares::{LeastSquares, Normal, Solution, Stop, minimise};
@@ -76,7 +77,7 @@ pub fn fit(law: Fung, data: &Data) -> Result<MotionFit, DataError> {
         .into_iter()
         .take(3)
         .map(|start| {
-            let rates = start.rates.iter().map(|rate| rate.ln());
+            let rates = start.rates.iter().copied().map(f64::ln);
             let forces = start.forces.iter().copied();
             let point: Vec<f64> = forces.chain(std::iter::once(start.q)).chain(rates).collect();
             minimise(&problem, &point)
@@ -134,7 +135,7 @@ impl<'a> Problem<'a> {
         [p, q]
             .into_iter()
             .chain(forces[1..].iter().map(|&force| force / total))
-            .chain(rest[1..].iter().map(|rate| rate.exp()))
+            .chain(rest[1..].iter().map(DualNum::exp))
             .collect()
     }
 

@@ -31,7 +31,7 @@ mod tests {
 
     fn quiet_then_pressed(rest: usize, noise: f64) -> Trace {
         let samples = rest + 100;
-        let sign = |k: usize| if k % 2 == 0 { noise } else { -noise };
+        let sign = |k: usize| if k.is_multiple_of(2) { noise } else { -noise };
         let pressed = |k: usize| k.saturating_sub(rest) as f64;
         Trace {
             time: (0..samples).map(|k| k as f64 * 0.01).collect(),
