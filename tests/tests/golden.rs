@@ -43,7 +43,10 @@ fn a_decomposition() {
 
 #[test]
 fn a_plan() {
-    golden("plan", &["plan", "--noise", "0.01", "--want", "v1=2", "--want", "v2=1", "--longest", "5"]);
+    golden(
+        "plan",
+        &["plan", "--noise", "0.01", "--want", "v1=2", "--want", "v2=1", "--longest", "5"],
+    );
 }
 
 #[test]

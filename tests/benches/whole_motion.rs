@@ -1,0 +1,74 @@
+//! The fit of Fung's law to a data set: 10 traces of 1,400 samples, six parameters, no start given.
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use palpate::fit::data::Data;
+use palpate::fit::whole_motion::fit;
+use palpate::model::{Fung, Hold, Motion, Move, Profile, Separation, Step};
+use palpate::trace::{Column, DISPLACEMENT, FORCE, Trace};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, Normal};
+
+const SAMPLES: usize = 1400;
+
+fn motion(to_mm: f64, speed: f64) -> Motion {
+    let mut motion = Profile {
+        version: 1,
+        rate_hz: 200.0,
+        start_mm: -0.5,
+        speed_mm_per_s: speed,
+        acceleration_mm_per_s2: Some(800.0),
+        repeat: 1,
+        steps: vec![
+            Step::Hold(Hold { hold_s: 0.5 }),
+            Step::Move(Move { to_mm, speed_mm_per_s: None }),
+            Step::Hold(Hold { hold_s: 4.0 }),
+            Step::Move(Move { to_mm: -0.5, speed_mm_per_s: None }),
+            Step::Hold(Hold { hold_s: 7.0 }),
+        ],
+    }
+    .motion();
+    motion.time.truncate(SAMPLES);
+    motion.displacement.truncate(SAMPLES);
+    motion
+}
+
+fn data() -> Data {
+    let law = Fung { terms: 2, separation: Separation::Clamp };
+    let motions: Vec<Motion> =
+        (0..10).map(|k| motion(4.0 + f64::from(k), 10.0 + 5.0 * f64::from(k))).collect();
+    let mut random = ChaCha8Rng::seed_from_u64(1);
+    let normal = Normal::new(0.0, 0.02).expect("a valid noise");
+    let force = law.predict(&[0.08, 0.8, 0.25, 0.24, 4.0, 0.55], &motions);
+    let traces: Vec<Trace> = motions
+        .into_iter()
+        .zip(force)
+        .map(|(motion, force)| {
+            let noisy = force.iter().map(|force| force + normal.sample(&mut random)).collect();
+            let column = |name: &str, values| Column { name: name.into(), values };
+            Trace {
+                time: motion.time,
+                columns: vec![column(DISPLACEMENT, motion.displacement), column(FORCE, noisy)],
+                ..Trace::default()
+            }
+        })
+        .collect();
+    Data::of(&traces, FORCE).expect("the traces can be fitted")
+}
+
+fn whole_motion(criterion: &mut Criterion) {
+    let data = data();
+    assert_eq!(data.samples(), 10 * SAMPLES);
+    for separation in [Separation::Clamp, Separation::Free] {
+        let law = Fung { terms: 2, separation };
+        let name = format!("10 x 1400 samples, {separation:?}");
+        criterion.bench_function(&name, |bencher| bencher.iter(|| fit(law, &data)));
+    }
+}
+
+criterion_group! {
+    name = benches;
+    config = Criterion::default().sample_size(20);
+    targets = whole_motion
+}
+criterion_main!(benches);
