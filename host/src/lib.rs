@@ -12,6 +12,7 @@
 #![forbid(unsafe_code)]
 
 pub mod cli;
+pub mod criticism;
 pub mod decomposition;
 pub mod dissertation;
 pub mod files;

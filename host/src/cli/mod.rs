@@ -3,6 +3,7 @@
 //! Results go to standard output, words about the work to standard error. Exit status 0, 1 when the
 //! work failed, 2 when the input or the call was wrong.
 
+mod compare;
 mod completions;
 mod decompose;
 mod demo;
@@ -37,6 +38,7 @@ Examples:
   palpate demo                                     a press, from gauges to a report
   palpate decompose press.csv -o split/            FA, SA, regions of every gauge
   palpate fit fung traces/ -o model.toml           one model for a whole data set
+  palpate compare model.toml traces/               where the model fails
   palpate simulate model.toml --motion press.csv   what the model says of another motion
   palpate import lab.txt --map lab.map.toml        a foreign recording";
 
@@ -48,6 +50,8 @@ enum Command {
     Decompose(decompose::Args),
     /// Fit a contact model
     Fit(fit::Args),
+    /// Compare a model with measurements, and see where it fails
+    Compare(compare::Args),
     /// Predict the force of a motion
     Simulate(simulate::Args),
     /// Turn a foreign recording into a trace
@@ -95,6 +99,7 @@ pub fn run() -> ExitCode {
         Command::Demo(args) => demo::run(args),
         Command::Decompose(args) => decompose::run(args),
         Command::Fit(args) => fit::run(args),
+        Command::Compare(args) => compare::run(args),
         Command::Simulate(args) => simulate::run(args),
         Command::Import(args) => import::run(args),
         Command::Plot(args) => plot::run(args),

@@ -1,5 +1,6 @@
 //! Results in words, tables and plots: the same sections go to the terminal and into a report.
 
+mod compare;
 mod decomposition;
 mod holds;
 mod plan;
@@ -7,6 +8,7 @@ mod press;
 mod recording;
 mod whole_motion;
 
+pub use compare::{compare_json, compare_sections, ladder};
 pub use decomposition::{
     decomposed_trace, decomposition_json, decomposition_sections, part_panels, region_spans,
     region_table, shaded,

@@ -1,0 +1,50 @@
+//! `palpate compare`.
+
+use std::path::PathBuf;
+
+use super::output::{Output, print_json, print_sections, write_report};
+use super::{Failure, progress};
+use crate::criticism::compare::compare;
+use crate::model::Model;
+use crate::summary::{compare_json, compare_sections};
+use crate::trace::{Trace, read_set};
+
+/// Compare a model with measurements, and see where it fails.
+#[derive(clap::Args)]
+#[command(after_help = "\
+Counts the error in every region of every trace (approach, loading, early and late hold, unloading,
+after) against the noise, and says what it depends on. The report draws it all.
+
+Examples:
+  palpate compare model.toml traces/
+  palpate compare model.toml traces/ --report compare.html
+  palpate compare model.toml traces/ --json | jq .in_words")]
+pub struct Args {
+    /// The model
+    model: PathBuf,
+    /// Traces, or folders of traces: one data set
+    #[arg(required = true, value_name = "TRACE")]
+    traces: Vec<PathBuf>,
+    #[command(flatten)]
+    result: Output,
+}
+
+/// Compares and prints.
+pub fn run(args: &Args) -> Result<(), Failure> {
+    let model = Model::read(&args.model).map_err(Failure::input)?;
+    let traces = read_set(&args.traces).map_err(Failure::input)?;
+    let wait = progress::spinner("comparing");
+    let comparison = compare(&model, &traces).map_err(Failure::input)?;
+    wait.finish_and_clear();
+    let sections = compare_sections(&model, &comparison, &traces);
+    if let Some(path) = &args.result.report {
+        let names = traces.iter().map(Trace::label).collect();
+        let title = "Model against measurement";
+        write_report(path, title, &comparison.signal, names, sections.clone())?;
+    }
+    if args.result.json {
+        print_json(&compare_json(&comparison))
+    } else {
+        print_sections(&sections)
+    }
+}

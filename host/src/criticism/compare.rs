@@ -1,0 +1,202 @@
+//! A model against a data set: where it is wrong.
+
+use super::covariate::Covariate;
+use super::dependence::{Dependence, dependences};
+use super::region::Region;
+use super::residuals::{Stretch, stretches};
+use crate::fit::data::{Data, DataError};
+use crate::model::Model;
+use crate::trace::{Noise, Trace, pooled_noise};
+
+/// The error of a model in one region of one trace.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Cell {
+    /// Which trace of the set.
+    pub trace: usize,
+    /// Which region.
+    pub region: Region,
+    /// Number of samples.
+    pub samples: usize,
+    /// Root mean square of the residual, in the unit of the signal.
+    pub rms: f64,
+    /// Share of all that is left beyond the noise, 0 to 1; of all that is left where the noise is
+    /// not known.
+    pub share_of_excess: f64,
+}
+
+/// A model against a data set.
+#[derive(Clone, Debug)]
+pub struct Comparison {
+    /// Names of the traces, in order of recording.
+    pub labels: Vec<String>,
+    /// The column compared.
+    pub signal: String,
+    /// Noise of the signal, where the recordings tell.
+    pub noise: Option<Noise>,
+    /// Root mean square of the residual over all samples.
+    pub rms: f64,
+    /// Root mean square of the residual of each trace.
+    pub trace_rms: Vec<f64>,
+    /// The error in every region of every trace that has samples there.
+    pub cells: Vec<Cell>,
+    /// What the residual depends on, strongest first.
+    pub dependences: Vec<Dependence>,
+    /// The residuals themselves.
+    pub stretches: Vec<Stretch>,
+    /// Stretches that could not be compared, in words.
+    pub left_out: Vec<String>,
+}
+
+/// Why a model cannot be compared with traces.
+#[derive(Debug, thiserror::Error)]
+#[allow(missing_docs)]
+pub enum CompareError {
+    #[error("{0}")]
+    Model(String),
+    #[error(transparent)]
+    Data(#[from] DataError),
+}
+
+/// A residual within this many times the noise counts as noise.
+const NOISE_ONLY: f64 = 1.03;
+/// Chance below which a dependence is worth a word.
+const TOLD: f64 = 0.01;
+
+/// Compares a model with the traces of a data set, in order of recording.
+///
+/// # Errors
+/// When the model is not usable or a trace lacks its signal or a motion.
+pub fn compare(model: &Model, traces: &[Trace]) -> Result<Comparison, CompareError> {
+    let (law, parameters) = model.law().map_err(CompareError::Model)?;
+    let signal = &model.base.signal;
+    let data = Data::of(traces, signal)?;
+    let stretches = stretches(&law, &parameters, &data, traces);
+    let noise = pooled_noise(traces, signal);
+    let cells = cells(&stretches, data.labels.len(), noise.as_ref());
+    let of_trace = |trace| move |cell: &&Cell| trace == cell.trace;
+    let trace_rms =
+        (0..data.labels.len()).map(|trace| rms(cells.iter().filter(of_trace(trace)))).collect();
+    Ok(Comparison {
+        rms: rms(cells.iter()),
+        trace_rms,
+        dependences: dependences(&stretches),
+        labels: data.labels,
+        signal: signal.clone(),
+        noise,
+        cells,
+        stretches,
+        left_out: data.left_out,
+    })
+}
+
+/// Root mean square over cells.
+fn rms<'a>(cells: impl Iterator<Item = &'a Cell>) -> f64 {
+    let (square, samples) = cells.fold((0.0, 0.0), |(square, samples), cell| {
+        let count = cell.samples as f64;
+        (square + cell.rms * cell.rms * count, samples + count)
+    });
+    if samples > 0.0 { (square / samples).sqrt() } else { 0.0 }
+}
+
+fn cells(stretches: &[Stretch], traces: usize, noise: Option<&Noise>) -> Vec<Cell> {
+    let floor = noise.map_or(0.0, |noise| noise.standard_deviation.powi(2));
+    let mut cells = Vec::new();
+    for trace in 0..traces {
+        for region in Region::ALL {
+            let mut square = 0.0;
+            let mut samples = 0;
+            for stretch in stretches.iter().filter(|stretch| stretch.trace == trace) {
+                for (residual, at) in stretch.residual().iter().zip(&stretch.regions) {
+                    if *at == region {
+                        square += residual * residual;
+                        samples += 1;
+                    }
+                }
+            }
+            if samples > 0 {
+                let rms = (square / samples as f64).sqrt();
+                cells.push(Cell { trace, region, samples, rms, share_of_excess: 0.0 });
+            }
+        }
+    }
+    let excess = |cell: &Cell| ((cell.rms * cell.rms - floor) * cell.samples as f64).max(0.0);
+    let total: f64 = cells.iter().map(excess).sum();
+    if total > 0.0 {
+        for cell in &mut cells {
+            cell.share_of_excess = excess(cell) / total;
+        }
+    }
+    cells
+}
+
+impl Comparison {
+    /// Share of what is left beyond the noise in each region, largest first.
+    #[must_use]
+    pub fn by_region(&self) -> Vec<(Region, f64)> {
+        let share = |region: Region| {
+            let cells = self.cells.iter().filter(|cell| cell.region == region);
+            (region, cells.map(|cell| cell.share_of_excess).sum())
+        };
+        let mut found: Vec<(Region, f64)> = Region::ALL.into_iter().map(share).collect();
+        found.sort_by(|a, b| b.1.total_cmp(&a.1));
+        found
+    }
+
+    /// How many times the noise the residual is, where the noise is known.
+    #[must_use]
+    pub fn over_noise(&self) -> Option<f64> {
+        self.noise.map(|noise| self.rms / noise.standard_deviation)
+    }
+
+    /// Whether nothing but noise is left.
+    #[must_use]
+    pub fn only_noise(&self) -> bool {
+        self.over_noise().is_some_and(|times| times < NOISE_ONLY)
+    }
+
+    /// Where the model fails and what the failure depends on, in a sentence or two.
+    #[must_use]
+    pub fn in_words(&self) -> String {
+        if self.only_noise() {
+            return "Nothing but noise is left.".into();
+        }
+        let beyond = if self.noise.is_some() { " beyond the noise" } else { "" };
+        let regions = self.by_region();
+        let (first, share) = regions[0];
+        let mut text =
+            format!("{:.0} % of what is left{beyond} sits in {}", 100.0 * share, first.name());
+        let (second, share) = regions[1];
+        if share > 0.15 {
+            text += &format!(", {:.0} % in {}", 100.0 * share, second.name());
+        }
+        text += ".";
+        let told: Vec<String> = self
+            .dependences
+            .iter()
+            .filter(|dependence| dependence.p_value <= TOLD && dependence.explained > 0.05)
+            .take(3)
+            .map(dependence_in_words)
+            .collect();
+        if told.is_empty() {
+            text + " It depends on none of the quantities tried, beyond chance."
+        } else {
+            format!("{text} It {}.", told.join("; it "))
+        }
+    }
+}
+
+fn dependence_in_words(dependence: &Dependence) -> String {
+    let covariate = dependence.covariate;
+    let verb = match dependence.trend {
+        _ if covariate == Covariate::Direction => "flips with the",
+        trend if trend > 0.7 => "grows with the",
+        trend if trend < -0.7 => "falls with the",
+        _ => "varies with the",
+    };
+    format!(
+        "{verb} {} {} ({:.0} % of it)",
+        covariate.name(),
+        covariate.symbol(),
+        100.0 * dependence.explained
+    )
+}

@@ -1,0 +1,218 @@
+//! How much of a residual a quantity explains, and whether that could be chance.
+
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+use super::covariate::Covariate;
+use super::residuals::Stretch;
+
+/// Mean residual in one bin of a covariate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bin {
+    /// Mean of the covariate in the bin.
+    pub at: f64,
+    /// Mean residual.
+    pub mean: f64,
+    /// Standard deviation of the residual over the root of the number of samples; too small where
+    /// neighbours correlate.
+    pub standard_error: f64,
+    /// Number of samples.
+    pub samples: usize,
+}
+
+/// Dependence of a residual on one covariate.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Dependence {
+    /// The covariate.
+    pub covariate: Covariate,
+    /// Share of the residual's mean square that the bin means explain, 0 to 1.
+    pub explained: f64,
+    /// Chance of explaining as much if residual and covariate had nothing to do with each other.
+    pub p_value: f64,
+    /// Correlation of bin means with the covariate: +1 where the residual grows with it.
+    pub trend: f64,
+    /// The bins, by rising covariate.
+    pub bins: Vec<Bin>,
+}
+
+/// Most bins of a covariate.
+const BINS: usize = 20;
+/// Shifts that a p value is counted from.
+const SHIFTS: usize = 199;
+/// Seed of the shifts.
+pub const SEED: u64 = 7;
+
+/// Dependence on every covariate that varies, strongest first.
+///
+/// The p value comes from shifting each trace's residuals in a circle against its covariates by a
+/// random part of its length: this keeps the correlation of neighbours and breaks all else. The
+/// shifts are seeded.
+#[must_use]
+pub fn dependences(stretches: &[Stretch]) -> Vec<Dependence> {
+    let mut found: Vec<Dependence> = Covariate::ALL
+        .into_iter()
+        .filter_map(|covariate| dependence(stretches, covariate))
+        .collect();
+    found.sort_by(|a, b| b.explained.total_cmp(&a.explained));
+    found
+}
+
+/// Dependence on one covariate; none where it is missing or constant.
+#[must_use]
+pub fn dependence(stretches: &[Stretch], covariate: Covariate) -> Option<Dependence> {
+    let values: Vec<&[f64]> =
+        stretches.iter().map(|stretch| stretch.covariate(covariate)).collect::<Option<_>>()?;
+    let edges = edges(&values)?;
+    let places: Vec<Vec<usize>> = values
+        .iter()
+        .map(|values| values.iter().map(|v| edges.partition_point(|edge| edge <= v)).collect())
+        .collect();
+    let residuals: Vec<Vec<f64>> = stretches.iter().map(Stretch::residual).collect();
+    let unshifted = vec![0; stretches.len()];
+    let count = edges.len() + 1;
+    let explained = explained(&residuals, &places, count, &unshifted);
+    let mut random = ChaCha8Rng::seed_from_u64(SEED);
+    let as_much = (0..SHIFTS)
+        .filter(|_| {
+            let shifts: Vec<usize> =
+                residuals.iter().map(|r| random.random_range(0..r.len().max(1))).collect();
+            self::explained(&residuals, &places, count, &shifts) >= explained
+        })
+        .count();
+    let bins = bins(&residuals, &values, &places, count);
+    Some(Dependence {
+        covariate,
+        explained,
+        p_value: (as_much + 1) as f64 / (SHIFTS + 1) as f64,
+        trend: trend(&bins),
+        bins,
+    })
+}
+
+/// Inner edges of bins of equal width; around each value where they are few.
+fn edges(values: &[&[f64]]) -> Option<Vec<f64>> {
+    let mut distinct: Vec<f64> = values.concat();
+    distinct.sort_by(f64::total_cmp);
+    distinct.dedup();
+    let edges: Vec<f64> = if distinct.len() <= BINS {
+        distinct.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])).collect()
+    } else {
+        let (least, most) = (distinct[0], distinct[distinct.len() - 1]);
+        (1..BINS).map(|k| least + (most - least) * k as f64 / BINS as f64).collect()
+    };
+    (!edges.is_empty()).then_some(edges)
+}
+
+/// Share of the mean square explained by the bin means, the residuals shifted in a circle.
+fn explained(residuals: &[Vec<f64>], places: &[Vec<usize>], bins: usize, shifts: &[usize]) -> f64 {
+    let mut sums = vec![(0.0, 0.0); bins];
+    let mut square = 0.0;
+    for ((residual, places), &shift) in residuals.iter().zip(places).zip(shifts) {
+        let (head, tail) = residual.split_at(shift.min(residual.len()));
+        for (r, &place) in tail.iter().chain(head).zip(places) {
+            sums[place].0 += r;
+            sums[place].1 += 1.0;
+            square += r * r;
+        }
+    }
+    let of_means: f64 =
+        sums.iter().filter(|s| s.1 > 0.0).map(|(sum, count)| sum * sum / count).sum();
+    if square > 0.0 { of_means / square } else { 0.0 }
+}
+
+fn bins(
+    residuals: &[Vec<f64>],
+    values: &[&[f64]],
+    places: &[Vec<usize>],
+    count: usize,
+) -> Vec<Bin> {
+    let mut sums = vec![(0.0, 0.0, 0.0, 0_usize); count];
+    for ((residual, values), places) in residuals.iter().zip(values).zip(places) {
+        for ((r, v), &place) in residual.iter().zip(*values).zip(places) {
+            let sum = &mut sums[place];
+            *sum = (sum.0 + v, sum.1 + r, sum.2 + r * r, sum.3 + 1);
+        }
+    }
+    let bin = |(v, r, square, samples): (f64, f64, f64, usize)| {
+        let n = samples as f64;
+        let mean = r / n;
+        let variance = (square / n - mean * mean).max(0.0);
+        Bin { at: v / n, mean, standard_error: (variance / n).sqrt(), samples }
+    };
+    sums.into_iter().filter(|sum| sum.3 > 0).map(bin).collect()
+}
+
+/// Correlation of the bin means with the covariate, each bin weighing as its samples.
+fn trend(bins: &[Bin]) -> f64 {
+    let total: f64 = bins.iter().map(|bin| bin.samples as f64).sum();
+    let mean = |value: fn(&Bin) -> f64| {
+        bins.iter().map(|bin| value(bin) * bin.samples as f64).sum::<f64>() / total
+    };
+    let (mean_at, mean_r) = (mean(|bin| bin.at), mean(|bin| bin.mean));
+    let moment = |a: fn(&Bin) -> f64, mean_a: f64, b: fn(&Bin) -> f64, mean_b: f64| {
+        let term = |bin: &Bin| (a(bin) - mean_a) * (b(bin) - mean_b) * bin.samples as f64;
+        bins.iter().map(term).sum::<f64>()
+    };
+    let at = moment(|b| b.at, mean_at, |b| b.at, mean_at);
+    let r = moment(|b| b.mean, mean_r, |b| b.mean, mean_r);
+    let both = moment(|b| b.at, mean_at, |b| b.mean, mean_r);
+    if at > 0.0 && r > 0.0 { both / (at * r).sqrt() } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::criticism::region::Region;
+
+    /// Three traces whose residual is correlated noise plus `slope` times the displacement.
+    fn stretches(slope: f64) -> Vec<Stretch> {
+        let mut random = ChaCha8Rng::seed_from_u64(3);
+        (0..3)
+            .map(|trace| {
+                let time: Vec<f64> = (0..600).map(|k| f64::from(k) * 0.01).collect();
+                let x: Vec<f64> = time.iter().map(|t| (t * 1.3 + f64::from(trace)).sin()).collect();
+                let mut noise = 0.0;
+                let measured = x
+                    .iter()
+                    .map(|x| {
+                        noise = 0.8 * noise + random.random_range(-1.0..1.0);
+                        noise + slope * x
+                    })
+                    .collect();
+                Stretch {
+                    trace: trace as usize,
+                    regions: vec![Region::Loading; time.len()],
+                    predicted: vec![0.0; time.len()],
+                    measured,
+                    covariates: vec![
+                        (Covariate::Displacement, x),
+                        (Covariate::Time, time.clone()),
+                        (Covariate::Direction, vec![0.0; time.len()]),
+                    ],
+                    time,
+                }
+            })
+            .collect()
+    }
+
+    #[test]
+    fn a_real_dependence_is_found_with_its_direction() {
+        for (slope, sign) in [(2.0, 1.0), (-2.0, -1.0)] {
+            let found = dependence(&stretches(slope), Covariate::Displacement).unwrap();
+            assert!(found.explained > 0.4 && found.p_value <= 0.01, "{found:?}");
+            assert!(found.trend * sign > 0.95);
+        }
+    }
+
+    #[test]
+    fn correlated_noise_alone_passes_for_chance() {
+        let found = dependences(&stretches(0.0));
+        assert!(found.iter().all(|dependence| dependence.p_value > 0.02), "{found:?}");
+    }
+
+    #[test]
+    fn a_quantity_that_does_not_vary_is_left_out() {
+        assert_eq!(dependence(&stretches(1.0), Covariate::Direction), None);
+        assert_eq!(dependence(&stretches(1.0), Covariate::Temperature), None);
+    }
+}

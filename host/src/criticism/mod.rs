@@ -1,0 +1,12 @@
+//! Where a model fails: its residuals by trace, by region, and against what they could depend on.
+//!
+//! - [`residuals`]: what a model leaves, with everything it could depend on.
+//! - [`region`]: the regions in which errors are counted.
+//! - [`dependence`]: how much of the residual a quantity explains, and whether that is chance.
+//! - [`compare`]: all of it for one model and one data set.
+
+pub mod compare;
+pub mod covariate;
+pub mod dependence;
+pub mod region;
+pub mod residuals;
