@@ -16,7 +16,8 @@ pub(super) const fn separation(terms: usize) -> f64 {
 const CONVERGED: f64 = 1e-10;
 /// Share of the target's sum of squares that counts as nothing: rounding and interpolation.
 const NOTHING: f64 = 1e-24;
-/// Longest step in ln v.
+/// Shortest and longest step in ln v.
+const SHORTEST: f64 = 1e-11;
 const STRIDE: f64 = 1.5;
 /// A pivot below this share of its diagonal makes a matrix singular.
 const SINGULAR: f64 = 1e-14;
@@ -85,8 +86,13 @@ pub(super) fn refine<const N: usize, const R: usize>(
             }
             continue;
         };
-        if promised <= CONVERGED * point.rss + nothing {
-            break if damping <= 1.0 { Stop::Converged } else { Stop::Rounding };
+        // A strongly damped step promises little because it is short: only its length counts.
+        if damping <= 1.0 {
+            if promised <= CONVERGED * point.rss + nothing {
+                break Stop::Converged;
+            }
+        } else if step.iter().all(|part| part.abs() < SHORTEST) {
+            break Stop::Rounding;
         }
         iterations += 1;
         let mut u = point.u;
