@@ -15,7 +15,7 @@ use super::table::Table;
 use super::vector::dot;
 use super::{Error, MOST_TERMS};
 
-/// N smaller than this share of the largest amplitude is rounding.
+/// N smaller than this share of the signal's root mean square is rounding.
 const ZERO: f64 = 1e-9;
 
 /// Fits of one set of times; the implementors differ in how many coordinates they work with.
@@ -76,13 +76,10 @@ impl<const R: usize> Core<R> {
         let problem = self.problem(&projection);
         let refined = self.search::<N>(&problem).signed;
         let described = describe(&problem, &refined, self.options.normalisation);
-        let largest = refined
-            .point
-            .amplitudes
-            .iter()
-            .fold(refined.point.constant.abs(), |a, b| a.max(b.abs()));
+        // Not relative to the amplitudes: those of rates that coincide are large and cancel.
+        let size = dot(problem.target, problem.target).sqrt() / self.basis.constant_norm;
         let amount = described.scale.abs();
-        if amount.is_nan() || amount <= ZERO * largest {
+        if amount.is_nan() || amount <= ZERO * size {
             let place = match self.options.normalisation {
                 Normalisation::Initial => "at the first sample",
                 Normalisation::Asymptotic => "in the limit of long times",
@@ -219,7 +216,7 @@ impl<const R: usize> Core<R> {
                 undetermined(Parameter::Rate(term));
             }
             // The order is descending: the slower neighbour is next.
-            if i > 0 && point.face.terms[i - 1] && touching(point.u[i - 1], point.u[i]) {
+            if i > 0 && point.face.terms[i - 1] && touching(&point.u, i - 1) {
                 notes.push(Note::Coincide { first: term, second: term + 1 });
                 undetermined(Parameter::Coefficient(term));
                 undetermined(Parameter::Coefficient(term + 1));

@@ -177,15 +177,15 @@ pub enum Note {
         /// The term.
         term: usize,
     },
-    /// The coefficient is held at 0 by its sign; its rate has no meaning (it is where adding
-    /// the term would help most, which is not at all).
+    /// The coefficient is held at 0, by its sign or because the other terms already do all it
+    /// could; its rate has no meaning.
     Vanishes {
         /// The term.
         term: usize,
     },
     /// c0 is held at 0 by its sign.
     ConstantAtZero,
-    /// Two rates are the same to 0.1 %: together the terms are (a + b t) e^(−v t), their
+    /// Two rates are the same to 0.1 % (of four, to 1 %): together the terms are (a + b t) e^(−v t), their
     /// coefficients nearly cancel and have no meaning one by one.
     Coincide {
         /// The faster term.

@@ -2,7 +2,8 @@
 //!
 //! No starting values are asked for, and the minimum found is the global one within the limits of
 //! the rates. [`Prepared::new`] computes once, for given times, what every fit on these times
-//! needs; [`Prepared::fit`] then takes a few microseconds for each trace:
+//! needs; [`Prepared::fit`] then takes a few microseconds for each trace of one or two terms that
+//! stand out of the noise, some 0.1 ms where they do not, and some milliseconds for three or four:
 //!
 //! 1. the trace is projected onto a few orthonormal vectors that span every exponential between
 //!    the limits (`basis`), so that the rest works on some twenty numbers;
@@ -10,6 +11,9 @@
 //! 3. every promising one is refined by variable projection (`point`, `refine`, `search`), with
 //!    exponentials interpolated in ln v (`table`);
 //! 4. covariance follows in the coordinates N, c_i, v_i (`covariance`).
+//!
+//! The sum of squares agrees with that of exact exponentials to 1e-6 of itself as long as the
+//! residuals exceed a millionth of the signal; below that, interpolation limits it.
 //!
 //! Time counts from the first sample: N and c_i describe the signal there.
 
@@ -143,7 +147,7 @@ impl Prepared {
 
     /// Profile-likelihood interval of one parameter of a fit to these values: wider and truer
     /// than [`Fit::interval`] where the noise is high. `level` is 0.95 for a 95 % interval. Takes
-    /// about a hundred times as long as the fit.
+    /// about a millisecond.
     ///
     /// # Errors
     /// As [`Self::fit`], and when the level is not between 0 and 1 or the fit has no such

@@ -4,8 +4,12 @@
 use super::table::Table;
 use super::vector::{add_scaled, dot, scale};
 
-/// Columns closer to the span of the others than this share of their length are left out.
-const DEPENDENT: f64 = 1e-11;
+/// Columns closer to the span of the others than this share of their length are left out: their
+/// amplitudes would be so large that what interpolation leaves of them exceeds the noise. Four
+/// slow terms get there.
+const fn dependent(terms: usize) -> f64 {
+    if terms < 4 { 1e-10 } else { 1e-7 }
+}
 
 /// Signs that the amplitudes may have.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -155,7 +159,7 @@ impl<const R: usize> Problem<'_, R> {
                 add_scaled(&mut q, factor, &point.q[j]);
             }
             let norm = dot(&q, &q).sqrt();
-            if face.terms[i] && norm > DEPENDENT * length {
+            if face.terms[i] && norm > dependent(N) * length {
                 point.r[i][i] = norm;
                 scale(&mut q, 1.0 / norm);
                 along[i] = dot(&q, &point.residual);

@@ -4,7 +4,7 @@
 
 use super::fit::{Fit, Normalisation, Parameter, quantile};
 use super::point::{Problem, Signs};
-use super::refine::SEPARATION;
+use super::refine::separation;
 use nalgebra::{DMatrix, DVector};
 
 /// A confidence interval; an end that is none is not bounded by the data within the limits of
@@ -158,10 +158,11 @@ impl<const R: usize> Profile<'_, R> {
         let orientation = if self.problem.target[0] < 0.0 { -1.0 } else { 1.0 };
         match self.hold {
             Hold::Rate(place) => {
+                let apart = separation(self.best.len());
                 let above = (self.best.len() - 1 - place) as f64;
                 (
-                    self.problem.table.lowest + place as f64 * SEPARATION,
-                    self.problem.table.highest - above * SEPARATION,
+                    self.problem.table.lowest + place as f64 * apart,
+                    self.problem.table.highest - above * apart,
                 )
             }
             Hold::Scale => sign(0.0),
@@ -213,24 +214,25 @@ impl<const R: usize> Profile<'_, R> {
     fn within(&self, mut u: Vec<f64>, value: f64) -> Vec<f64> {
         let held = if let Hold::Rate(place) = self.hold { Some(place) } else { None };
         let count = u.len();
+        let apart = separation(count);
         for (i, u) in u.iter_mut().enumerate() {
             let (mut lowest, mut highest) = (self.problem.table.lowest, self.problem.table.highest);
             match held {
                 Some(place) if i == place => (lowest, highest) = (value, value),
-                Some(place) if i < place => highest = value - (place - i) as f64 * SEPARATION,
-                Some(place) => lowest = value + (i - place) as f64 * SEPARATION,
+                Some(place) if i < place => highest = value - (place - i) as f64 * apart,
+                Some(place) => lowest = value + (i - place) as f64 * apart,
                 None => {}
             }
             *u = u.max(lowest).min(highest);
         }
         for i in 1..count {
             if Some(i) != held {
-                u[i] = u[i].max(u[i - 1] + SEPARATION);
+                u[i] = u[i].max(u[i - 1] + apart);
             }
         }
         for i in (0..count - 1).rev() {
             if Some(i) != held {
-                u[i] = u[i].min(u[i + 1] - SEPARATION);
+                u[i] = u[i].min(u[i + 1] - apart);
             }
         }
         u

@@ -6,12 +6,18 @@ use super::vector::dot;
 
 /// Two rates are never closer than this in ln v. Nearer, the amplitudes grow without bound and
 /// the sum of squares no longer changes: the limit is A t e^(−v t).
-pub(super) const SEPARATION: f64 = 1e-3;
+pub(super) const fn separation(terms: usize) -> f64 {
+    // Amplitudes grow with its inverse to the power terms − 1, and with them what interpolation
+    // leaves of the sum of squares.
+    if terms < 4 { 1e-3 } else { 1e-2 }
+}
+
 /// A step that would lower the sum of squares by a smaller share of it is not taken.
 const CONVERGED: f64 = 1e-10;
 /// Share of the target's sum of squares that counts as nothing: rounding and interpolation.
 const NOTHING: f64 = 1e-24;
-/// Longest step in ln v.
+/// Shortest and longest step in ln v.
+const SHORTEST: f64 = 1e-11;
 const STRIDE: f64 = 1.5;
 /// A pivot below this share of its diagonal makes a matrix singular.
 const SINGULAR: f64 = 1e-14;
@@ -80,8 +86,13 @@ pub(super) fn refine<const N: usize, const R: usize>(
             }
             continue;
         };
-        if promised <= CONVERGED * point.rss + nothing {
-            break if damping <= 1.0 { Stop::Converged } else { Stop::Rounding };
+        // A strongly damped step promises little because it is short: only its length counts.
+        if damping <= 1.0 {
+            if promised <= CONVERGED * point.rss + nothing {
+                break Stop::Converged;
+            }
+        } else if step.iter().all(|part| part.abs() < SHORTEST) {
+            break Stop::Rounding;
         }
         iterations += 1;
         let mut u = point.u;
@@ -104,32 +115,33 @@ pub(super) fn refine<const N: usize, const R: usize>(
 
 /// Rates in ascending order, within the limits and apart.
 fn within<const N: usize>(mut u: [f64; N], (lowest, highest): (f64, f64)) -> [f64; N] {
+    let apart = separation(N);
     for u in &mut u {
         *u = u.clamp(lowest, highest);
     }
     u.sort_unstable_by(f64::total_cmp);
     for i in 1..N {
-        if u[i] - u[i - 1] < SEPARATION {
+        if u[i] - u[i - 1] < apart {
             let middle = 0.5 * (u[i] + u[i - 1]);
-            u[i - 1] = middle - 0.5 * SEPARATION;
-            u[i] = middle + 0.5 * SEPARATION;
+            u[i - 1] = middle - 0.5 * apart;
+            u[i] = middle + 0.5 * apart;
         }
     }
     // Pushed apart, some may be out again.
     for i in 0..N {
-        let least = if i == 0 { lowest } else { u[i - 1] + SEPARATION };
+        let least = if i == 0 { lowest } else { u[i - 1] + apart };
         u[i] = u[i].max(least);
     }
     for i in (0..N).rev() {
-        let most = if i + 1 == N { highest } else { u[i + 1] - SEPARATION };
+        let most = if i + 1 == N { highest } else { u[i + 1] - apart };
         u[i] = u[i].min(most);
     }
     u
 }
 
-/// Whether two neighbours are as close as they may be.
-pub(super) fn touching(lower: f64, upper: f64) -> bool {
-    upper - lower <= SEPARATION * (1.0 + 1e-6)
+/// Whether a rate and the next are as close as they may be.
+pub(super) fn touching<const N: usize>(u: &[f64; N], lower: usize) -> bool {
+    u[lower + 1] - u[lower] <= separation(N) * (1.0 + 1e-6)
 }
 
 impl<const N: usize, const R: usize> Curvature<N, R> {
@@ -193,10 +205,7 @@ fn directions<const N: usize, const R: usize>(
     while i < N {
         // A chain of rates that touch and press on one another moves as one.
         let mut end = i + 1;
-        while end < N
-            && touching(point.u[end - 1], point.u[end])
-            && descent[end - 1] >= descent[end]
-        {
+        while end < N && touching(&point.u, end - 1) && descent[end - 1] >= descent[end] {
             end += 1;
         }
         let pull: f64 = descent[i..end].iter().sum();

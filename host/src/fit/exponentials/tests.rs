@@ -73,6 +73,23 @@ fn coefficients_add_to_one_and_rates_descend() {
 }
 
 #[test]
+fn more_terms_than_the_signal_has_are_a_fit_with_a_note_and_not_a_failure() {
+    let times = uniform(860, 200.0);
+    let prepared = Prepared::new(&times, &terms(4)).unwrap();
+    for sd in [0.003, 0.01, 0.03] {
+        let values = disturbed(&sushi(), &times, sd);
+        let fit = prepared.fit(&values).unwrap();
+        let weak = (1..=4).map(Parameter::Coefficient).any(|parameter| {
+            let error = fit.standard_error(parameter).unwrap_or(f64::INFINITY);
+            error > 0.3 * fit.value(parameter).unwrap().abs()
+        });
+        assert!(!fit.notes.is_empty() || weak, "{fit:?}");
+        let exact: f64 = times.iter().zip(&values).map(|(t, y)| (y - fit.sum.at(*t)).powi(2)).sum();
+        assert_close(fit.rss, exact, 1e-6);
+    }
+}
+
+#[test]
 fn standard_errors_are_those_of_the_full_jacobian() {
     let times = uniform(300, 70.0);
     for normalisation in [Normalisation::Initial, Normalisation::Asymptotic] {
