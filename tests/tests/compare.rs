@@ -35,10 +35,8 @@ fn motion(to_mm: f64, speed: f64) -> Motion {
 
 /// Six presses whose force has something more than the law says: a function of x and v.
 fn recordings(extra: fn(f64, f64) -> f64) -> Vec<Trace> {
-    let motions: Vec<Motion> = [4.0, 8.0, 12.0]
-        .iter()
-        .flat_map(|&x| [5.0, 40.0].map(|speed| motion(x, speed)))
-        .collect();
+    let motions: Vec<Motion> =
+        [4.0, 8.0, 12.0].iter().flat_map(|&x| [5.0, 40.0].map(|speed| motion(x, speed))).collect();
     let mut random = ChaCha8Rng::seed_from_u64(11);
     let normal = Normal::new(0.0, NOISE).unwrap();
     let force = LAW.predict(&TRUTH, &motions);
