@@ -137,6 +137,7 @@ pub fn decompose(
         column: signal.into(),
     })?;
     let lsb = lsb(signal, values);
+    tracing::info!("{}: {signal} through the filter, one LSB is {lsb:e}", trace.label());
     let mut channel = Channel::empty(signal, lsb, trace.len());
     let refused = |source| DecompositionError::Filter { trace: trace.label(), source };
     let mut configs = Configs::new(*relaxation);

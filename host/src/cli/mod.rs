@@ -19,6 +19,7 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 use miette::{Diagnostic, Report};
+use tracing_subscriber::filter::LevelFilter;
 
 pub use output::Output;
 
@@ -86,9 +87,11 @@ impl Failure {
 }
 
 /// An error of the library, shown by its own words.
-#[derive(Debug, thiserror::Error, Diagnostic)]
+#[derive(Debug, thiserror::Error)]
 #[error(transparent)]
 struct Wrapped(Box<dyn std::error::Error + Send + Sync>);
+
+impl Diagnostic for Wrapped {}
 
 /// Runs the command line; the exit status is what `main` returns.
 #[must_use]
@@ -113,24 +116,31 @@ pub fn run() -> ExitCode {
     }
 }
 
+/// Says what went wrong, with every cause that is not in the words before it.
 fn fail(report: &Report, status: u8) -> ExitCode {
-    eprintln!("error: {report:?}");
+    let mut text = report.to_string();
+    for cause in report.chain().skip(1).map(ToString::to_string) {
+        if !text.contains(&cause) {
+            text += &format!("\n  because {cause}");
+        }
+    }
+    eprintln!("error: {text}");
     ExitCode::from(status)
 }
 
-/// Messages of the library go to standard error; `PALPATE_LOG` filters them finer than `-v` does.
+/// Messages of the library go to standard error; `PALPATE_LOG` names a level, `-v` raises it.
 fn start_log(verbose: u8) {
-    let default = match verbose {
-        0 => "warn",
-        1 => "palpate=info",
-        _ => "palpate=trace",
-    };
-    let filter = tracing_subscriber::EnvFilter::try_from_env("PALPATE_LOG")
-        .unwrap_or_else(|_| tracing_subscriber::EnvFilter::new(default));
+    let named = std::env::var("PALPATE_LOG").ok().and_then(|level| level.parse().ok());
+    let level = named.unwrap_or(match verbose {
+        0 => LevelFilter::WARN,
+        1 => LevelFilter::INFO,
+        _ => LevelFilter::TRACE,
+    });
     tracing_subscriber::fmt()
-        .with_env_filter(filter)
+        .with_max_level(level)
         .with_writer(std::io::stderr)
         .without_time()
         .with_target(false)
+        .with_ansi(console::colors_enabled_stderr())
         .init();
 }

@@ -123,6 +123,10 @@ pub fn minimise(problem: &impl LeastSquares, start: &[f64]) -> Solution {
             .collect();
         let promised = -(2.0 * normal.gradient.dot(&step) + step.dot(&(&normal.curvature * &step)));
         let gained = normal.cost - problem.cost(&trial);
+        tracing::trace!(
+            "step {iterations}: damping {damping:.1e}, sum of squares {:.9e}, gained {gained:.3e} of {promised:.3e}",
+            normal.cost
+        );
         if gained > 0.0 {
             let ratio = gained / promised.max(f64::MIN_POSITIVE);
             let stalled =

@@ -80,7 +80,17 @@ pub fn fit(law: Fung, data: &Data) -> Result<MotionFit, DataError> {
             let rates = start.rates.iter().copied().map(f64::ln);
             let forces = start.forces.iter().copied();
             let point: Vec<f64> = forces.chain(std::iter::once(start.q)).chain(rates).collect();
-            minimise(&problem, &point)
+            let found = minimise(&problem, &point);
+            tracing::info!(
+                "{} exponential(s), start q = {}, rates {:?} 1/s: {} after {} steps, sum of squares {:.6e}",
+                law.terms,
+                start.q,
+                start.rates,
+                found.stop,
+                found.iterations,
+                found.normal.cost
+            );
+            found
         })
         .min_by(|a, b| a.normal.cost.total_cmp(&b.normal.cost))
         .ok_or(DataError::NothingLeft)?;

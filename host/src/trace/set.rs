@@ -17,6 +17,15 @@ pub fn read_set<P: AsRef<Path>>(paths: &[P]) -> Result<Vec<Trace>, Error> {
     let files = files(paths)?;
     let mut traces = files.iter().map(|file| read(file)).collect::<Result<Vec<_>, _>>()?;
     order(&mut traces)?;
+    for trace in &traces {
+        tracing::info!(
+            "{}: {} samples over {:.3} s, {} gap(s)",
+            trace.label(),
+            trace.len(),
+            trace.duration(),
+            super::gaps(&trace.time).len()
+        );
+    }
     Ok(traces)
 }
 
