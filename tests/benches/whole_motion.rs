@@ -3,31 +3,18 @@
 use criterion::{Criterion, criterion_group, criterion_main};
 use palpate::fit::data::Data;
 use palpate::fit::whole_motion::fit;
-use palpate::model::{Fung, Hold, Motion, Move, Profile, Separation, Step};
+use palpate::model::{Fung, Motion, Separation};
 use palpate::trace::{Column, DISPLACEMENT, FORCE, Trace};
+use palpate_tests::press;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
 
 const SAMPLES: usize = 1400;
 
+/// The first 1,400 samples of a press.
 fn motion(to_mm: f64, speed: f64) -> Motion {
-    let mut motion = Profile {
-        version: 1,
-        rate_hz: 200.0,
-        start_mm: -0.5,
-        speed_mm_per_s: speed,
-        acceleration_mm_per_s2: Some(800.0),
-        repeat: 1,
-        steps: vec![
-            Step::Hold(Hold { hold_s: 0.5 }),
-            Step::Move(Move { to_mm, speed_mm_per_s: None }),
-            Step::Hold(Hold { hold_s: 4.0 }),
-            Step::Move(Move { to_mm: -0.5, speed_mm_per_s: None }),
-            Step::Hold(Hold { hold_s: 7.0 }),
-        ],
-    }
-    .motion();
+    let mut motion = press(to_mm, speed, 7.0);
     motion.time.truncate(SAMPLES);
     motion.displacement.truncate(SAMPLES);
     motion

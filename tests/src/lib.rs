@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use assert_cmd::Command;
+use palpate::model::{Hold, Motion, Move, Profile, Step};
 
 /// The `palpate` command: `src/main.rs` here is the same line as that of the product, so that cargo
 /// builds it, fresh and once, for whichever tests are run.
@@ -46,4 +47,22 @@ pub fn all_bundled() -> Vec<PathBuf> {
         .collect();
     found.sort();
     found
+}
+
+/// Load, hold for 4 s and unload, with rounded corners, 200 Hz: from 0.5 mm off the specimen to
+/// `to_mm` at `speed` mm/s, and `after` seconds off the specimen at the end.
+#[must_use]
+pub fn press(to_mm: f64, speed: f64, after: f64) -> Motion {
+    let go = |to_mm| Step::Move(Move { to_mm, speed_mm_per_s: None });
+    let stay = |hold_s| Step::Hold(Hold { hold_s });
+    Profile {
+        version: 1,
+        rate_hz: 200.0,
+        start_mm: -0.5,
+        speed_mm_per_s: speed,
+        acceleration_mm_per_s2: Some(800.0),
+        repeat: 1,
+        steps: vec![stay(0.5), go(to_mm), stay(4.0), go(-0.5), stay(after)],
+    }
+    .motion()
 }

@@ -4,8 +4,9 @@ use palpate::criticism::compare::{Comparison, compare};
 use palpate::criticism::region::Region;
 use palpate::fit::data::Data;
 use palpate::fit::whole_motion::fit;
-use palpate::model::{Fung, Hold, Model, Motion, Move, Profile, Separation, Step};
+use palpate::model::{Fung, Model, Motion, Separation};
 use palpate::trace::{Column, DISPLACEMENT, FORCE, Trace};
+use palpate_tests::press;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
@@ -14,29 +15,12 @@ const LAW: Fung = Fung { terms: 2, separation: Separation::Clamp };
 const TRUTH: [f64; 6] = [0.08, 0.8, 0.25, 0.24, 4.0, 0.55];
 const NOISE: f64 = 0.01;
 
-fn motion(to_mm: f64, speed: f64) -> Motion {
-    Profile {
-        version: 1,
-        rate_hz: 200.0,
-        start_mm: -0.5,
-        speed_mm_per_s: speed,
-        acceleration_mm_per_s2: Some(800.0),
-        repeat: 1,
-        steps: vec![
-            Step::Hold(Hold { hold_s: 0.5 }),
-            Step::Move(Move { to_mm, speed_mm_per_s: None }),
-            Step::Hold(Hold { hold_s: 4.0 }),
-            Step::Move(Move { to_mm: -0.5, speed_mm_per_s: None }),
-            Step::Hold(Hold { hold_s: 1.5 }),
-        ],
-    }
-    .motion()
-}
-
 /// Six presses whose force has something more than the law says: a function of x and v.
 fn recordings(extra: fn(f64, f64) -> f64) -> Vec<Trace> {
-    let motions: Vec<Motion> =
-        [4.0, 8.0, 12.0].iter().flat_map(|&x| [5.0, 40.0].map(|speed| motion(x, speed))).collect();
+    let motions: Vec<Motion> = [4.0, 8.0, 12.0]
+        .iter()
+        .flat_map(|&x| [5.0, 40.0].map(|speed| press(x, speed, 1.5)))
+        .collect();
     let mut random = ChaCha8Rng::seed_from_u64(11);
     let normal = Normal::new(0.0, NOISE).unwrap();
     let force = LAW.predict(&TRUTH, &motions);

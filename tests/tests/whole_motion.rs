@@ -2,8 +2,9 @@
 
 use palpate::fit::data::Data;
 use palpate::fit::whole_motion::fit;
-use palpate::model::{Fung, Hold, Motion, Move, Profile, Separation, Step};
+use palpate::model::{Fung, Motion, Separation};
 use palpate::trace::{Column, DISPLACEMENT, FORCE, Trace};
+use palpate_tests::press;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
@@ -13,25 +14,10 @@ const TRUTH: [f64; 6] = [0.08, 0.8, 0.25, 0.24, 4.0, 0.55];
 
 /// Load, hold, unload to three depths at three rates.
 fn motions() -> Vec<Motion> {
-    let press = |to_mm: f64, speed: f64| {
-        Profile {
-            version: 1,
-            rate_hz: 200.0,
-            start_mm: -0.5,
-            speed_mm_per_s: speed,
-            acceleration_mm_per_s2: Some(800.0),
-            repeat: 1,
-            steps: vec![
-                Step::Hold(Hold { hold_s: 0.5 }),
-                Step::Move(Move { to_mm, speed_mm_per_s: None }),
-                Step::Hold(Hold { hold_s: 4.0 }),
-                Step::Move(Move { to_mm: -0.5, speed_mm_per_s: None }),
-                Step::Hold(Hold { hold_s: 1.5 }),
-            ],
-        }
-        .motion()
-    };
-    [4.0, 8.0, 12.0].iter().flat_map(|&x| [5.0, 20.0, 60.0].map(|speed| press(x, speed))).collect()
+    [4.0, 8.0, 12.0]
+        .iter()
+        .flat_map(|&x| [5.0, 20.0, 60.0].map(|speed| press(x, speed, 1.5)))
+        .collect()
 }
 
 /// What a sensor with noise of this size and correlation between neighbours would record.
