@@ -99,7 +99,17 @@ pub(super) fn horizontal_ticks(
         .rev()
         .map(|target| ticks(axis.scale, range, target, exponent))
         .find(fits)
-        .unwrap_or_else(|| ticks(axis.scale, range, 2, exponent))
+        .unwrap_or_else(|| {
+            // Too narrow for any regular choice: the outermost labels, or one.
+            let mut fewest = ticks(axis.scale, range, 2, exponent);
+            if fewest.major.len() > 2 {
+                fewest.major.drain(1..fewest.major.len() - 1);
+            }
+            if !fits(&fewest) {
+                fewest.major.truncate(1);
+            }
+            fewest
+        })
 }
 
 /// Ticks of a vertical axis of a given height.
