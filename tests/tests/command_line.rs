@@ -128,7 +128,10 @@ fn a_file_that_is_there_survives_a_failed_call() {
 fn json_is_one_object_of_its_version() {
     let folder = tempfile::tempdir().unwrap();
     let press = press();
-    let calls: [(&[&str], &str); 4] = [
+    let model = folder.path().join("m.toml").display().to_string();
+    assert_eq!(call(folder.path(), &["fit", "fung", &press, "-o", "m.toml"]).0, 0);
+    let calls: [(&[&str], &str); 5] = [
+        (&["compare", &model, &press, "--json"], "palpate_comparison"),
         (&["fit", "fung", &press, "--json"], "palpate_fit"),
         (&["fit", "fung", &press, "--hold-only", "--json"], "palpate_fit"),
         (&["decompose", &press, "--json"], "palpate_decomposition"),
@@ -146,8 +149,17 @@ fn json_is_one_object_of_its_version() {
 fn every_subcommand_has_help_with_examples() {
     let folder = tempfile::tempdir().unwrap();
     let (_, help, _) = call(folder.path(), &["--help"]);
-    let commands =
-        ["demo", "decompose", "fit", "simulate", "import", "plot", "plan", "completions"];
+    let commands = [
+        "demo",
+        "decompose",
+        "fit",
+        "compare",
+        "simulate",
+        "import",
+        "plot",
+        "plan",
+        "completions",
+    ];
     for command in commands {
         assert!(help.contains(command), "{help}");
         let (status, help, _) = call(folder.path(), &[command, "--help"]);

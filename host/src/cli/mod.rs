@@ -25,7 +25,7 @@ pub use output::Output;
 
 /// Fit contact models to recordings of touch, and see where they fail.
 #[derive(Parser)]
-#[command(name = "palpate", version, max_term_width = 100, after_help = EXAMPLES)]
+#[command(name = "palpate", bin_name = "palpate", version, max_term_width = 100, after_help = EXAMPLES)]
 struct Arguments {
     #[command(subcommand)]
     command: Command,
