@@ -42,7 +42,7 @@ const BAD: &[(&str, &str, &[&str], &[&str])] = &[
         "a.csv",
         "time_s,displacement_mm,force_N\n0,-2,0\n1,-1,1\n2,-2,2\n",
         &["fit", "fung", "a.csv", "-o", "m.toml"],
-        &["never reaches"],
+        &["no trace reaches"],
     ),
     (
         "a.csv",

@@ -3,6 +3,8 @@
 mod check;
 mod traces;
 
+use std::process::ExitCode;
+
 use clap::{Parser, Subcommand};
 
 #[derive(Parser)]
@@ -20,9 +22,16 @@ enum Task {
     Traces,
 }
 
-fn main() -> miette::Result<()> {
-    match Arguments::parse().task {
+fn main() -> ExitCode {
+    let outcome = match Arguments::parse().task {
         Task::Test => check::run(),
         Task::Traces => traces::write_all(),
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(report) => {
+            eprintln!("error: {report}");
+            ExitCode::FAILURE
+        }
     }
 }

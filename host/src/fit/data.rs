@@ -33,8 +33,12 @@ pub enum DataError {
     Motion(#[from] MotionError),
     #[error(transparent)]
     Signal(#[from] SignalError),
-    #[error("{trace} never reaches the specimen: its displacement stays at or below 0")]
-    NoContact { trace: String },
+    #[error("no trace reaches the specimen: displacement stays at or below 0")]
+    NoContact,
+    #[error(
+        "{signal} is negative while the specimen is pressed (mean {mean:.3e}): compression counts as positive; turn the sign with `negate = true` in `palpate import`"
+    )]
+    Negative { signal: String, mean: f64 },
     #[error("{samples} samples for {parameters} parameters: record more, or fit fewer terms")]
     TooFew { samples: usize, parameters: usize },
     #[error(
@@ -50,7 +54,8 @@ impl Data {
     /// where it begins off the specimen, and left out where it begins in contact.
     ///
     /// # Errors
-    /// When a trace lacks the signal or a motion, is constant, or never reaches the specimen.
+    /// When a trace lacks the signal or a motion or is constant, when no trace reaches the specimen, or
+    /// the signal is negative in compression.
     pub fn of(traces: &[Trace], signal: &str) -> Result<Self, DataError> {
         let motions = Motion::of_set(traces)?;
         let mut data = Self {
@@ -60,12 +65,33 @@ impl Data {
         };
         for (index, (trace, motion)) in traces.iter().zip(motions).enumerate() {
             let measured = trace.changing(signal)?;
-            if motion.largest_compression() <= 0.0 {
-                return Err(DataError::NoContact { trace: trace.label() });
-            }
             data.add(index, trace, &motion, measured);
         }
-        if data.pieces.is_empty() { Err(DataError::NothingLeft) } else { Ok(data) }
+        if data.pieces.is_empty() {
+            return Err(DataError::NothingLeft);
+        }
+        data.check_contact(signal)?;
+        Ok(data)
+    }
+
+    /// The specimen is pressed somewhere, and pushes back.
+    fn check_contact(&self, signal: &str) -> Result<(), DataError> {
+        let (mut sum, mut count) = (0.0, 0.0);
+        for piece in &self.pieces {
+            for (&x, &value) in piece.motion.displacement.iter().zip(&piece.measured) {
+                if x > 0.0 {
+                    sum += value;
+                    count += 1.0;
+                }
+            }
+        }
+        if count == 0.0 {
+            Err(DataError::NoContact)
+        } else if sum < 0.0 {
+            Err(DataError::Negative { signal: signal.into(), mean: sum / count })
+        } else {
+            Ok(())
+        }
     }
 
     fn add(&mut self, index: usize, trace: &Trace, motion: &Motion, measured: &[f64]) {
@@ -118,5 +144,53 @@ impl Data {
             piece.motion.time.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min)
         };
         self.pieces.iter().map(intervals).fold(f64::INFINITY, f64::min)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::trace::{Column, DISPLACEMENT, FORCE};
+
+    /// A trace over whole seconds.
+    fn trace(time: &[f64], displacement: &[f64], force: &[f64]) -> Trace {
+        let column =
+            |name: &str, values: &[f64]| Column { name: name.into(), values: values.into() };
+        Trace {
+            time: time.into(),
+            columns: vec![column(DISPLACEMENT, displacement), column(FORCE, force)],
+            ..Trace::default()
+        }
+    }
+
+    const TIMES: [f64; 9] = [0.0, 1.0, 2.0, 3.0, 4.0, 50.0, 51.0, 52.0, 53.0];
+
+    #[test]
+    fn a_stretch_after_a_gap_counts_where_it_begins_off_the_specimen() {
+        let press = [0.0, 1.0, 2.0, 1.0, 0.0, 0.0, 1.0, 2.0, 1.0];
+        let data = Data::of(&[trace(&TIMES, &press, &press)], FORCE).unwrap();
+        assert_eq!((data.pieces.len(), data.samples()), (2, 9));
+        assert!(data.left_out.is_empty());
+        let held = [0.0, 1.0, 2.0, 2.0, 2.0, 2.0, 2.0, 1.0, 0.0];
+        let data = Data::of(&[trace(&TIMES, &held, &held)], FORCE).unwrap();
+        assert_eq!((data.pieces.len(), data.samples()), (1, 5));
+        assert!(data.left_out[0].contains("4 samples after a gap"), "{:?}", data.left_out);
+    }
+
+    #[test]
+    fn a_stroke_without_contact_is_welcome_beside_others_but_not_alone() {
+        let (time, press) = (&TIMES[..5], [0.0, 1.0, 2.0, 1.0, 0.0]);
+        let stroke = trace(time, &[-3.0, -2.0, -1.0, -2.0, -3.0], &[0.0, 0.1, 0.0, 0.0, 0.1]);
+        let pressed = trace(time, &press, &press);
+        assert!(Data::of(&[stroke.clone(), pressed], FORCE).is_ok());
+        assert!(matches!(Data::of(&[stroke], FORCE), Err(DataError::NoContact)));
+    }
+
+    #[test]
+    fn a_force_of_the_wrong_sign_is_told_not_fitted() {
+        let press = [0.0, 1.0, 2.0, 1.0, 0.0];
+        let pull = press.map(|force| -force);
+        let found = Data::of(&[trace(&TIMES[..5], &press, &pull)], FORCE);
+        assert!(matches!(found, Err(DataError::Negative { .. })));
     }
 }
