@@ -122,7 +122,8 @@ pub fn signals(trace: &Trace) -> Result<Vec<String>, DecompositionError> {
 /// Runs one column of a recording through the filter; `each` is called after every sample.
 ///
 /// The filter takes the interval of each sample from the recording, so uneven sampling is exact. It
-/// starts anew after a gap.
+/// starts settled at the first sample, and anew after a gap. A recording that begins pressed counts as
+/// having just arrived there, from zero.
 ///
 /// # Errors
 /// When there is no such column, or the filter refuses the relaxation function or an interval.
@@ -142,7 +143,12 @@ pub fn decompose(
     let refused = |source| DecompositionError::Filter { trace: trace.label(), source };
     let mut configs = Configs::new(*relaxation);
     for run in runs(&trace.time) {
-        let mut state = State::at_rest(counts(values[run.start], lsb));
+        let before = if run.start == 0 && begins_pressed(trace, signal, values) {
+            0.0
+        } else {
+            values[run.start]
+        };
+        let mut state = State::at_rest(counts(before, lsb));
         // The first sample of a run has no interval before it; the next one's does as well as any.
         let first = trace.time.get(run.start + 1).map_or(1.0, |next| next - trace.time[run.start]);
         for index in run.clone() {
@@ -156,6 +162,18 @@ pub fn decompose(
         channel.saturated = channel.saturated.saturating_add(state.saturations());
     }
     Ok(channel)
+}
+
+/// Whether a recording begins with the specimen just pressed: its displacement begins above zero, or it
+/// has none and its largest value comes within its first twentieth, as the answer to a step. A gauge
+/// has an offset of its own, so without a displacement it is taken as it is.
+fn begins_pressed(trace: &Trace, signal: &str, values: &[f64]) -> bool {
+    if let Some(displacement) = trace.displacement() {
+        return displacement.first().is_some_and(|x| *x > 0.0);
+    }
+    let size = |k: &usize| values[*k].abs();
+    let largest = (0..values.len()).max_by(|a, b| size(a).total_cmp(&size(b)));
+    !GAUGES.contains(&signal) && largest.is_some_and(|largest| largest <= values.len() / 20)
 }
 
 /// A value in LSB; beyond the range of `i32` it stays at its end, and the filter counts it.

@@ -120,7 +120,7 @@ fn press() -> Trace {
         rate_hz: 200.0,
         start_mm: -0.5,
         speed_mm_per_s: 8.0,
-        acceleration_mm_per_s2: Some(400.0),
+        acceleration_mm_per_s2: Some(30.0),
         repeat: 1,
         steps: vec![
             Step::Hold(Hold { hold_s: 1.0 }),

@@ -39,7 +39,6 @@ pub fn region_table(trace: &Trace, channel: &Channel, stretches: &[Stretch]) -> 
     if !shown.contains(&channel.signal.as_str()) {
         columns.push(Column::number(name_of(&channel.signal), unit_of(&channel.signal)));
     }
-    columns.push(Column::text("relaxation"));
     let mut table = Table::new("Regions of the grasp (Fig. 3.10)", columns);
     for stretch in stretches {
         let (points, word) = name(stretch.region);
@@ -47,7 +46,7 @@ pub fn region_table(trace: &Trace, channel: &Channel, stretches: &[Stretch]) -> 
         let until = trace.time[(last + 1).min(trace.len() - 1)];
         let mut cells = vec![
             points.to_owned(),
-            word.to_owned(),
+            format!("{word}{}", type_word(stretch)),
             format!("{:.3}", trace.time[stretch.range.start]),
             format!("{until:.3}"),
         ];
@@ -59,7 +58,6 @@ pub fn region_table(trace: &Trace, channel: &Channel, stretches: &[Stretch]) -> 
         if !shown.contains(&channel.signal.as_str()) {
             cells.push(significant(channel.input[last], 4));
         }
-        cells.push(type_word(stretch).to_owned());
         table = table.row(cells);
     }
     table.note("Displacement, force and strain are those at the end of each region.")
@@ -68,8 +66,8 @@ pub fn region_table(trace: &Trace, channel: &Channel, stretches: &[Stretch]) -> 
 /// The type of relaxation, where the region is one of relaxing.
 fn type_word(stretch: &Stretch) -> &'static str {
     match (stretch.region, stretch.relaxation) {
-        (Region::Relaxation, RelaxationType::TypeI) => "Type I",
-        (Region::Relaxation, RelaxationType::TypeII) => "Type II",
+        (Region::Relaxation, RelaxationType::TypeI) => ", Type I",
+        (Region::Relaxation, RelaxationType::TypeII) => ", Type II",
         _ => "",
     }
 }
