@@ -1,7 +1,9 @@
 //! The elastic response from holds at several compressions, and with it a whole model.
 
+use shared::phase::RelaxationType;
+
 use super::exponentials::Parameter;
-use super::hold::{HoldFit, RelaxationType};
+use super::hold::HoldFit;
 use crate::model::{Fung, Model, Separation};
 
 /// Why holds do not make a whole model.
@@ -30,7 +32,7 @@ pub enum ElasticLawError {
 /// When the holds are at one compression, differ in their number of exponentials, or do not relax.
 pub fn model_of_holds(fits: &[HoldFit], signal: &str) -> Result<Model, ElasticLawError> {
     let holds: Vec<&HoldFit> =
-        fits.iter().filter(|hold| hold.relaxation == RelaxationType::One).collect();
+        fits.iter().filter(|hold| hold.relaxation == RelaxationType::TypeI).collect();
     let terms = holds.first().ok_or(ElasticLawError::OneCompression)?.fit.sum.terms.len();
     if holds.iter().any(|hold| hold.fit.sum.terms.len() != terms) {
         return Err(ElasticLawError::MixedTerms);

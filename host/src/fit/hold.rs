@@ -2,36 +2,12 @@
 
 use std::ops::Range;
 
+use shared::phase::RelaxationType;
+
 use super::exponentials::{
     self, Fit, MOST_TERMS, Normalisation, Options, Parameter, Prepared, Row, Sign,
 };
 use crate::trace::{DISPLACEMENT, SignalError, Trace, holds};
-
-/// Which way a held signal goes (4.2.1).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum RelaxationType {
-    /// After loading: the force falls towards its equilibrium.
-    One,
-    /// After partial unloading: the force rises towards its equilibrium.
-    Two,
-}
-
-impl RelaxationType {
-    /// The bare numeral, for tables with a column of types.
-    #[must_use]
-    pub fn numeral(self) -> &'static str {
-        match self {
-            Self::One => "I",
-            Self::Two => "II",
-        }
-    }
-}
-
-impl std::fmt::Display for RelaxationType {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "Type {}", self.numeral())
-    }
-}
 
 /// The relaxation of one hold.
 #[derive(Clone, Debug)]
@@ -46,7 +22,7 @@ pub struct HoldFit {
     pub duration_s: f64,
     /// Displacement during the hold, mm, where it was recorded.
     pub displacement: Option<f64>,
-    /// Which way the signal went.
+    /// Which way the signal went (4.2.1): Type I falls towards its equilibrium, Type II rises.
     pub relaxation: RelaxationType,
     /// Eq. 3.4 with its parameters.
     pub fit: Fit,
@@ -124,9 +100,9 @@ fn options(terms: Terms, signs: Option<RelaxationType>) -> Options {
         Terms::Auto => MOST_TERMS,
     };
     let (sign, constant_sign) = match signs {
-        None => (Sign::Free, Sign::Free),
-        Some(RelaxationType::One) => (Sign::NotNegative, Sign::NotNegative),
-        Some(RelaxationType::Two) => (Sign::NotPositive, Sign::NotNegative),
+        None | Some(RelaxationType::None) => (Sign::Free, Sign::Free),
+        Some(RelaxationType::TypeI) => (Sign::NotNegative, Sign::NotNegative),
+        Some(RelaxationType::TypeII) => (Sign::NotPositive, Sign::NotNegative),
     };
     let normalisation = Normalisation::Initial;
     Options { terms, sign, constant_sign, normalisation, ..Options::default() }
@@ -139,16 +115,16 @@ fn trend(values: &[f64]) -> RelaxationType {
     let last = mean(&values[values.len() - tenth..]);
     // A tension recorded as negative numbers relaxes upwards, towards zero.
     let falls = if first + last >= 0.0 { last <= first } else { last >= first };
-    if falls { RelaxationType::One } else { RelaxationType::Two }
+    if falls { RelaxationType::TypeI } else { RelaxationType::TypeII }
 }
 
 /// Which way the fitted function goes, where its terms agree.
 fn direction(fit: &Fit) -> Option<RelaxationType> {
     let terms = &fit.sum.terms;
     if terms.iter().all(|term| term.coefficient >= 0.0) {
-        Some(RelaxationType::One)
+        Some(RelaxationType::TypeI)
     } else if terms.iter().all(|term| term.coefficient <= 0.0) {
-        Some(RelaxationType::Two)
+        Some(RelaxationType::TypeII)
     } else {
         None
     }
@@ -182,7 +158,7 @@ const SAME_DISPLACEMENT: f64 = 0.02;
 #[must_use]
 pub fn spreads(fits: &[HoldFit]) -> Vec<Spread> {
     let mut groups: Vec<Vec<&HoldFit>> = Vec::new();
-    for fit in fits.iter().filter(|fit| fit.relaxation == RelaxationType::One) {
+    for fit in fits.iter().filter(|fit| fit.relaxation == RelaxationType::TypeI) {
         let same = |group: &&mut Vec<&HoldFit>| alike(group[0], fit);
         match groups.iter_mut().find(same) {
             Some(group) => group.push(fit),

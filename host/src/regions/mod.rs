@@ -141,6 +141,16 @@ pub fn code(region: Region) -> f64 {
     }
 }
 
+/// The numeral of a relaxation type: I after loading, II after partial unloading.
+#[must_use]
+pub fn numeral(relaxation: RelaxationType) -> &'static str {
+    match relaxation {
+        RelaxationType::None => "–",
+        RelaxationType::TypeI => "I",
+        RelaxationType::TypeII => "II",
+    }
+}
+
 /// The number of a relaxation type in a trace's column: 0 near equilibrium, 1 and 2.
 #[must_use]
 pub fn type_code(relaxation: RelaxationType) -> f64 {

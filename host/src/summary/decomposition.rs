@@ -6,7 +6,7 @@ use shared::phase::{Region, RelaxationType};
 
 use super::{name_of, unit_of};
 use crate::decomposition::Channel;
-use crate::regions::{Regions, Stretch, code, name, type_code};
+use crate::regions::{Regions, Stretch, code, name, numeral, type_code};
 use crate::report::number::significant;
 use crate::report::{Axis, Colour, Column, Legend, Panels, Plot, Section, Series, Table};
 use crate::trace::{DISPLACEMENT, FORCE, Trace};
@@ -64,11 +64,11 @@ pub fn region_table(trace: &Trace, channel: &Channel, stretches: &[Stretch]) -> 
 }
 
 /// The type of relaxation, where the region is one of relaxing.
-fn type_word(stretch: &Stretch) -> &'static str {
+fn type_word(stretch: &Stretch) -> String {
     match (stretch.region, stretch.relaxation) {
-        (Region::Relaxation, RelaxationType::TypeI) => ", Type I",
-        (Region::Relaxation, RelaxationType::TypeII) => ", Type II",
-        _ => "",
+        (_, RelaxationType::None) => String::new(),
+        (Region::Relaxation, relaxation) => format!(", Type {}", numeral(relaxation)),
+        _ => String::new(),
     }
 }
 

@@ -5,6 +5,7 @@ use serde_json::{Value, json};
 use super::{CONCISE, concise, name_of, unit_of};
 use crate::fit::exponentials::{Fit, Parameter};
 use crate::fit::hold::{HoldFit, Spread, spreads};
+use crate::regions::numeral;
 use crate::report::number::significant;
 use crate::report::{Axis, Callout, Colour, Column, Plot, Section, Series, Table};
 use crate::trace::Trace;
@@ -86,7 +87,7 @@ fn one_json(hold: &HoldFit) -> Value {
         "from_s": hold.from_s,
         "duration_s": hold.duration_s,
         "displacement_mm": hold.displacement,
-        "type": hold.relaxation.to_string(),
+        "type": format!("Type {}", numeral(hold.relaxation)),
         "parameters": parameters,
         "correlation": {"order": order, "matrix": rows},
         "samples": fit.samples,
@@ -123,7 +124,7 @@ fn coefficient_table(fits: &[HoldFit], signal: &str) -> Table {
                 .map_or("–".into(), |value| concise(value, hold.fit.standard_error(coefficient)))
         });
         let from = format!("{:.2}", hold.from_s);
-        let head = [hold.trace.clone(), from, place, hold.relaxation.numeral().into()];
+        let head = [hold.trace.clone(), from, place, numeral(hold.relaxation).into()];
         let tail = [format!("{:.4}", hold.fit.r_squared)];
         table = table.row(head.into_iter().chain(cells).chain(tail));
     }
@@ -216,7 +217,8 @@ fn plot(hold: &HoldFit, trace: &Trace, signal: &str) -> Plot {
     let measured =
         trace.column(signal).map_or(Vec::new(), |values| values[hold.range.clone()].to_vec());
     let fitted = smooth(&hold.fit, hold.duration_s);
-    let title = format!("{}: {} from {:.2} s", hold.trace, hold.relaxation, hold.from_s);
+    let title =
+        format!("{}: Type {} from {:.2} s", hold.trace, numeral(hold.relaxation), hold.from_s);
     let settled = hold.fit.sum.scale * hold.fit.sum.constant;
     Plot::new(
         title,

@@ -6,6 +6,7 @@ use super::{
 };
 use crate::fit::exponentials::Parameter;
 use crate::press::Press;
+use crate::regions::numeral;
 use crate::report::number::significant;
 use crate::report::{Axis, Callout, Colour, Column, Panels, Plot, Section, Series, Table};
 use crate::trace::{FORCE, GAUGES, Trace, pooled_noise};
@@ -96,12 +97,12 @@ fn relaxation(trace: &Trace, press: &Press) -> Section {
     for hold in &press.force_holds {
         section = section.callout(
             Callout::Finding,
-            hold.relaxation.to_string(),
+            format!("Type {}", numeral(hold.relaxation)),
             format!(
-                "the hold at {} mm from {:.2} s is of {}: the force goes from {} N towards {} N",
+                "the hold at {} mm from {:.2} s is of Type {}: the force goes from {} N towards {} N",
                 hold.displacement.map_or("?".into(), |x| significant(x, 3)),
                 hold.from_s,
-                hold.relaxation,
+                numeral(hold.relaxation),
                 significant(hold.fit.sum.scale, 3),
                 significant(hold.fit.sum.scale * hold.fit.sum.constant, 3),
             ),
@@ -136,8 +137,7 @@ fn gauge_table(press: &Press) -> Table {
                 .value(parameter)
                 .map_or("–".into(), |value| concise(value, hold.fit.standard_error(parameter)))
         });
-        let head =
-            [name_of(gauge), format!("{:.2}", hold.from_s), hold.relaxation.numeral().into()];
+        let head = [name_of(gauge), format!("{:.2}", hold.from_s), numeral(hold.relaxation).into()];
         table = table.row(head.into_iter().chain(cells));
     }
     table.note(CONCISE)
