@@ -1,8 +1,8 @@
 //! The six regions of a grasp (3.4.1) in a recording.
 //!
 //! Where the displacement was recorded the regions follow from it, whatever the sampling
-//! ([`motion`]). Where only the signal is known they are found by the very code that finds them on
-//! the device ([`signal`]).
+//! (`motion`). Where only the signal is known they are found by the very code that finds them on
+//! the device (`signal`).
 
 mod motion;
 mod signal;
