@@ -99,7 +99,7 @@ fn whole(args: &Args, traces: &[Trace]) -> Result<(), Failure> {
     let best = candidates
         .iter()
         .min_by(|a, b| a.bic().total_cmp(&b.bic()))
-        .ok_or_else(|| Failure::work(std::fmt::Error))?;
+        .ok_or_else(|| Failure::Work(miette::miette!("no number of exponentials was tried")))?;
     let wait = progress::spinner("leaving out each trace in turn");
     let held_out = if traces.len() > 1 { whole_motion::held_out(best, &data) } else { Vec::new() };
     wait.finish_and_clear();
