@@ -15,6 +15,7 @@ pub mod cli;
 pub mod criticism;
 pub mod decomposition;
 pub mod dissertation;
+pub mod effects;
 pub mod files;
 pub mod fit;
 pub mod model;

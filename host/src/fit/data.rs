@@ -1,28 +1,48 @@
 //! Measurements as a fit takes them: motions with the signal that answered.
 
-use crate::model::{Motion, MotionError};
-use crate::trace::{SignalError, Trace, runs};
+use crate::effects::Scales;
+use crate::model::{Motion, MotionError, Past, Scene};
+use crate::trace::{FORCE, GAUGES, SignalError, TANGENTIAL, TEMPERATURE, Trace, runs};
+
+use super::slope::{acceleration, velocity};
 
 /// One stretch of recording without a gap, with its motion.
 #[derive(Clone, Debug)]
-pub struct Piece {
+pub struct Piece<'a> {
     /// Which trace of the set it is from.
     pub trace: usize,
     /// What was done.
-    pub motion: Motion,
+    pub motion: Motion<'a>,
     /// What was measured at each sample.
-    pub measured: Vec<f64>,
+    pub measured: &'a [f64],
+    /// Time of the trace's first sample, s.
+    first: f64,
+    /// When the trace began since the data set began, s.
+    begin: f64,
+    /// What the specimen has been through before.
+    past: Past,
+    /// Temperature at each sample, °C.
+    temperature: Option<&'a [f64]>,
+    /// The other channels at each sample.
+    channels: Vec<&'a [f64]>,
 }
 
 /// A data set: traces of one specimen in one set-up, in order of recording.
 #[derive(Clone, Debug)]
-pub struct Data {
+pub struct Data<'a> {
+    /// The column that is fitted.
+    pub signal: String,
     /// Name of each trace.
     pub labels: Vec<String>,
     /// The stretches, in order of recording.
-    pub pieces: Vec<Piece>,
+    pub pieces: Vec<Piece<'a>>,
     /// Stretches that were left out, in words.
     pub left_out: Vec<String>,
+    /// Temperature from which effects count it, °C: the mean of the set; none where a trace has no
+    /// temperature.
+    pub reference_temperature: Option<f64>,
+    /// Columns of the other channels that every trace has: what could leak into the signal.
+    pub channels: Vec<&'static str>,
 }
 
 /// Why traces cannot be fitted.
@@ -47,7 +67,7 @@ pub enum DataError {
     NothingLeft,
 }
 
-impl Data {
+impl<'a> Data<'a> {
     /// Takes `signal` and the motion from the traces of a set, in order of recording.
     ///
     /// Nothing is interpolated across a gap: the stretch after it is taken as a recording of its own
@@ -56,16 +76,20 @@ impl Data {
     /// # Errors
     /// When a trace lacks the signal or a motion or is constant, when no trace reaches the specimen, or
     /// the signal is negative in compression.
-    pub fn of(traces: &[Trace], signal: &str) -> Result<Self, DataError> {
+    pub fn of(traces: &'a [Trace], signal: &str) -> Result<Self, DataError> {
         let motions = Motion::of_set(traces)?;
+        let begins = begins(traces);
         let mut data = Self {
+            signal: signal.into(),
             labels: traces.iter().map(Trace::label).collect(),
             pieces: Vec::new(),
             left_out: Vec::new(),
+            reference_temperature: mean_temperature(traces),
+            channels: others(traces, signal),
         };
-        for (index, (trace, motion)) in traces.iter().zip(motions).enumerate() {
-            let measured = trace.changing(signal)?;
-            data.add(index, trace, &motion, measured);
+        let mut past = Past::default();
+        for (index, (trace, motion)) in traces.iter().zip(&motions).enumerate() {
+            data.add(index, trace, motion, begins[index], &mut past)?;
         }
         if data.pieces.is_empty() {
             return Err(DataError::NothingLeft);
@@ -94,10 +118,20 @@ impl Data {
         }
     }
 
-    fn add(&mut self, index: usize, trace: &Trace, motion: &Motion, measured: &[f64]) {
+    fn add(
+        &mut self,
+        index: usize,
+        trace: &'a Trace,
+        motion: &Motion<'a>,
+        begin: f64,
+        past: &mut Past,
+    ) -> Result<(), DataError> {
+        let measured = trace.changing(&self.signal)?;
+        let displacement = trace.displacement().unwrap_or_default();
+        let temperature =
+            self.reference_temperature.and_then(|_| trace.column(TEMPERATURE));
         for (number, run) in runs(&trace.time).into_iter().enumerate() {
-            let displacement = motion.displacement[run.clone()].to_vec();
-            if number > 0 && displacement[0] > 0.0 {
+            if number > 0 && displacement[run.start] > 0.0 {
                 self.left_out.push(format!(
                     "{}: from {:.3} s on, {} samples after a gap begin in contact, so what the specimen remembers is unknown; they are left out",
                     trace.label(),
@@ -107,12 +141,74 @@ impl Data {
                 continue;
             }
             let motion = Motion {
-                time: motion.time[run.clone()].to_vec(),
-                displacement,
+                time: trace.time[run.clone()].into(),
+                displacement: displacement[run.clone()].into(),
                 rest_before: if number == 0 { motion.rest_before } else { None },
             };
-            self.pieces.push(Piece { trace: index, motion, measured: measured[run].to_vec() });
+            let before = *past;
+            let _ = past.follow(&motion);
+            let channel = |name: &&str| trace.column(name).map(|values| &values[run.clone()]);
+            self.pieces.push(Piece {
+                trace: index,
+                motion,
+                measured: &measured[run.clone()],
+                first: trace.time[0],
+                begin,
+                past: before,
+                temperature: temperature.map(|values| &values[run.clone()]),
+                channels: self.channels.iter().filter_map(channel).collect(),
+            });
         }
+        Ok(())
+    }
+
+    /// Everything that is known at every sample of a stretch without a model.
+    #[must_use]
+    pub fn scene<'b>(&self, piece: &'b Piece<'a>) -> Scene<'b> {
+        let mut past = piece.past;
+        let (loadings, largest) = past.follow(&piece.motion);
+        let velocity = velocity(&piece.motion);
+        let reference = self.reference_temperature.unwrap_or_default();
+        let warmth = |values: &[f64]| values.iter().map(|value| value - reference).collect();
+        Scene {
+            trace: piece.trace,
+            motion: &piece.motion,
+            since: piece.motion.time.iter().map(|time| time - piece.first).collect(),
+            begin: piece.begin,
+            acceleration: acceleration(&piece.motion, &velocity),
+            velocity,
+            loadings,
+            largest,
+            warmth: piece.temperature.map(warmth),
+            channels: &piece.channels,
+        }
+    }
+
+    /// The sizes of what happens in this data set, from which effects take theirs.
+    #[must_use]
+    pub fn scales(&self) -> Scales {
+        let mut scales = Scales {
+            traces: self.labels.len(),
+            channels: self.channels.len(),
+            has_temperature: self.reference_temperature.is_some(),
+            compression: self.largest_compression(),
+            duration: self.longest(),
+            interval: self.shortest_interval(),
+            ..Scales::default()
+        };
+        let mut end = f64::NEG_INFINITY;
+        for piece in &self.pieces {
+            let scene = self.scene(piece);
+            let most = |values: &[f64]| values.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
+            scales.force = scales.force.max(most(piece.measured));
+            scales.speed = scales.speed.max(most(&scene.velocity));
+            scales.acceleration = scales.acceleration.max(most(&scene.acceleration));
+            scales.loadings = scales.loadings.max(most(&scene.loadings));
+            scales.warmth = scales.warmth.max(scene.warmth.as_deref().map_or(0.0, most));
+            end = end.max(scene.set_time(scene.len() - 1));
+        }
+        scales.set_duration = end.max(scales.duration);
+        scales
     }
 
     /// Number of samples.
@@ -145,6 +241,41 @@ impl Data {
         };
         self.pieces.iter().map(intervals).fold(f64::INFINITY, f64::min)
     }
+}
+
+/// When each trace began since the first, s: as the heads say, else one after the other.
+fn begins(traces: &[Trace]) -> Vec<f64> {
+    let told: Option<Vec<f64>> = traces.iter().map(|trace| trace.head.setup.start_s).collect();
+    told.unwrap_or_else(|| {
+        let ends = traces.iter().scan(0.0, |end, trace| {
+            let begin = *end;
+            *end += trace.duration();
+            Some(begin)
+        });
+        ends.collect()
+    })
+}
+
+/// Mean temperature over all samples of a set, °C; none where a trace has none.
+fn mean_temperature(traces: &[Trace]) -> Option<f64> {
+    let columns: Vec<&[f64]> =
+        traces.iter().map(|trace| trace.column(TEMPERATURE)).collect::<Option<_>>()?;
+    let count: usize = columns.iter().map(|values| values.len()).sum();
+    let sum: f64 = columns.iter().map(|values| values.iter().sum::<f64>()).sum();
+    (count > 0).then(|| sum / count as f64)
+}
+
+/// Channels beside the signal that every trace has: gauges beside a gauge, the tangential force beside
+/// the force.
+fn others(traces: &[Trace], signal: &str) -> Vec<&'static str> {
+    let candidates: &[&'static str] = match signal {
+        FORCE => &[TANGENTIAL],
+        gauge if GAUGES.contains(&gauge) => &GAUGES,
+        _ => &[],
+    };
+    let everywhere =
+        |name: &&&str| **name != signal && traces.iter().all(|trace| trace.changing(name).is_ok());
+    candidates.iter().filter(everywhere).copied().collect()
 }
 
 #[cfg(test)]

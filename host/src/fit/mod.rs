@@ -9,6 +9,7 @@ pub mod elastic_law;
 pub mod exponentials;
 pub mod hold;
 pub mod least_squares;
+pub mod slope;
 mod start;
 mod uncertainty;
 pub mod warning;

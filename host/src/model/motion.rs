@@ -1,14 +1,16 @@
 //! What was done to the specimen: displacement over time, and the rest before.
 
+use std::borrow::Cow;
+
 use crate::trace::Trace;
 
 /// Displacement over time.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Motion {
+pub struct Motion<'a> {
     /// Time of each sample, s, strictly increasing.
-    pub time: Vec<f64>,
+    pub time: Cow<'a, [f64]>,
     /// Displacement at each sample, mm, positive into the specimen.
-    pub displacement: Vec<f64>,
+    pub displacement: Cow<'a, [f64]>,
     /// Seconds between the end of the trace before and the start of this one, where the data set
     /// says so; without it the specimen counts as rested.
     pub rest_before: Option<f64>,
@@ -22,17 +24,17 @@ pub enum MotionError {
     NoDisplacement(String),
 }
 
-impl Motion {
+impl<'a> Motion<'a> {
     /// Takes the motion of one trace, the specimen rested before.
     ///
     /// # Errors
     /// When the trace has no displacement.
-    pub fn of(trace: &Trace) -> Result<Self, MotionError> {
+    pub fn of(trace: &'a Trace) -> Result<Self, MotionError> {
         let displacement =
             trace.displacement().ok_or_else(|| MotionError::NoDisplacement(trace.label()))?;
         Ok(Self {
-            time: trace.time.clone(),
-            displacement: displacement.to_vec(),
+            time: Cow::Borrowed(&trace.time),
+            displacement: Cow::Borrowed(displacement),
             rest_before: None,
         })
     }
@@ -42,7 +44,7 @@ impl Motion {
     ///
     /// # Errors
     /// When a trace has no displacement.
-    pub fn of_set(traces: &[Trace]) -> Result<Vec<Self>, MotionError> {
+    pub fn of_set(traces: &'a [Trace]) -> Result<Vec<Self>, MotionError> {
         let mut motions = traces.iter().map(Self::of).collect::<Result<Vec<_>, _>>()?;
         for (pair, motion) in traces.windows(2).zip(motions.iter_mut().skip(1)) {
             let end = pair[0].head.setup.start_s.map(|start| start + pair[0].duration());

@@ -170,7 +170,7 @@ impl Profile {
 
     /// The motion, sampled from the start of the first step to the end of the last.
     #[must_use]
-    pub fn motion(&self) -> Motion {
+    pub fn motion(&self) -> Motion<'static> {
         let pieces = self.pieces();
         let total: f64 = pieces.iter().map(|piece| piece.duration).sum();
         let mut pieces = pieces.into_iter().peekable();
@@ -200,7 +200,7 @@ impl Profile {
             displacement
                 .push(piece.from + elapsed * (piece.velocity + 0.5 * piece.acceleration * elapsed));
         }
-        Motion { time, displacement, rest_before: None }
+        Motion { time: time.into(), displacement: displacement.into(), rest_before: None }
     }
 
     fn pieces(&self) -> Vec<Piece> {

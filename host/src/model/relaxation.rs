@@ -6,39 +6,40 @@
 //! xi⁺ = ai xi + bi (N⁺ − N), ai = e^(−vi Δt), bi = (1 − ai)/(vi Δt). The cost of a sample is
 //! constant, however long the history.
 
-use super::Number;
-
 /// One exponential of the relaxation function.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Branch<T> {
+pub struct Branch {
     /// Share ci of the elastic response that this branch carries at first.
-    pub share: T,
+    pub share: f64,
     /// Rate vi at which it decays, 1/s.
-    pub rate: T,
+    pub rate: f64,
 }
 
 /// Reduced relaxation function g(t) = c0 + Σ ci e^(−vi t), c0 = 1 − Σ ci (eq. 3.3).
 #[derive(Clone, Debug, PartialEq)]
-pub struct Relaxation<T> {
+pub struct Relaxation {
     /// The exponentials; their order does not matter.
-    pub branches: Vec<Branch<T>>,
+    pub branches: Vec<Branch>,
 }
 
-impl<T: Number> Relaxation<T> {
+impl Relaxation {
     /// From shares c1… and rates v1… (1/s) of equal number.
-    pub fn new(shares: &[T], rates: &[T]) -> Self {
+    #[must_use]
+    pub fn new(shares: &[f64], rates: &[f64]) -> Self {
         let branches =
             shares.iter().zip(rates).map(|(&share, &rate)| Branch { share, rate }).collect();
         Self { branches }
     }
 
     /// Share c0 that never relaxes.
-    pub fn equilibrium(&self) -> T {
-        self.branches.iter().fold(T::from(1.0), |rest, branch| rest - branch.share)
+    #[must_use]
+    pub fn equilibrium(&self) -> f64 {
+        self.branches.iter().fold(1.0, |rest, branch| rest - branch.share)
     }
 
     /// g at a time since a step, s.
-    pub fn at(&self, time: f64) -> T {
+    #[must_use]
+    pub fn at(&self, time: f64) -> f64 {
         self.branches.iter().fold(self.equilibrium(), |sum, branch| {
             sum + branch.share * (-branch.rate * time).exp()
         })
@@ -47,40 +48,40 @@ impl<T: Number> Relaxation<T> {
 
 /// What the material remembers: the state of the hereditary integral.
 #[derive(Clone, Debug)]
-pub struct Memory<T> {
+pub struct Memory {
     /// Elastic response N at the last sample, N.
-    elastic: T,
+    elastic: f64,
     /// State xi of each branch, N.
-    states: Vec<T>,
+    states: Vec<f64>,
     /// ai and bi of each branch for the interval last used: recordings are mostly uniform.
-    steps: Vec<(T, T)>,
+    steps: Vec<(f64, f64)>,
     interval: f64,
 }
 
 /// Two intervals closer than this, relatively, are the same: times are printed with few digits.
 const SAME_INTERVAL: f64 = 1e-7;
 
-impl<T: Number> Memory<T> {
+impl Memory {
     /// A specimen at rest that has forgotten all.
+    #[must_use]
     pub fn rested(terms: usize) -> Self {
-        let zero = T::from(0.0);
         Self {
-            elastic: zero,
-            states: vec![zero; terms],
-            steps: vec![(zero, zero); terms],
+            elastic: 0.0,
+            states: vec![0.0; terms],
+            steps: vec![(0.0, 0.0); terms],
             interval: f64::NAN,
         }
     }
 
     /// Lets `interval` seconds pass with the motion held.
-    pub fn wait(&mut self, relaxation: &Relaxation<T>, interval: f64) {
+    pub fn wait(&mut self, relaxation: &Relaxation, interval: f64) {
         for (state, branch) in self.states.iter_mut().zip(&relaxation.branches) {
             *state *= (-branch.rate * interval).exp();
         }
     }
 
     /// A sudden change of the elastic response to `elastic`, N; returns the force, N.
-    pub fn jump(&mut self, relaxation: &Relaxation<T>, elastic: T) -> T {
+    pub fn jump(&mut self, relaxation: &Relaxation, elastic: f64) -> f64 {
         let change = elastic - self.elastic;
         self.elastic = elastic;
         for state in &mut self.states {
@@ -91,7 +92,7 @@ impl<T: Number> Memory<T> {
 
     /// The elastic response moves linearly to `elastic`, N, within `interval` seconds; returns the
     /// force, N.
-    pub fn step(&mut self, relaxation: &Relaxation<T>, elastic: T, interval: f64) -> T {
+    pub fn step(&mut self, relaxation: &Relaxation, elastic: f64, interval: f64) -> f64 {
         self.prepare(relaxation, interval);
         let change = elastic - self.elastic;
         self.elastic = elastic;
@@ -102,10 +103,10 @@ impl<T: Number> Memory<T> {
     }
 
     /// The elastic response that leaves the surface free of force after `interval` seconds, N.
-    pub fn free(&mut self, relaxation: &Relaxation<T>, interval: f64) -> T {
+    pub fn free(&mut self, relaxation: &Relaxation, interval: f64) -> f64 {
         self.prepare(relaxation, interval);
-        let mut held = T::from(0.0);
-        let mut immediate = T::from(0.0);
+        let mut held = 0.0;
+        let mut immediate = 0.0;
         for ((branch, &state), &(decay, gain)) in
             relaxation.branches.iter().zip(&self.states).zip(&self.steps)
         {
@@ -115,7 +116,7 @@ impl<T: Number> Memory<T> {
         (immediate * self.elastic - held) / (relaxation.equilibrium() + immediate)
     }
 
-    fn force(&self, relaxation: &Relaxation<T>) -> T {
+    fn force(&self, relaxation: &Relaxation) -> f64 {
         let relaxed = relaxation.equilibrium() * self.elastic;
         relaxation
             .branches
@@ -124,7 +125,7 @@ impl<T: Number> Memory<T> {
             .fold(relaxed, |sum, (branch, &state)| sum + branch.share * state)
     }
 
-    fn prepare(&mut self, relaxation: &Relaxation<T>, interval: f64) {
+    fn prepare(&mut self, relaxation: &Relaxation, interval: f64) {
         if (interval - self.interval).abs() <= SAME_INTERVAL * interval {
             return;
         }
@@ -137,8 +138,8 @@ impl<T: Number> Memory<T> {
 }
 
 /// (1 − e^(−z))/z, the mean of the decay over an interval, exact to rounding also for small z.
-fn mean_decay<T: Number>(z: T) -> T {
-    if z.re().abs() < 1e-5 {
+pub(super) fn mean_decay(z: f64) -> f64 {
+    if z.abs() < 1e-5 {
         // The series 1 − z/2 + z²/6; its next term is below 1e-16.
         return (z / 6.0 - 0.5) * z + 1.0;
     }
@@ -150,7 +151,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    fn sushi() -> Relaxation<f64> {
+    fn sushi() -> Relaxation {
         Relaxation::new(&[0.2472, 0.2676], &[3.981, 0.5325])
     }
 

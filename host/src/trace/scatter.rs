@@ -21,6 +21,14 @@ pub(super) fn second_differences<'a>(
     })
 }
 
+/// Standard deviation of the scatter of a displacement, mm: robust against its ramps and corners; 0 where
+/// most of it rests exactly.
+#[must_use]
+pub fn displacement_scatter(time: &[f64], displacement: &[f64]) -> f64 {
+    let differences = second_differences(time, displacement).map(f64::abs).collect();
+    median(differences).unwrap_or(0.0) * NORMAL_MAD
+}
+
 /// Standard deviation of the scatter from second differences: robust (median absolute deviation),
 /// or their root mean square where more than half of them are zero (a coarse resolution).
 pub(super) fn deviation(differences: &[f64]) -> f64 {

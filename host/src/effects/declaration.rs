@@ -1,0 +1,244 @@
+//! What an effect declares.
+
+use crate::model::{Act, Applied, Parameter, Stage};
+
+/// One physical or measuring effect that a base law can lack.
+pub struct Effect {
+    /// Name in answers, model files and on the command line.
+    pub name: &'static str,
+    /// Where in the chain it acts.
+    pub stage: Stage,
+    /// What happens physically, in a sentence or two.
+    pub meaning: &'static str,
+    /// What it leaves in the residual of a model that lacks it.
+    pub signature: &'static str,
+    /// Names of the effects it can be mistaken for.
+    pub confused_with: &'static [&'static str],
+    /// The experiment that separates it from those.
+    pub experiment: &'static str,
+    /// What a data set must have for it to be seen.
+    pub needs: Needs,
+    /// Its laws, the reference form first.
+    pub laws: &'static [Law],
+}
+
+/// One law of an effect.
+pub struct Law {
+    /// Name of this form: `reference`, or what sets it apart.
+    pub name: &'static str,
+    /// The law as a formula.
+    pub formula: &'static str,
+    /// What makes the effect strong: at zero it is absent.
+    pub strength: Strength,
+    /// Its other parameters.
+    pub shapes: &'static [Shape],
+    /// How it acts; its parameters are the strengths, then the shapes.
+    pub act: Act,
+}
+
+/// The parameter by which a law vanishes.
+pub struct Strength {
+    /// Name, which gets the trace or the channel added where there are several.
+    pub name: &'static str,
+    /// Unit, empty for a pure number.
+    pub unit: &'static str,
+    /// What it means.
+    pub meaning: &'static str,
+    /// The sign that physics allows.
+    pub sign: Sign,
+    /// A size at which the effect is small but clear, in a data set of these scales.
+    pub typical: fn(&Scales) -> f64,
+    /// Largest size that makes sense, in a data set of these scales.
+    pub most: fn(&Scales) -> f64,
+    /// How many there are.
+    pub count: Count,
+}
+
+/// A parameter that gives a law its shape.
+pub struct Shape {
+    /// Name.
+    pub name: &'static str,
+    /// Unit, empty for a pure number.
+    pub unit: &'static str,
+    /// What it means.
+    pub meaning: &'static str,
+    /// Values to start from, in a data set of these scales, rising.
+    pub grid: Grid,
+    /// What part of the data it is, or that it is fitted.
+    pub role: Role,
+}
+
+/// Values to start from, in a data set of these scales.
+pub type Grid = fn(&Scales) -> Vec<f64>;
+
+/// Whether a shape is fitted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Role {
+    /// Fitted within these bounds, in a data set of these scales.
+    Fitted(fn(&Scales) -> (f64, f64)),
+    /// Stays at the one value of its grid.
+    Given,
+}
+
+/// The sign that physics allows a strength.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sign {
+    /// Above zero only.
+    Positive,
+    /// Either.
+    Either,
+}
+
+/// How many strengths a law has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Count {
+    /// This many, whatever the data.
+    Fixed(&'static [&'static str]),
+    /// One for every trace.
+    Traces,
+    /// One for every other channel.
+    Channels,
+}
+
+/// What a data set must have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Needs {
+    /// Displacement and the signal are enough.
+    Nothing,
+    /// Temperature that changes.
+    Temperature,
+    /// Another channel than the signal.
+    Channels,
+    /// More traces than one.
+    Traces,
+    /// More loadings than one.
+    Loadings,
+}
+
+/// The sizes of what happens in a data set.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Scales {
+    /// Number of traces.
+    pub traces: usize,
+    /// Number of other channels.
+    pub channels: usize,
+    /// Whether temperature was recorded.
+    pub has_temperature: bool,
+    /// Largest size of the signal, N.
+    pub force: f64,
+    /// Largest compression, mm.
+    pub compression: f64,
+    /// Largest speed, mm/s.
+    pub speed: f64,
+    /// Largest acceleration, mm/s².
+    pub acceleration: f64,
+    /// Largest number of loadings completed before.
+    pub loadings: f64,
+    /// Largest deviation of the temperature from its reference, K.
+    pub warmth: f64,
+    /// Longest stretch, s.
+    pub duration: f64,
+    /// Time from the first sample of the set to the last, s.
+    pub set_duration: f64,
+    /// Shortest interval between samples, s.
+    pub interval: f64,
+}
+
+impl Needs {
+    /// What is missing in a data set of these scales, in words; none where it has all.
+    #[must_use]
+    pub fn missing(self, scales: &Scales) -> Option<&'static str> {
+        match self {
+            Self::Temperature if !scales.has_temperature => {
+                Some("not every trace has a column temperature_C")
+            }
+            Self::Temperature if scales.warmth < 0.02 => Some("the temperature does not change"),
+            Self::Channels if scales.channels == 0 => {
+                Some("no other channel was recorded that could leak into this one")
+            }
+            Self::Traces if scales.traces < 2 => Some("it takes more than one trace"),
+            Self::Loadings if scales.loadings < 1.0 => Some("it takes more than one loading"),
+            _ => None,
+        }
+    }
+}
+
+impl Law {
+    /// Names of the strengths in a data set with these traces and other channels.
+    #[must_use]
+    pub fn strengths(&self, traces: &[String], channels: &[&str]) -> Vec<String> {
+        let name = self.strength.name;
+        match self.strength.count {
+            Count::Fixed([]) => vec![name.to_owned()],
+            Count::Fixed(names) => names.iter().map(|&name| name.to_owned()).collect(),
+            Count::Traces => traces.iter().map(|trace| format!("{name}[{trace}]")).collect(),
+            Count::Channels => channels.iter().map(|channel| format!("{name}[{channel}]")).collect(),
+        }
+    }
+
+    /// This law in a model of a data set with these scales, traces and other channels.
+    #[must_use]
+    pub fn applied(
+        &self,
+        effect: &Effect,
+        scales: &Scales,
+        traces: &[String],
+        channels: &[&str],
+    ) -> Applied {
+        let most = (self.strength.most)(scales);
+        let strength = |name: String| Parameter {
+            name: name.into(),
+            unit: self.strength.unit.into(),
+            meaning: self.strength.meaning.into(),
+            lower: if self.strength.sign == Sign::Positive { 0.0 } else { -most },
+            upper: most,
+        };
+        let shape = |shape: &Shape| {
+            let (lower, upper) = match shape.role {
+                Role::Fitted(bounds) => bounds(scales),
+                Role::Given => {
+                    let value = (shape.grid)(scales).first().copied().unwrap_or(0.0);
+                    (value, value)
+                }
+            };
+            Parameter {
+                name: shape.name.into(),
+                unit: shape.unit.into(),
+                meaning: shape.meaning.into(),
+                lower,
+                upper,
+            }
+        };
+        let strengths = self.strengths(traces, channels);
+        Applied {
+            name: effect.name.into(),
+            law: self.name.into(),
+            stage: effect.stage,
+            strengths: strengths.len(),
+            parameters: strengths
+                .into_iter()
+                .map(strength)
+                .chain(self.shapes.iter().map(shape))
+                .collect(),
+            act: self.act.clone(),
+        }
+    }
+
+    /// Every combination of the starting values of the shapes; one empty one where there is no shape.
+    #[must_use]
+    pub fn grid(&self, scales: &Scales) -> Vec<Vec<f64>> {
+        self.shapes.iter().fold(vec![Vec::new()], |points, shape| {
+            let values = (shape.grid)(scales);
+            points
+                .iter()
+                .flat_map(|point| {
+                    values.iter().map(move |&value| {
+                        let mut longer = point.clone();
+                        longer.push(value);
+                        longer
+                    })
+                })
+                .collect()
+        })
+    }
+}

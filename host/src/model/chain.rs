@@ -1,0 +1,202 @@
+//! The chain *motion → elasticity → relaxation → contact → sensor*: a base law with effects, run over
+//! motions.
+
+use super::act::{Act, Remembered, Stage};
+use super::hereditary::{Hereditary, HereditaryState};
+use super::{Fung, Parameter, Scene, Separation, elastic_response};
+
+/// An effect in a model: its name, the law chosen for it, its parameters and how it acts.
+#[derive(Clone, Debug)]
+pub struct Applied {
+    /// Name of the effect.
+    pub name: String,
+    /// Name of the law where the effect has more than one.
+    pub law: String,
+    /// Where in the chain it acts.
+    pub stage: Stage,
+    /// Its parameters, strengths first.
+    pub parameters: Vec<Parameter>,
+    /// Number of strengths among the parameters: at zero strength the effect is absent.
+    pub strengths: usize,
+    /// How it acts.
+    pub act: Act,
+}
+
+/// A base law with the effects added to it.
+#[derive(Clone, Debug)]
+pub struct Chain {
+    /// The base law.
+    pub base: Fung,
+    /// The effects, in the order in which they were added.
+    pub effects: Vec<Applied>,
+}
+
+/// What specimen and sensor remember from stretch to stretch.
+#[derive(Clone, Debug, Default)]
+pub struct History {
+    relaxation: HereditaryState,
+    effects: Vec<Remembered>,
+}
+
+/// How often a force that changes the compression is followed back, at most.
+const FEEDBACKS: usize = 30;
+/// Change of the compression, mm, at which that has settled.
+const SETTLED: f64 = 1e-10;
+
+impl Chain {
+    /// The base law alone.
+    #[must_use]
+    pub fn new(base: Fung) -> Self {
+        Self { base, effects: Vec::new() }
+    }
+
+    /// This chain with one more effect.
+    #[must_use]
+    pub fn with(&self, effect: Applied) -> Self {
+        let mut chain = self.clone();
+        chain.effects.push(effect);
+        chain
+    }
+
+    /// This chain without the effect with this index.
+    #[must_use]
+    pub fn without(&self, index: usize) -> Self {
+        let mut chain = self.clone();
+        chain.effects.remove(index);
+        chain
+    }
+
+    /// All parameters: those of the base law, then those of each effect.
+    #[must_use]
+    pub fn parameters(&self) -> Vec<Parameter> {
+        let effects = self.effects.iter().flat_map(|effect| effect.parameters.iter().cloned());
+        self.base.parameters().into_iter().chain(effects).collect()
+    }
+
+    /// Where the parameters of the effect with this index stand among all.
+    #[must_use]
+    pub fn range(&self, index: usize) -> std::ops::Range<usize> {
+        let count = |effect: &Applied| effect.parameters.len();
+        let begin = self.base.count() + self.effects[..index].iter().map(count).sum::<usize>();
+        begin..begin + count(&self.effects[index])
+    }
+
+    /// Predicts the signal over one stretch, sample by sample, into `force`.
+    ///
+    /// `parameters` are in the order of [`Chain::parameters`]. `history` is what specimen and sensor
+    /// remember; it is left as the stretch leaves it. A stretch that starts in contact counts as
+    /// having just arrived there.
+    pub fn run(
+        &self,
+        parameters: &[f64],
+        scene: &Scene,
+        history: &mut History,
+        force: &mut Vec<f64>,
+    ) {
+        history.effects.resize(self.effects.len(), Remembered::new());
+        let mut x = scene.motion.displacement.to_vec();
+        self.each(parameters, history, |act, own, remembered, stage| match act {
+            Act::Compression(law) => law(scene, own, remembered, &mut x),
+            Act::Own(expression) if stage == Stage::Motion => expression.add(scene, own, &mut x),
+            _ => {}
+        });
+        let feedbacks: Vec<_> = self
+            .effects
+            .iter()
+            .enumerate()
+            .filter_map(|(index, effect)| match effect.act {
+                Act::Feedback(law) => Some((law, &parameters[self.range(index)])),
+                _ => None,
+            })
+            .collect();
+        if feedbacks.is_empty() {
+            self.contact(parameters, scene, history, &x, force);
+        } else {
+            let before = history.clone();
+            let mut reached = x.clone();
+            for _ in 0..FEEDBACKS {
+                history.clone_from(&before);
+                self.contact(parameters, scene, history, &reached, force);
+                let mut next = x.clone();
+                for (law, own) in &feedbacks {
+                    law(scene, own, force, &mut next);
+                }
+                let change = next.iter().zip(&reached).fold(0.0, |most: f64, (a, b)| {
+                    most.max((a - b).abs())
+                });
+                reached = next;
+                if change < SETTLED || !change.is_finite() {
+                    break;
+                }
+            }
+        }
+        self.each(parameters, history, |act, own, remembered, stage| match act {
+            Act::Force(law) if stage == Stage::Sensor => law(scene, own, remembered, force),
+            Act::Own(expression) if stage == Stage::Sensor => {
+                expression.add_to_force(scene, own, force);
+            }
+            _ => {}
+        });
+    }
+
+    /// From the compression to the contact force.
+    fn contact(
+        &self,
+        parameters: &[f64],
+        scene: &Scene,
+        history: &mut History,
+        x: &[f64],
+        force: &mut Vec<f64>,
+    ) {
+        let (p, q) = (parameters[0], parameters[1]);
+        let mut elastic: Vec<f64> = x.iter().map(|&x| elastic_response(p, q, x)).collect();
+        let mut hereditary =
+            Hereditary::linear(self.base.relaxation(parameters).branches, self.base.separation);
+        self.each(parameters, history, |act, own, remembered, stage| match act {
+            Act::Elastic(law) => law(scene, own, remembered, x, &mut elastic),
+            Act::Relaxation(law) => law(scene, own, x, &mut hereditary),
+            Act::Own(expression) if stage == Stage::Elasticity => {
+                expression.add_to_elastic(scene, own, x, &mut elastic);
+            }
+            Act::Own(expression) if stage == Stage::Relaxation => {
+                expression.change_rates(scene, own, x, &mut hereditary);
+            }
+            _ => {}
+        });
+        hereditary.run(
+            &scene.motion.time,
+            &elastic,
+            scene.motion.rest_before,
+            &mut history.relaxation,
+            force,
+        );
+        self.each(parameters, history, |act, own, remembered, stage| match act {
+            Act::Force(law) if stage == Stage::Contact => law(scene, own, remembered, force),
+            Act::Own(expression) if stage == Stage::Contact => {
+                expression.add_to_force(scene, own, force);
+            }
+            _ => {}
+        });
+    }
+
+    /// Hands every effect its own parameters and memory.
+    fn each(
+        &self,
+        parameters: &[f64],
+        history: &mut History,
+        mut act: impl FnMut(&Act, &[f64], &mut Remembered, Stage),
+    ) {
+        let mut begin = self.base.count();
+        for (effect, remembered) in self.effects.iter().zip(&mut history.effects) {
+            let own = &parameters[begin..begin + effect.parameters.len()];
+            begin += own.len();
+            act(&effect.act, own, remembered, effect.stage);
+        }
+    }
+
+    /// Whether the prediction can be below zero by the base law alone.
+    #[must_use]
+    pub fn bonded(&self) -> bool {
+        self.base.separation == Separation::Bonded
+    }
+}

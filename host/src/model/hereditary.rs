@@ -1,0 +1,204 @@
+//! The hereditary integral over a whole stretch, with what effects can change in it.
+//!
+//! F = N + Σ ci si (xi − D), xi' = −vi ri |xi/X|^m xi + D', D = d N: with all factors at one and m = 0
+//! it is eq. 2.1 with the relaxation function of eq. 3.3. Steps are exact for N linear between samples
+//! where the rates are constant, and of second order where they vary.
+
+use super::relaxation::mean_decay;
+use super::{Branch, Separation};
+
+/// How the elastic response relaxes over one stretch.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Hereditary {
+    /// Shares ci and rates vi, 1/s.
+    pub branches: Vec<Branch>,
+    /// Factor si on all shares, sample by sample; one where absent.
+    pub share_factor: Option<Vec<f64>>,
+    /// Part d of the elastic response that drives the branches, sample by sample; one where absent.
+    pub drive_factor: Option<Vec<f64>>,
+    /// Factor ri on all rates, sample by sample; one where absent.
+    pub rate_factor: Option<Vec<f64>>,
+    /// Power m by which the rate grows with the state of a branch; 0 for a linear law.
+    pub power: f64,
+    /// State X at which the rates are stated, N; matters where the power is not 0.
+    pub reference: f64,
+    /// What happens when contact breaks.
+    pub separation: Separation,
+}
+
+/// State of the hereditary integral between samples and traces.
+#[derive(Clone, Debug, Default)]
+pub struct HereditaryState {
+    /// State xi of each branch, N.
+    states: Vec<f64>,
+    /// What drives the branches, D, at the last sample, N.
+    driven: f64,
+    /// Decay and gain of each branch within the interval last used.
+    steps: Vec<(f64, f64)>,
+    interval: f64,
+}
+
+/// Two intervals closer than this, relatively, are the same: times are printed with few digits.
+const SAME_INTERVAL: f64 = 1e-7;
+/// Largest part of a growth of the rate that is followed; a state far off its reference is at rest or
+/// relaxes within a sample anyway.
+const RATE_RANGE: (f64, f64) = (1e-9, 1e6);
+
+impl Hereditary {
+    /// The linear law of these branches.
+    #[must_use]
+    pub fn linear(branches: Vec<Branch>, separation: Separation) -> Self {
+        Self {
+            branches,
+            share_factor: None,
+            drive_factor: None,
+            rate_factor: None,
+            power: 0.0,
+            reference: 1.0,
+            separation,
+        }
+    }
+
+    /// Runs over a stretch: `elastic` is the elastic response, N, at each `time`, s. The force, N,
+    /// goes to `force`; contact breaks at zero force unless bonded.
+    ///
+    /// `rest` is the time since the last stretch, s; none where the specimen has forgotten all.
+    pub fn run(
+        &self,
+        time: &[f64],
+        elastic: &[f64],
+        rest: Option<f64>,
+        state: &mut HereditaryState,
+        force: &mut Vec<f64>,
+    ) {
+        state.begin(self.branches.len());
+        match rest {
+            Some(rest) => self.rest(state, rest),
+            None => state.forget(),
+        }
+        force.clear();
+        let mut before = f64::NAN;
+        for (k, (&time, &elastic)) in time.iter().zip(elastic).enumerate() {
+            let interval = time - before;
+            before = time;
+            let value = if k == 0 {
+                self.jump(state, elastic)
+            } else {
+                self.prepare(state, k, interval, at(&self.drive_factor, k) * elastic);
+                let reached = match self.separation {
+                    Separation::Clamp | Separation::Bonded => elastic,
+                    Separation::Free => elastic.max(self.free(state, k)),
+                };
+                self.step(state, k, reached)
+            };
+            force.push(if self.separation == Separation::Bonded { value } else { value.max(0.0) });
+        }
+    }
+
+    fn force(&self, state: &HereditaryState, k: usize, elastic: f64) -> f64 {
+        let latent: f64 = self
+            .branches
+            .iter()
+            .zip(&state.states)
+            .map(|(branch, x)| branch.share * (x - state.driven))
+            .sum();
+        elastic + at(&self.share_factor, k) * latent
+    }
+
+    fn jump(&self, state: &mut HereditaryState, elastic: f64) -> f64 {
+        let driven = at(&self.drive_factor, 0) * elastic;
+        for x in &mut state.states {
+            *x += driven - state.driven;
+        }
+        state.driven = driven;
+        self.force(state, 0, elastic)
+    }
+
+    fn step(&self, state: &mut HereditaryState, k: usize, elastic: f64) -> f64 {
+        let driven = at(&self.drive_factor, k) * elastic;
+        let change = driven - state.driven;
+        state.driven = driven;
+        for (x, &(decay, gain)) in state.states.iter_mut().zip(&state.steps) {
+            *x = *x * decay + gain * change;
+        }
+        self.force(state, k, elastic)
+    }
+
+    /// The elastic response that would leave the surface free of force at sample `k`, N.
+    fn free(&self, state: &HereditaryState, k: usize) -> f64 {
+        let (share, drive) = (at(&self.share_factor, k), at(&self.drive_factor, k));
+        let (mut held, mut immediate) = (0.0, 1.0);
+        for ((branch, x), &(decay, gain)) in
+            self.branches.iter().zip(&state.states).zip(&state.steps)
+        {
+            held += branch.share * share * (decay * x - gain * state.driven);
+            immediate += branch.share * share * drive * (gain - 1.0);
+        }
+        -held / immediate
+    }
+
+    /// Decay and gain of every branch from sample `k` − 1 to `k`, towards the drive `ahead`.
+    fn prepare(&self, state: &mut HereditaryState, k: usize, interval: f64, ahead: f64) {
+        let steady = self.rate_factor.is_none() && self.power == 0.0;
+        if steady && (interval - state.interval).abs() <= SAME_INTERVAL * interval {
+            return;
+        }
+        state.interval = if steady { interval } else { f64::NAN };
+        let factor = at(&self.rate_factor, k);
+        let half = 0.5 * (ahead - state.driven);
+        for ((step, branch), x) in state.steps.iter_mut().zip(&self.branches).zip(&state.states) {
+            let exponent = branch.rate * factor * self.growth(x + half) * interval;
+            *step = ((-exponent).exp(), mean_decay(exponent));
+        }
+    }
+
+    /// Factor on the rate of a branch whose state is `x`.
+    fn growth(&self, x: f64) -> f64 {
+        if self.power == 0.0 {
+            return 1.0;
+        }
+        (x / self.reference).abs().powf(self.power).clamp(RATE_RANGE.0, RATE_RANGE.1)
+    }
+
+    /// Lets the specimen rest between two stretches.
+    fn rest(&self, state: &mut HereditaryState, seconds: f64) {
+        let factor = at(&self.rate_factor, 0);
+        if self.separation != Separation::Free {
+            for (x, branch) in state.states.iter_mut().zip(&self.branches) {
+                let turns = branch.rate * factor * self.growth(*x) * seconds;
+                // dx/dt = −v x |x/X|^m in closed form.
+                *x *= if self.power.abs() < 1e-9 {
+                    (-turns).exp()
+                } else {
+                    (1.0 + self.power * turns).max(0.0).powf(-1.0 / self.power)
+                };
+            }
+            return;
+        }
+        // The free recovery is curved; linear pieces of growing length follow it closely.
+        const PIECES: i32 = 24;
+        let unit = seconds / (2f64.powi(PIECES) - 1.0);
+        for piece in 0..PIECES {
+            self.prepare(state, 0, unit * 2f64.powi(piece), state.driven);
+            let free = self.free(state, 0).max(0.0);
+            self.step(state, 0, free);
+        }
+    }
+}
+
+impl HereditaryState {
+    fn begin(&mut self, branches: usize) {
+        self.states.resize(branches, 0.0);
+        self.steps.resize(branches, (0.0, 0.0));
+        self.interval = f64::NAN;
+    }
+
+    fn forget(&mut self) {
+        self.states.fill(0.0);
+        self.driven = 0.0;
+    }
+}
+
+fn at(factor: &Option<Vec<f64>>, k: usize) -> f64 {
+    factor.as_ref().map_or(1.0, |factor| factor[k])
+}
