@@ -10,7 +10,11 @@ mod declaration;
 mod fast_mode;
 mod library;
 mod mullins;
+mod stored;
 mod zero_shift;
 
-pub use declaration::{Count, Effect, Grid, Law, Needs, Role, Scales, Shape, Sign, Strength};
+pub use declaration::{
+    Count, Effect, Grid, Law, Needs, Role, Scales, Setting, Shape, Sign, Strength,
+};
 pub use library::{LIBRARY, find};
+pub use stored::{EffectError, applied, chain_of, store};
