@@ -46,9 +46,10 @@ impl Whitening {
     }
 
     /// For noise of this standard deviation with these partial correlations (each within −1 and 1, at
-    /// distances 1, 2, …), and flicker whose processes have the standard deviation `flicker` each.
+    /// distances 1, 2, …), and flicker whose processes have the standard deviation `flicker` each; for
+    /// stretches of up to `longest` samples.
     #[must_use]
-    pub fn new(standard_deviation: f64, partial: &[f64], flicker: f64) -> Self {
+    pub fn new(standard_deviation: f64, partial: &[f64], flicker: f64, longest: usize) -> Self {
         let mut predictors: Vec<Vec<f64>> = vec![vec![]];
         let mut left = vec![standard_deviation];
         // Durbin and Levinson.
@@ -62,7 +63,7 @@ impl Whitening {
         }
         let mut noise = Self { predictors, left, flicker, schedule: Arc::default(), none: false };
         if flicker > 0.0 {
-            noise.schedule = Arc::new(noise.gains());
+            noise.schedule = Arc::new(noise.gains(longest));
         }
         noise
     }
@@ -146,7 +147,7 @@ impl Whitening {
     }
 
     /// The Kalman filter's gain and standard deviation of the innovation, until they settle.
-    fn gains(&self) -> Vec<(Vec<f64>, f64)> {
+    fn gains(&self, longest: usize) -> Vec<(Vec<f64>, f64)> {
         let order = self.order();
         let size = order + TIMES.len();
         let autocovariance = self.autocovariance(order);
@@ -170,7 +171,7 @@ impl Whitening {
         }
         let seen = DVector::from_fn(size, |i, _| if i == 0 || i >= order { 1.0 } else { 0.0 });
         let mut found: Vec<(Vec<f64>, f64)> = Vec::new();
-        while found.len() < SETTLED {
+        while found.len() < longest.clamp(1, SETTLED) {
             let towards = &covariance * &seen;
             let variance = seen.dot(&towards);
             let gain = &towards / variance;
@@ -202,23 +203,35 @@ impl Whitening {
         found
     }
 
-    /// Minus twice the logarithm of the likelihood of values that are this noise about a constant of
-    /// which nothing is known.
+    /// What the likelihood of values that are this noise about an unknown constant takes: minus twice
+    /// its logarithm is `squares`/s² + `logarithms` + 2 (count − 1) ln s for this noise times s.
     #[must_use]
-    pub fn deviance(&self, values: &[f64]) -> f64 {
+    pub fn likelihood(&self, values: &[f64]) -> Likelihood {
         let mut values = values.to_vec();
         let mut ones = vec![1.0; values.len()];
         self.apply(&mut values);
         self.apply(&mut ones);
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-        let level = dot(&ones, &values).powi(2) / dot(&ones, &ones);
+        let unit = dot(&ones, &ones);
         let left = |k: usize| match self.schedule.len() {
             0 => self.left[k.min(self.left.len() - 1)],
             settled => self.schedule[k.min(settled - 1)].1,
         };
         let logarithms: f64 = (0..values.len()).map(|k| left(k).ln()).sum();
-        dot(&values, &values) - level + dot(&ones, &ones).ln() + 2.0 * logarithms
+        Likelihood {
+            squares: dot(&values, &values) - dot(&ones, &values).powi(2) / unit,
+            logarithms: 2.0 * logarithms + unit.ln(),
+        }
     }
+}
+
+/// Parts of a likelihood.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Likelihood {
+    /// Sum of squares of what chance would have to explain.
+    pub squares: f64,
+    /// Logarithm of the determinant.
+    pub logarithms: f64,
 }
 
 fn decays() -> [f64; TIMES.len()] {
@@ -246,7 +259,7 @@ mod tests {
     fn an_autoregression_becomes_white_from_its_first_sample_on() {
         // Many short stretches: the first sample has the full standard deviation.
         let (a, sd) = (0.7, 2.0);
-        let noise = Whitening::new(sd, &[a], 0.0);
+        let noise = Whitening::new(sd, &[a], 0.0, 0);
         let chance = normal(40_000, 1);
         let (mut first, mut all) = (Vec::new(), Vec::new());
         for chance in chance.chunks(8) {
@@ -265,10 +278,10 @@ mod tests {
     #[test]
     fn flicker_becomes_white() {
         let (sd, flicker) = (1.0, 0.8);
-        let noise = Whitening::new(sd, &[0.5, 0.1], flicker);
+        let noise = Whitening::new(sd, &[0.5, 0.1], flicker, 30_000);
         let count = 30_000;
         let mut values = vec![0.0; count];
-        let base = Whitening::new(sd, &[0.5, 0.1], 0.0);
+        let base = Whitening::new(sd, &[0.5, 0.1], 0.0, 0);
         let (c, last) = (base.coefficients().to_vec(), base.left[2]);
         let chance = normal(count, 2);
         for k in 2..count {
@@ -296,8 +309,10 @@ mod tests {
             values[k] += 0.6 * values[k - 1];
         }
         let sd = 1.0 / (1.0f64 - 0.36).sqrt();
-        let at =
-            |sd: f64, a: f64, flicker: f64| Whitening::new(sd, &[a], flicker).deviance(&values);
+        let at = |sd: f64, a: f64, flicker: f64| {
+            let parts = Whitening::new(sd, &[a], flicker, values.len()).likelihood(&values);
+            parts.squares + parts.logarithms
+        };
         let best = at(sd, 0.6, 0.0);
         for other in [at(1.2 * sd, 0.6, 0.0), at(sd, 0.4, 0.0), at(sd, 0.6, 0.3)] {
             assert!(other > best + 5.0);

@@ -95,6 +95,20 @@ impl Memory {
         self.force(relaxation)
     }
 
+    /// The elastic response that leaves the surface free of force after `interval` seconds, N.
+    pub fn free(&mut self, relaxation: &Relaxation, interval: f64) -> f64 {
+        self.prepare(relaxation, interval);
+        let mut held = 0.0;
+        let mut immediate = 0.0;
+        for ((branch, &state), &(decay, gain)) in
+            relaxation.branches.iter().zip(&self.states).zip(&self.steps)
+        {
+            held += branch.share * state * decay;
+            immediate += branch.share * gain;
+        }
+        (immediate * self.elastic - held) / (relaxation.equilibrium() + immediate)
+    }
+
     fn force(&self, relaxation: &Relaxation) -> f64 {
         let relaxed = relaxation.equilibrium() * self.elastic;
         relaxation
@@ -162,6 +176,18 @@ mod tests {
                 force = memory.step(&g, interval * f64::from(k), interval);
             }
             assert!((force - closed(1.7)).abs() < 1e-12, "{steps} steps");
+        }
+    }
+
+    #[test]
+    fn a_free_surface_carries_no_force() {
+        let g = sushi();
+        let mut memory = Memory::rested(2);
+        memory.jump(&g, 1.0);
+        memory.step(&g, 1.0, 3.0);
+        for _ in 0..100 {
+            let free = memory.free(&g, 0.01);
+            assert!(memory.step(&g, free, 0.01).abs() < 1e-14);
         }
     }
 
