@@ -5,6 +5,7 @@
 //! separates it. A new effect is one file here and one line in [`LIBRARY`]; nothing else knows effects
 //! by name.
 
+mod candidates;
 mod contact_offset;
 mod declaration;
 mod fast_mode;
@@ -13,6 +14,7 @@ mod mullins;
 mod stored;
 mod zero_shift;
 
+pub use candidates::{Candidate, Form, candidates};
 pub use declaration::{
     Count, Effect, Grid, Law, Needs, Role, Scales, Setting, Shape, Sign, Strength,
 };
