@@ -72,7 +72,7 @@ pub struct Shape {
 pub type Grid = fn(&Scales) -> Vec<f64>;
 
 /// Whether a shape is fitted.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug)]
 pub enum Role {
     /// Fitted within these bounds, in a data set of these scales.
     Fitted(fn(&Scales) -> (f64, f64)),
@@ -96,6 +96,8 @@ pub enum Count {
     Fixed(&'static [&'static str]),
     /// One for every trace.
     Traces,
+    /// One of each of these for every trace, trace by trace.
+    EachTrace(&'static [&'static str]),
     /// One for every other channel.
     Channels,
 }
@@ -172,7 +174,13 @@ impl Law {
             Count::Fixed([]) => vec![name.to_owned()],
             Count::Fixed(names) => names.iter().map(|&name| name.to_owned()).collect(),
             Count::Traces => traces.iter().map(|trace| format!("{name}[{trace}]")).collect(),
-            Count::Channels => channels.iter().map(|channel| format!("{name}[{channel}]")).collect(),
+            Count::EachTrace(names) => traces
+                .iter()
+                .flat_map(|trace| names.iter().map(move |name| format!("{name}[{trace}]")))
+                .collect(),
+            Count::Channels => {
+                channels.iter().map(|channel| format!("{name}[{channel}]")).collect()
+            }
         }
     }
 

@@ -5,11 +5,39 @@
 //! separates it. A new effect is one file here and one line in [`LIBRARY`]; nothing else knows effects
 //! by name.
 
+mod adhesion;
+mod amplitude_dependent_relaxation;
+mod backlash;
 mod contact_offset;
+mod coulomb_friction;
+mod crosstalk;
+mod cyclic_softening;
 mod declaration;
+mod drift;
+mod elastic_stiffening;
 mod fast_mode;
+mod fixture_compliance;
+mod gauge_nonlinearity;
+mod hysteresis;
+mod inertia;
+mod latency_law;
 mod library;
+mod load_friction;
+mod mains_hum;
+mod memory;
 mod mullins;
+mod permanent_set;
+mod rate_drag;
+mod saturation;
+mod sensor_lag;
+mod shapes;
+mod slow_relaxation;
+mod sync_delay;
+mod thermal_output;
+mod thermal_stiffness;
+mod time_temperature;
+mod viscous_drag;
+mod warm_up;
 mod zero_shift;
 
 pub use declaration::{Count, Effect, Grid, Law, Needs, Role, Scales, Shape, Sign, Strength};

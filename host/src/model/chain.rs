@@ -154,7 +154,7 @@ impl Chain {
             Hereditary::linear(self.base.relaxation(parameters).branches, self.base.separation);
         self.each(parameters, history, |act, own, remembered, stage| match act {
             Act::Elastic(law) => law(scene, own, remembered, x, &mut elastic),
-            Act::Relaxation(law) => law(scene, own, x, &mut hereditary),
+            Act::Relaxation(law) => law(scene, own, remembered, x, &mut hereditary),
             Act::Own(expression) if stage == Stage::Elasticity => {
                 expression.add_to_elastic(scene, own, x, &mut elastic);
             }
