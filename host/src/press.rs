@@ -14,9 +14,9 @@ use crate::trace::{FORCE, Trace};
 
 /// What one press says.
 #[derive(Debug)]
-pub struct Press {
+pub struct Press<'a> {
     /// The recording, as a set of one for the fits.
-    pub data: Data,
+    pub data: Data<'a>,
     /// Fung's law fitted to the force over the whole motion.
     pub fit: MotionFit,
     /// Its relaxation function, which the filter runs with.
@@ -73,10 +73,10 @@ pub enum PressError {
 ///
 /// # Errors
 /// When the recording lacks force, motion or gauges, or a part of it cannot be fitted.
-pub fn analyse(trace: &Trace, mut each: impl FnMut()) -> Result<Press, PressError> {
+pub fn analyse(trace: &Trace, mut each: impl FnMut()) -> Result<Press<'_>, PressError> {
     let data = Data::of(std::slice::from_ref(trace), FORCE)?;
     let fit = whole_motion::fit(Fung { terms: TERMS, separation: Separation::Free }, &data)?;
-    let model = Model::of(&fit.law, FORCE, &fit.values, &fit.standard_errors);
+    let model = Model::of(&fit.chain.base, FORCE, &fit.values, &fit.standard_errors);
     let relaxation = relaxation_of(&model)?;
     let terms = Terms::Fixed(TERMS);
     let force_holds = fit_holds(trace, FORCE, terms, true)?;

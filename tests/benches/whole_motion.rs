@@ -13,38 +13,41 @@ use rand_distr::{Distribution, Normal};
 const SAMPLES: usize = 1400;
 
 /// The first 1,400 samples of a press.
-fn motion(to_mm: f64, speed: f64) -> Motion {
+fn motion(to_mm: f64, speed: f64) -> Motion<'static> {
     let mut motion = press(to_mm, speed, 7.0);
-    motion.time.truncate(SAMPLES);
-    motion.displacement.truncate(SAMPLES);
+    motion.time.to_mut().truncate(SAMPLES);
+    motion.displacement.to_mut().truncate(SAMPLES);
     motion
 }
 
-fn data() -> Data {
+fn traces() -> Vec<Trace> {
     let law = Fung { terms: 2, separation: Separation::Clamp };
     let motions: Vec<Motion> =
         (0..10).map(|k| motion(4.0 + f64::from(k), 10.0 + 5.0 * f64::from(k))).collect();
     let mut random = ChaCha8Rng::seed_from_u64(1);
     let normal = Normal::new(0.0, 0.02).expect("a valid noise");
     let force = law.predict(&[0.08, 0.8, 0.25, 0.24, 4.0, 0.55], &motions);
-    let traces: Vec<Trace> = motions
+    motions
         .into_iter()
         .zip(force)
         .map(|(motion, force)| {
             let noisy = force.iter().map(|force| force + normal.sample(&mut random)).collect();
             let column = |name: &str, values| Column { name: name.into(), values };
             Trace {
-                time: motion.time,
-                columns: vec![column(DISPLACEMENT, motion.displacement), column(FORCE, noisy)],
+                time: motion.time.into_owned(),
+                columns: vec![
+                    column(DISPLACEMENT, motion.displacement.into_owned()),
+                    column(FORCE, noisy),
+                ],
                 ..Trace::default()
             }
         })
-        .collect();
-    Data::of(&traces, FORCE).expect("the traces can be fitted")
+        .collect()
 }
 
 fn whole_motion(criterion: &mut Criterion) {
-    let data = data();
+    let traces = traces();
+    let data = Data::of(&traces, FORCE).expect("the traces can be fitted");
     assert_eq!(data.samples(), 10 * SAMPLES);
     for separation in [Separation::Clamp, Separation::Free] {
         let law = Fung { terms: 2, separation };

@@ -52,7 +52,7 @@ pub fn all_bundled() -> Vec<PathBuf> {
 /// Load, hold for 4 s and unload, with rounded corners, 200 Hz: from 0.5 mm off the specimen to
 /// `to_mm` at `speed` mm/s, and `after` seconds off the specimen at the end.
 #[must_use]
-pub fn press(to_mm: f64, speed: f64, after: f64) -> Motion {
+pub fn press(to_mm: f64, speed: f64, after: f64) -> Motion<'static> {
     let go = |to_mm| Step::Move(Move { to_mm, speed_mm_per_s: None });
     let stay = |hold_s| Step::Hold(Hold { hold_s });
     Profile {

@@ -24,7 +24,7 @@ fn recordings(extra: fn(f64, f64) -> f64) -> Vec<Trace> {
     let mut random = ChaCha8Rng::seed_from_u64(11);
     let normal = Normal::new(0.0, NOISE).unwrap();
     let force = LAW.predict(&TRUTH, &motions);
-    let recording = |(motion, force): (Motion, Vec<f64>)| {
+    let recording = |(motion, force): (Motion<'static>, Vec<f64>)| {
         let rate = |k: usize| {
             let before = motion.displacement[k.saturating_sub(1)];
             (motion.displacement[k] - before) * 200.0
@@ -34,10 +34,10 @@ fn recordings(extra: fn(f64, f64) -> f64) -> Vec<Trace> {
             .collect();
         Trace {
             columns: vec![
-                Column { name: DISPLACEMENT.into(), values: motion.displacement.clone() },
+                Column { name: DISPLACEMENT.into(), values: motion.displacement.to_vec() },
                 Column { name: FORCE.into(), values: measured },
             ],
-            time: motion.time,
+            time: motion.time.into_owned(),
             ..Trace::default()
         }
     };

@@ -13,7 +13,7 @@ use rand_distr::{Distribution, Normal};
 const TRUTH: [f64; 6] = [0.08, 0.8, 0.25, 0.24, 4.0, 0.55];
 
 /// Load, hold, unload to three depths at three rates.
-fn motions() -> Vec<Motion> {
+fn motions() -> Vec<Motion<'static>> {
     [4.0, 8.0, 12.0]
         .iter()
         .flat_map(|&x| [5.0, 20.0, 60.0].map(|speed| press(x, speed, 1.5)))
@@ -21,13 +21,13 @@ fn motions() -> Vec<Motion> {
 }
 
 /// What a sensor with noise of this size and correlation between neighbours would record.
-fn record(law: Fung, noise: f64, correlation: f64, seed: u64) -> Data {
+fn record(law: Fung, noise: f64, correlation: f64, seed: u64) -> Vec<Trace> {
     let motions = motions();
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let normal = Normal::new(0.0, 1.0).unwrap();
     let fresh = noise * (1.0 - correlation * correlation).sqrt();
     let force = law.predict(&TRUTH, &motions);
-    let traces: Vec<Trace> = motions
+    motions
         .into_iter()
         .zip(force)
         .map(|(motion, force)| {
@@ -40,16 +40,15 @@ fn record(law: Fung, noise: f64, correlation: f64, seed: u64) -> Data {
                 })
                 .collect();
             Trace {
-                time: motion.time,
+                time: motion.time.into_owned(),
                 columns: vec![
-                    Column { name: DISPLACEMENT.into(), values: motion.displacement },
+                    Column { name: DISPLACEMENT.into(), values: motion.displacement.into_owned() },
                     Column { name: FORCE.into(), values: measured },
                 ],
                 ..Trace::default()
             }
         })
-        .collect();
-    Data::of(&traces, FORCE).unwrap()
+        .collect()
 }
 
 /// Deviations from the truth in standard errors over several data sets.
@@ -57,7 +56,8 @@ fn deviations(separation: Separation, correlation: f64, sets: u64) -> Vec<f64> {
     let law = Fung { terms: 2, separation };
     (0..sets)
         .flat_map(|seed| {
-            let found = fit(law, &record(law, 0.02, correlation, seed)).unwrap();
+            let traces = record(law, 0.02, correlation, seed);
+            let found = fit(law, &Data::of(&traces, FORCE).unwrap()).unwrap();
             assert!(found.stop.converged());
             assert!(found.at_bound.iter().all(|bound| !bound));
             let errors = found.standard_errors.into_iter().map(|error| error.expect("determined"));
@@ -91,7 +91,8 @@ fn standard_errors_are_true_with_correlated_noise() {
 #[test]
 fn one_exponential_too_many_is_said_to_be_one_too_many() {
     let law = Fung { terms: 2, separation: Separation::Clamp };
-    let data = record(law, 0.02, 0.0, 1);
+    let traces = record(law, 0.02, 0.0, 1);
+    let data = Data::of(&traces, FORCE).unwrap();
     let more = fit(Fung { terms: 3, ..law }, &data).unwrap();
     let told = palpate::fit::warning::warnings(&more, &data, None);
     assert!(!told.is_empty(), "{more:?}");

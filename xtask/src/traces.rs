@@ -139,7 +139,7 @@ fn press() -> Trace {
     let mut force = Vec::new();
     let mut dent = Vec::new();
     let mut before = motion.time[0] - 1.0;
-    for (&time, &x) in motion.time.iter().zip(&motion.displacement) {
+    for (&time, &x) in motion.time.iter().zip(motion.displacement.iter()) {
         let interval = time - before;
         before = time;
         let pressed = elastic_response(p, q, x);

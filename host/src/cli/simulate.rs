@@ -8,8 +8,11 @@ use rand_distr::{Distribution, Normal};
 
 use super::Failure;
 use super::output::{print, write_file};
-use crate::model::{Model, Motion, Profile};
-use crate::trace::{Column, Control, DISPLACEMENT, Head, Trace, read, write_to};
+use crate::effects::chain_of;
+use crate::fit::data::Data;
+use crate::fit::whole_motion::predict;
+use crate::model::{Model, Profile};
+use crate::trace::{Column, Control, DISPLACEMENT, Head, TEMPERATURE, Trace, read, write_to};
 
 /// Predict the force of a motion.
 #[derive(clap::Args)]
@@ -58,33 +61,32 @@ fn parse_noise(text: &str) -> Result<f64, String> {
 /// Simulates and writes the trace.
 pub fn run(args: &Args) -> Result<(), Failure> {
     let model = Model::read(&args.model).map_err(Failure::input)?;
-    // Reading has checked the law.
-    let (law, parameters) =
-        model.law().map_err(|problem| Failure::Input(miette::miette!(problem)))?;
-    let (head, motion) = motion(&args.motion)?;
-    if let Some(seen) = model.fit.as_ref().and_then(|fit| fit.largest_compression_mm)
-        && motion.largest_compression() > seen * 1.001
-    {
-        eprintln!(
-            "! the motion goes to {:.3} mm, beyond the {seen:.3} mm that the model was fitted to",
-            motion.largest_compression()
-        );
-    }
-    let mut force: Vec<f64> =
-        law.predict(&parameters, std::slice::from_ref(&motion)).into_iter().flatten().collect();
+    let mut trace = motion(&args.motion)?;
+    let signal = &model.base.signal;
+    let mut force = {
+        let data = Data::of_motions(std::slice::from_ref(&trace), signal)
+            .map_err(Failure::input)?
+            .with_reference(model.reference_temperature);
+        let (chain, parameters) = chain_of(&model, &data.setting()).map_err(Failure::input)?;
+        let deepest = data.largest_compression();
+        if let Some(seen) = model.fit.as_ref().and_then(|fit| fit.largest_compression_mm)
+            && deepest > seen * 1.001
+        {
+            eprintln!(
+                "! the motion goes to {deepest:.3} mm, beyond the {seen:.3} mm that the model was fitted to"
+            );
+        }
+        if let Some(what) = data.left_out.first() {
+            return Err(Failure::Input(miette::miette!("{what}")));
+        }
+        predict(&chain, &parameters, &data).concat()
+    };
     if let Some(noise) = args.noise {
         eprintln!("noise of {noise} RMS, seed {}", args.seed);
         add_noise(&mut force, noise, args.seed);
     }
-    let trace = Trace {
-        path: None,
-        head,
-        time: motion.time,
-        columns: vec![
-            Column { name: DISPLACEMENT.into(), values: motion.displacement },
-            Column { name: model.base.signal, values: force },
-        ],
-    };
+    trace.columns.retain(|column| [DISPLACEMENT, TEMPERATURE].contains(&column.name.as_str()));
+    trace.set_column(signal, force);
     let mut bytes = Vec::new();
     write_to(&mut bytes, &trace).map_err(Failure::work)?;
     match &args.output {
@@ -93,7 +95,8 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     }
 }
 
-fn motion(path: &Path) -> Result<(Head, Motion), Failure> {
+/// The motion as a trace: read, or made from a profile.
+fn motion(path: &Path) -> Result<Trace, Failure> {
     let mut head = Head {
         version: Some(1),
         name: Some(format!("simulated over {}", path.display())),
@@ -101,13 +104,14 @@ fn motion(path: &Path) -> Result<(Head, Motion), Failure> {
         ..Head::default()
     };
     if path.extension().is_some_and(|extension| extension == "toml") {
-        let profile = Profile::read(path).map_err(Failure::input)?;
-        return Ok((head, profile.motion()));
+        let motion = Profile::read(path).map_err(Failure::input)?.motion();
+        let displacement = motion.displacement.into_owned();
+        let columns = vec![Column { name: DISPLACEMENT.into(), values: displacement }];
+        return Ok(Trace { path: None, head, time: motion.time.into_owned(), columns });
     }
     let trace = read(path).map_err(Failure::input)?;
-    let motion = Motion::of(&trace).map_err(Failure::input)?;
     head.specimen = trace.head.specimen;
-    Ok((head, motion))
+    Ok(Trace { path: None, head, ..trace })
 }
 
 fn add_noise(force: &mut [f64], noise: f64, seed: u64) {

@@ -4,6 +4,7 @@ use super::covariate::Covariate;
 use super::dependence::{Dependence, dependences};
 use super::region::Region;
 use super::residuals::{Stretch, stretches};
+use crate::effects::chain_of;
 use crate::fit::data::{Data, DataError};
 use crate::model::Model;
 use crate::trace::{Noise, Trace, pooled_noise};
@@ -67,10 +68,11 @@ const TOLD: f64 = 0.01;
 /// # Errors
 /// When the model is not usable or a trace lacks its signal or a motion.
 pub fn compare(model: &Model, traces: &[Trace]) -> Result<Comparison, CompareError> {
-    let (law, parameters) = model.law().map_err(CompareError::Model)?;
     let signal = &model.base.signal;
-    let data = Data::of(traces, signal)?;
-    let stretches = stretches(&law, &parameters, &data, traces);
+    let data = Data::of(traces, signal)?.with_reference(model.reference_temperature);
+    let (chain, parameters) =
+        chain_of(model, &data.setting()).map_err(|error| CompareError::Model(error.to_string()))?;
+    let stretches = stretches(&chain, &parameters, &data);
     let noise = pooled_noise(traces, signal);
     let cells = cells(&stretches, data.labels.len(), noise.as_ref());
     let of_trace = |trace| move |cell: &&Cell| trace == cell.trace;

@@ -1,7 +1,5 @@
 //! What a residual could depend on.
 
-use crate::model::Motion;
-
 /// A quantity known at every sample without the residual.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Covariate {
@@ -87,54 +85,6 @@ impl Covariate {
             Self::Time | Self::SetTime => "s",
             Self::Temperature => "°C",
             Self::Direction | Self::Cycle => "",
-        }
-    }
-}
-
-/// Velocity, mm/s: the slope of a straight line through five samples. A recorded displacement has
-/// noise, and a difference of neighbours would have little else.
-#[must_use]
-pub fn velocity(motion: &Motion) -> Vec<f64> {
-    slopes(&motion.time, &motion.displacement)
-}
-
-/// Acceleration, mm/s²: the same slope of the velocity.
-#[must_use]
-pub fn acceleration(motion: &Motion) -> Vec<f64> {
-    slopes(&motion.time, &velocity(motion))
-}
-
-/// Slope of the least-squares line through the two samples before, the two after and each sample.
-fn slopes(time: &[f64], values: &[f64]) -> Vec<f64> {
-    (0..time.len())
-        .map(|index| {
-            let range = index.saturating_sub(2)..(index + 3).min(time.len());
-            let count = range.len() as f64;
-            let mean_t = time[range.clone()].iter().sum::<f64>() / count;
-            let mean_y = values[range.clone()].iter().sum::<f64>() / count;
-            let (mut product, mut square) = (0.0, 0.0);
-            for k in range {
-                product += (time[k] - mean_t) * (values[k] - mean_y);
-                square += (time[k] - mean_t).powi(2);
-            }
-            if square > 0.0 { product / square } else { 0.0 }
-        })
-        .collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn velocity_and_acceleration_of_a_parabola_are_exact_inside() {
-        let time: Vec<f64> = (0..50).map(|k| f64::from(k) * 0.01).collect();
-        let displacement = time.iter().map(|t| 3.0 * t - 2.0 * t * t).collect();
-        let motion = Motion { time, displacement, rest_before: None };
-        let (v, a) = (velocity(&motion), acceleration(&motion));
-        for k in 4..46 {
-            assert!((v[k] - (3.0 - 4.0 * motion.time[k])).abs() < 1e-10);
-            assert!((a[k] + 4.0).abs() < 1e-9);
         }
     }
 }

@@ -8,5 +8,6 @@
 pub mod compare;
 pub mod covariate;
 pub mod dependence;
+pub mod noise;
 pub mod region;
 pub mod residuals;

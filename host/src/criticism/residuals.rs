@@ -1,10 +1,10 @@
 //! What a model leaves of a data set, sample by sample, with everything it could depend on.
 
-use super::covariate::{Covariate, acceleration, velocity};
+use super::covariate::Covariate;
 use super::region::{Region, regions};
 use crate::fit::data::{Data, Piece};
-use crate::model::{Fung, Motion};
-use crate::trace::{TEMPERATURE, Trace};
+use crate::fit::whole_motion::predict;
+use crate::model::Chain;
 
 /// One stretch of a recording without a gap, against the model.
 #[derive(Clone, Debug)]
@@ -37,102 +37,45 @@ impl Stretch {
     }
 }
 
-/// What a specimen has been through before a stretch begins.
-#[derive(Clone, Copy, Default)]
-struct History {
-    loadings: u32,
-    largest: f64,
-}
-
-/// Runs a law over a data set and lays its residuals beside everything they could depend on.
+/// Runs a chain over a data set and lays its residuals beside everything they could depend on.
 #[must_use]
-pub fn stretches(law: &Fung, parameters: &[f64], data: &Data, traces: &[Trace]) -> Vec<Stretch> {
-    let motions: Vec<Motion> = data.pieces.iter().map(|piece| piece.motion.clone()).collect();
-    let predicted = law.predict(parameters, &motions);
-    let begins = set_times(traces);
-    let mut history = History::default();
+pub fn stretches(chain: &Chain, parameters: &[f64], data: &Data) -> Vec<Stretch> {
+    let predicted = predict(chain, parameters, data);
     data.pieces
         .iter()
         .zip(predicted)
-        .map(|(piece, predicted)| {
-            let trace = &traces[piece.trace];
-            stretch(piece, predicted, trace, begins[piece.trace], &mut history)
-        })
+        .map(|(piece, predicted)| stretch(piece, predicted, data))
         .collect()
 }
 
-/// When each trace began since the first, s: as the heads say, else one after the other.
-fn set_times(traces: &[Trace]) -> Vec<f64> {
-    let told: Option<Vec<f64>> = traces.iter().map(|trace| trace.head.setup.start_s).collect();
-    told.unwrap_or_else(|| {
-        let ends = traces.iter().scan(0.0, |end, trace| {
-            let begin = *end;
-            *end += trace.duration();
-            Some(begin)
-        });
-        ends.collect()
-    })
-}
-
-fn stretch(
-    piece: &Piece,
-    predicted: Vec<f64>,
-    trace: &Trace,
-    begin: f64,
-    history: &mut History,
-) -> Stretch {
-    let motion = &piece.motion;
-    let regions = regions(&motion.time, &motion.displacement);
-    let velocity = velocity(motion);
+fn stretch(piece: &Piece, predicted: Vec<f64>, data: &Data) -> Stretch {
+    let scene = data.scene(piece);
+    let time = piece.motion.time.to_vec();
     // A velocity within a hundredth of the fastest is rest.
-    let fastest = velocity.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
-    let direction =
-        velocity.iter().map(|v| if v.abs() > 0.01 * fastest { v.signum() } else { 0.0 }).collect();
-    let first = trace.time[0];
-    let since = |time: &f64| time - first;
+    let fastest = scene.velocity.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
+    let direction = |v: &f64| if v.abs() > 0.01 * fastest { v.signum() } else { 0.0 };
     let mut covariates = vec![
-        (Covariate::Displacement, motion.displacement.clone()),
-        (Covariate::Direction, direction),
-        (Covariate::Acceleration, acceleration(motion)),
-        (Covariate::Velocity, velocity),
+        (Covariate::Displacement, piece.motion.displacement.to_vec()),
+        (Covariate::Direction, scene.velocity.iter().map(direction).collect()),
+        (Covariate::SetTime, (0..scene.len()).map(|k| scene.set_time(k)).collect()),
+        (Covariate::Acceleration, scene.acceleration),
+        (Covariate::Velocity, scene.velocity),
         (Covariate::Force, predicted.clone()),
-        (Covariate::Time, motion.time.iter().map(since).collect()),
-        (Covariate::SetTime, motion.time.iter().map(|t| begin + since(t)).collect()),
+        (Covariate::Time, scene.since),
+        (Covariate::Cycle, scene.loadings),
+        (Covariate::Largest, scene.largest),
     ];
-    covariates.extend(past(motion, &regions, history));
-    if let Some(temperature) = trace.column(TEMPERATURE) {
-        let start = trace.time.partition_point(|time| *time < motion.time[0]);
-        let values = temperature[start..start + motion.time.len()].to_vec();
-        covariates.push((Covariate::Temperature, values));
+    if let Some(warmth) = scene.warmth {
+        let reference = data.reference_temperature.unwrap_or_default();
+        let temperature = warmth.into_iter().map(|value| value + reference).collect();
+        covariates.push((Covariate::Temperature, temperature));
     }
     Stretch {
         trace: piece.trace,
-        time: motion.time.clone(),
-        measured: piece.measured.clone(),
+        regions: regions(&time, &piece.motion.displacement),
+        time,
+        measured: piece.measured.to_vec(),
         predicted,
-        regions,
         covariates,
     }
-}
-
-/// Loadings completed before and largest displacement so far; the history goes on to the next stretch.
-fn past(motion: &Motion, regions: &[Region], history: &mut History) -> [(Covariate, Vec<f64>); 2] {
-    let mut cycle = Vec::with_capacity(regions.len());
-    let mut largest = Vec::with_capacity(regions.len());
-    let mut loading = false;
-    for (&x, &region) in motion.displacement.iter().zip(regions) {
-        match region {
-            Region::Loading => loading = true,
-            // A loading is complete when it is undone.
-            Region::Unloading if loading => {
-                loading = false;
-                history.loadings += 1;
-            }
-            _ => {}
-        }
-        history.largest = history.largest.max(x);
-        cycle.push(f64::from(history.loadings));
-        largest.push(history.largest);
-    }
-    [(Covariate::Cycle, cycle), (Covariate::Largest, largest)]
 }

@@ -120,10 +120,6 @@ pub enum Needs {
 /// The sizes of what happens in a data set.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Scales {
-    /// Number of traces.
-    pub traces: usize,
-    /// Number of other channels.
-    pub channels: usize,
     /// Whether temperature was recorded.
     pub has_temperature: bool,
     /// Largest size of the signal, N.
@@ -146,19 +142,31 @@ pub struct Scales {
     pub interval: f64,
 }
 
+/// What effects need to know of a data set.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Setting {
+    /// Its sizes.
+    pub scales: Scales,
+    /// Names of its traces, in order of recording.
+    pub traces: Vec<String>,
+    /// Its other channels.
+    pub channels: Vec<&'static str>,
+}
+
 impl Needs {
     /// What is missing in a data set of these scales, in words; none where it has all.
     #[must_use]
-    pub fn missing(self, scales: &Scales) -> Option<&'static str> {
+    pub fn missing(self, setting: &Setting) -> Option<&'static str> {
+        let scales = &setting.scales;
         match self {
             Self::Temperature if !scales.has_temperature => {
                 Some("not every trace has a column temperature_C")
             }
             Self::Temperature if scales.warmth < 0.02 => Some("the temperature does not change"),
-            Self::Channels if scales.channels == 0 => {
+            Self::Channels if setting.channels.is_empty() => {
                 Some("no other channel was recorded that could leak into this one")
             }
-            Self::Traces if scales.traces < 2 => Some("it takes more than one trace"),
+            Self::Traces if setting.traces.len() < 2 => Some("it takes more than one trace"),
             Self::Loadings if scales.loadings < 1.0 => Some("it takes more than one loading"),
             _ => None,
         }
@@ -166,33 +174,31 @@ impl Needs {
 }
 
 impl Law {
-    /// Names of the strengths in a data set with these traces and other channels.
+    /// Names of the strengths in a data set.
     #[must_use]
-    pub fn strengths(&self, traces: &[String], channels: &[&str]) -> Vec<String> {
+    pub fn strengths(&self, setting: &Setting) -> Vec<String> {
         let name = self.strength.name;
         match self.strength.count {
             Count::Fixed([]) => vec![name.to_owned()],
             Count::Fixed(names) => names.iter().map(|&name| name.to_owned()).collect(),
-            Count::Traces => traces.iter().map(|trace| format!("{name}[{trace}]")).collect(),
-            Count::EachTrace(names) => traces
+            Count::Traces => {
+                setting.traces.iter().map(|trace| format!("{name}[{trace}]")).collect()
+            }
+            Count::EachTrace(names) => setting
+                .traces
                 .iter()
                 .flat_map(|trace| names.iter().map(move |name| format!("{name}[{trace}]")))
                 .collect(),
             Count::Channels => {
-                channels.iter().map(|channel| format!("{name}[{channel}]")).collect()
+                setting.channels.iter().map(|channel| format!("{name}[{channel}]")).collect()
             }
         }
     }
 
-    /// This law in a model of a data set with these scales, traces and other channels.
+    /// This law in a model of a data set.
     #[must_use]
-    pub fn applied(
-        &self,
-        effect: &Effect,
-        scales: &Scales,
-        traces: &[String],
-        channels: &[&str],
-    ) -> Applied {
+    pub fn applied(&self, effect: &Effect, setting: &Setting) -> Applied {
+        let scales = &setting.scales;
         let most = (self.strength.most)(scales);
         let strength = |name: String| Parameter {
             name: name.into(),
@@ -217,12 +223,17 @@ impl Law {
                 upper,
             }
         };
-        let strengths = self.strengths(traces, channels);
+        let strengths = self.strengths(setting);
         Applied {
             name: effect.name.into(),
             law: self.name.into(),
             stage: effect.stage,
             strengths: strengths.len(),
+            each_trace: match self.strength.count {
+                Count::Traces => 1,
+                Count::EachTrace(names) => names.len(),
+                Count::Fixed(_) | Count::Channels => 0,
+            },
             parameters: strengths
                 .into_iter()
                 .map(strength)

@@ -32,6 +32,7 @@ mod saturation;
 mod sensor_lag;
 mod shapes;
 mod slow_relaxation;
+mod stored;
 mod sync_delay;
 mod thermal_output;
 mod thermal_stiffness;
@@ -40,5 +41,11 @@ mod viscous_drag;
 mod warm_up;
 mod zero_shift;
 
-pub use declaration::{Count, Effect, Grid, Law, Needs, Role, Scales, Shape, Sign, Strength};
+pub use declaration::{
+    Count, Effect, Grid, Law, Needs, Role, Scales, Setting, Shape, Sign, Strength,
+};
 pub use library::{LIBRARY, find};
+pub use stored::{EffectError, applied, chain_of, store};
+
+#[cfg(test)]
+mod tests;

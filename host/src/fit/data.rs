@@ -1,6 +1,6 @@
 //! Measurements as a fit takes them: motions with the signal that answered.
 
-use crate::effects::Scales;
+use crate::effects::{Scales, Setting};
 use crate::model::{Motion, MotionError, Past, Scene};
 use crate::trace::{FORCE, GAUGES, SignalError, TANGENTIAL, TEMPERATURE, Trace, runs};
 
@@ -45,6 +45,14 @@ pub struct Data<'a> {
     pub channels: Vec<&'static str>,
 }
 
+/// A trace on its way into a data set.
+struct Part<'a> {
+    index: usize,
+    trace: &'a Trace,
+    measured: &'a [f64],
+    begin: f64,
+}
+
 /// Why traces cannot be fitted.
 #[derive(Debug, thiserror::Error)]
 #[allow(missing_docs)]
@@ -77,6 +85,24 @@ impl<'a> Data<'a> {
     /// When a trace lacks the signal or a motion or is constant, when no trace reaches the specimen, or
     /// the signal is negative in compression.
     pub fn of(traces: &'a [Trace], signal: &str) -> Result<Self, DataError> {
+        let data = Self::gather(traces, signal, |trace| trace.changing(signal))?;
+        data.check_contact(signal)?;
+        Ok(data)
+    }
+
+    /// Takes the motions alone, for a prediction of `signal`; what is measured is the displacement.
+    ///
+    /// # Errors
+    /// When a trace lacks a motion.
+    pub fn of_motions(traces: &'a [Trace], signal: &str) -> Result<Self, DataError> {
+        Self::gather(traces, signal, |trace| Ok(trace.displacement().unwrap_or_default()))
+    }
+
+    fn gather(
+        traces: &'a [Trace],
+        signal: &str,
+        measured: impl Fn(&'a Trace) -> Result<&'a [f64], SignalError>,
+    ) -> Result<Self, DataError> {
         let motions = Motion::of_set(traces)?;
         let begins = begins(traces);
         let mut data = Self {
@@ -89,12 +115,12 @@ impl<'a> Data<'a> {
         };
         let mut past = Past::default();
         for (index, (trace, motion)) in traces.iter().zip(&motions).enumerate() {
-            data.add(index, trace, motion, begins[index], &mut past)?;
+            let part = Part { index, trace, measured: measured(trace)?, begin: begins[index] };
+            data.add(&part, motion, &mut past);
         }
         if data.pieces.is_empty() {
             return Err(DataError::NothingLeft);
         }
-        data.check_contact(signal)?;
         Ok(data)
     }
 
@@ -102,7 +128,7 @@ impl<'a> Data<'a> {
     fn check_contact(&self, signal: &str) -> Result<(), DataError> {
         let (mut sum, mut count) = (0.0, 0.0);
         for piece in &self.pieces {
-            for (&x, &value) in piece.motion.displacement.iter().zip(&piece.measured) {
+            for (&x, &value) in piece.motion.displacement.iter().zip(piece.measured) {
                 if x > 0.0 {
                     sum += value;
                     count += 1.0;
@@ -118,18 +144,10 @@ impl<'a> Data<'a> {
         }
     }
 
-    fn add(
-        &mut self,
-        index: usize,
-        trace: &'a Trace,
-        motion: &Motion<'a>,
-        begin: f64,
-        past: &mut Past,
-    ) -> Result<(), DataError> {
-        let measured = trace.changing(&self.signal)?;
+    fn add(&mut self, part: &Part<'a>, motion: &Motion<'a>, past: &mut Past) {
+        let Part { index, trace, measured, begin } = *part;
         let displacement = trace.displacement().unwrap_or_default();
-        let temperature =
-            self.reference_temperature.and_then(|_| trace.column(TEMPERATURE));
+        let temperature = self.reference_temperature.and_then(|_| trace.column(TEMPERATURE));
         for (number, run) in runs(&trace.time).into_iter().enumerate() {
             if number > 0 && displacement[run.start] > 0.0 {
                 self.left_out.push(format!(
@@ -159,7 +177,22 @@ impl<'a> Data<'a> {
                 channels: self.channels.iter().filter_map(channel).collect(),
             });
         }
-        Ok(())
+    }
+
+    /// This data set with the temperature counted from this one, °C, where it is given.
+    #[must_use]
+    pub fn with_reference(mut self, temperature: Option<f64>) -> Self {
+        if self.reference_temperature.is_some() && temperature.is_some() {
+            self.reference_temperature = temperature;
+        }
+        self
+    }
+
+    /// What effects need to know of this data set.
+    #[must_use]
+    pub fn setting(&self) -> Setting {
+        let (traces, channels) = (self.labels.clone(), self.channels.clone());
+        Setting { scales: self.scales(), traces, channels }
     }
 
     /// Everything that is known at every sample of a stretch without a model.
@@ -188,8 +221,6 @@ impl<'a> Data<'a> {
     #[must_use]
     pub fn scales(&self) -> Scales {
         let mut scales = Scales {
-            traces: self.labels.len(),
-            channels: self.channels.len(),
             has_temperature: self.reference_temperature.is_some(),
             compression: self.largest_compression(),
             duration: self.longest(),
@@ -299,11 +330,13 @@ mod tests {
     #[test]
     fn a_stretch_after_a_gap_counts_where_it_begins_off_the_specimen() {
         let press = [0.0, 1.0, 2.0, 1.0, 0.0, 0.0, 1.0, 2.0, 1.0];
-        let data = Data::of(&[trace(&TIMES, &press, &press)], FORCE).unwrap();
+        let traces = [trace(&TIMES, &press, &press)];
+        let data = Data::of(&traces, FORCE).unwrap();
         assert_eq!((data.pieces.len(), data.samples()), (2, 9));
         assert!(data.left_out.is_empty());
         let held = [0.0, 1.0, 2.0, 2.0, 2.0, 2.0, 2.0, 1.0, 0.0];
-        let data = Data::of(&[trace(&TIMES, &held, &held)], FORCE).unwrap();
+        let traces = [trace(&TIMES, &held, &held)];
+        let data = Data::of(&traces, FORCE).unwrap();
         assert_eq!((data.pieces.len(), data.samples()), (1, 5));
         assert!(data.left_out[0].contains("4 samples after a gap"), "{:?}", data.left_out);
     }
@@ -321,7 +354,8 @@ mod tests {
     fn a_force_of_the_wrong_sign_is_told_not_fitted() {
         let press = [0.0, 1.0, 2.0, 1.0, 0.0];
         let pull = press.map(|force| -force);
-        let found = Data::of(&[trace(&TIMES[..5], &press, &pull)], FORCE);
+        let traces = [trace(&TIMES[..5], &press, &pull)];
+        let found = Data::of(&traces, FORCE);
         assert!(matches!(found, Err(DataError::Negative { .. })));
     }
 }

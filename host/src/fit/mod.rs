@@ -9,10 +9,12 @@ pub mod elastic_law;
 pub mod exponentials;
 pub mod hold;
 pub mod least_squares;
+pub mod problem;
 pub mod slope;
 mod start;
 mod uncertainty;
 pub mod warning;
+pub mod whitening;
 pub mod whole_motion;
 
 pub use uncertainty::{Uncertainty, uncertainty};

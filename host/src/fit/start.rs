@@ -58,14 +58,14 @@ impl Gram {
         };
         let p = (q + 1.0) / reference.powf(q + 1.0);
         // Each branch by itself: a relaxation function whose whole response decays at its rate.
-        let alone: Vec<Relaxation<f64>> =
+        let alone: Vec<Relaxation> =
             rates.iter().map(|&rate| Relaxation::new(&[1.0], &[rate])).collect();
         let mut row = DVector::zeros(size);
         for piece in &data.pieces {
             let mut memories = vec![Memory::rested(1); rates.len()];
             let mut before = piece.motion.time[0];
             let samples =
-                piece.motion.time.iter().zip(&piece.motion.displacement).zip(&piece.measured);
+                piece.motion.time.iter().zip(piece.motion.displacement.iter()).zip(piece.measured);
             for ((&time, &x), &y) in samples {
                 row[0] = elastic_response(p, q, x);
                 for (k, (memory, relaxation)) in memories.iter_mut().zip(&alone).enumerate() {

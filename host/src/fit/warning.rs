@@ -13,19 +13,19 @@ pub enum Warning {
     /// The search ended before a minimum.
     NotConverged { iterations: usize },
     /// A parameter sits on a bound.
-    AtBound { parameter: &'static str, value: f64 },
+    AtBound { parameter: String, value: f64 },
     /// A parameter can move without changing the prediction.
-    Undetermined { parameter: &'static str },
+    Undetermined { parameter: String },
     /// A standard error beyond a quarter of the value.
-    Vague { parameter: &'static str, value: f64, standard_error: f64 },
+    Vague { parameter: String, value: f64, standard_error: f64 },
     /// Two parameters that these data hardly tell apart.
-    Correlated { first: &'static str, second: &'static str, correlation: f64 },
+    Correlated { first: String, second: String, correlation: f64 },
     /// Two exponentials with the same rate.
-    Merged { first: &'static str, second: &'static str },
+    Merged { first: String, second: String },
     /// A time constant longer than the longest recording.
-    TooSlow { parameter: &'static str, time_constant: f64, longest: f64 },
+    TooSlow { parameter: String, time_constant: f64, longest: f64 },
     /// A time constant within two sampling intervals.
-    TooFast { parameter: &'static str, time_constant: f64, interval: f64 },
+    TooFast { parameter: String, time_constant: f64, interval: f64 },
     /// The residual is more than noise.
     Misfit { rms: f64, noise: f64 },
     /// Samples that were left out.
@@ -105,17 +105,18 @@ pub fn warnings(fit: &MotionFit, data: &Data, noise: Option<&Noise>) -> Vec<Warn
 }
 
 fn each_parameter(fit: &MotionFit, data: &Data, found: &mut Vec<Warning>) {
-    let terms = fit.law.terms;
-    for (k, parameter) in fit.law.parameters().into_iter().enumerate() {
-        let (parameter, value) = (parameter.name, fit.values[k]);
-        let is_rate = k >= 2 + terms;
+    let terms = fit.chain.base.terms;
+    for (k, parameter) in fit.parameters().into_iter().enumerate() {
+        let (parameter, value) = (parameter.name.to_string(), fit.values[k]);
+        let is_rate = (2 + terms..2 + 2 * terms).contains(&k);
         let idle = is_rate && fit.values[k - terms] == 0.0;
         if fit.at_bound[k] {
-            found.push(Warning::AtBound { parameter, value });
+            found.push(Warning::AtBound { parameter: parameter.clone(), value });
         } else {
             match fit.standard_errors[k] {
-                None => found.push(Warning::Undetermined { parameter }),
+                None => found.push(Warning::Undetermined { parameter: parameter.clone() }),
                 Some(standard_error) if standard_error > VAGUE * value.abs() => {
+                    let parameter = parameter.clone();
                     found.push(Warning::Vague { parameter, value, standard_error });
                 }
                 Some(_) => {}
@@ -135,15 +136,15 @@ fn each_parameter(fit: &MotionFit, data: &Data, found: &mut Vec<Warning>) {
 }
 
 fn pairs(fit: &MotionFit, found: &mut Vec<Warning>) {
-    let parameters = fit.law.parameters();
-    let first_rate = 2 + fit.law.terms;
+    let parameters = fit.parameters();
+    let first_rate = 2 + fit.chain.base.terms;
     for i in 0..parameters.len() {
         for j in i + 1..parameters.len() {
-            let (first, second) = (parameters[i].name, parameters[j].name);
+            let (first, second) = (parameters[i].name.to_string(), parameters[j].name.to_string());
             let same = (fit.values[i] / fit.values[j] - 1.0).abs() < MERGED;
             let correlation = fit.correlation[(i, j)];
             let known = fit.standard_errors[i].is_some() && fit.standard_errors[j].is_some();
-            if i >= first_rate && same {
+            if i >= first_rate && j < fit.chain.base.count() && same {
                 found.push(Warning::Merged { first, second });
             } else if known && correlation.abs() > CORRELATED {
                 found.push(Warning::Correlated { first, second, correlation });

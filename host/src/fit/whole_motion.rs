@@ -1,26 +1,24 @@
-//! The fit of a law to whole motions: loading, holds and unloading of every trace together.
+//! The fit of a model to whole motions: loading, holds and unloading of every trace together.
 //!
-//! The search runs over the simulated force, never over differentiated measurements. Its
-//! coordinates are the forces P0…Pn ≥ 0 that the branches carry at the largest compression, the
-//! exponent q and the logarithms of the rates: in these, shares that are nonnegative and sum to one
-//! are plain bounds, and the stiffness does not trade off against the exponent. Results are given in
-//! the law's own parameters, their covariance carried over by the delta method.
+//! Results are given in the model's own parameters, their covariance carried over from the
+//! coordinates of the search ([`super::problem`]) by the delta method.
 
-use nalgebra::{Const, DMatrix, DVector, U1};
-use num_dual::DualNum;
+use nalgebra::DMatrix;
 
 use super::data::{Data, DataError};
-use super::least_squares::{LeastSquares, Normal, Solution, Stop, minimise};
+use super::least_squares::{LeastSquares, Solution, Stop, minimise};
+use super::problem::Problem;
 use super::start::starts;
 use super::uncertainty::{Uncertainty, uncertainty};
-use crate::model::{CHUNK, Dual, Fung, Memory, Number, seeded};
+use super::whitening::Whitening;
+use crate::model::{Chain, Fung, History, Parameter};
 
 /// The outcome of a fit.
 #[derive(Clone, Debug)]
 pub struct MotionFit {
-    /// The law that was fitted.
-    pub law: Fung,
-    /// Its parameters, in the order of [`Fung::parameters`], rates from fast to slow.
+    /// The chain that was fitted.
+    pub chain: Chain,
+    /// Its parameters, in the order of [`Chain::parameters`], rates from fast to slow.
     pub values: Vec<f64>,
     /// Their standard errors; none where the data do not determine the parameter.
     pub standard_errors: Vec<Option<f64>>,
@@ -42,7 +40,6 @@ pub struct MotionFit {
     pub stop: Stop,
     /// Number of steps tried.
     pub iterations: usize,
-    point: Vec<f64>,
 }
 
 impl MotionFit {
@@ -50,6 +47,12 @@ impl MotionFit {
     #[must_use]
     pub fn rms(&self) -> f64 {
         (self.cost / self.samples as f64).sqrt()
+    }
+
+    /// What each value is of.
+    #[must_use]
+    pub fn parameters(&self) -> Vec<Parameter> {
+        self.chain.parameters()
     }
 
     /// Bayesian information criterion up to a constant, with the number of samples reduced to the
@@ -67,13 +70,12 @@ impl MotionFit {
 /// # Errors
 /// When there are fewer samples than parameters, or no stretch of the data holds the specimen.
 pub fn fit(law: Fung, data: &Data) -> Result<MotionFit, DataError> {
-    let parameters = 2 + 2 * law.terms;
-    if data.samples() <= parameters {
-        return Err(DataError::TooFew { samples: data.samples(), parameters });
-    }
-    let problem = Problem::new(law, data, None);
+    let chain = Chain::new(law);
+    check_size(&chain, data)?;
+    let white = Whitening::none();
+    let problem = Problem::new(&chain, data, &white, None);
     // Several starts: the sum of squares may have more than one minimum in q and the rates.
-    let best = starts(data, law.terms, problem.reference)
+    let best = starts(data, law.terms, problem.reference())
         .into_iter()
         .take(3)
         .map(|start| {
@@ -94,229 +96,164 @@ pub fn fit(law: Fung, data: &Data) -> Result<MotionFit, DataError> {
         })
         .min_by(|a, b| a.normal.cost.total_cmp(&b.normal.cost))
         .ok_or(DataError::NothingLeft)?;
-    Ok(problem.describe(&best))
+    Ok(describe(&problem, data, &best))
+}
+
+/// Fits a chain to the data from these parameters.
+///
+/// # Errors
+/// When there are fewer samples than parameters.
+pub fn refit(chain: &Chain, from: &[f64], data: &Data) -> Result<MotionFit, DataError> {
+    check_size(chain, data)?;
+    let white = Whitening::none();
+    let problem = Problem::new(chain, data, &white, None);
+    let found = minimise(&problem, &problem.point(from));
+    Ok(describe(&problem, data, &found))
 }
 
 /// Root mean square error on each trace when it is left out of the fit, the specimen's history kept.
+/// A zero that each trace has of its own is taken from what that trace shows before its touch.
 #[must_use]
 pub fn held_out(fit: &MotionFit, data: &Data) -> Vec<f64> {
     (0..data.labels.len())
         .map(|trace| {
-            let problem = Problem::new(fit.law, data, Some(trace));
-            let found = minimise(&problem, &fit.point);
-            problem.trace_rms(&found.point)[trace]
+            let white = Whitening::none();
+            let problem = Problem::new(&fit.chain, data, &white, Some(trace));
+            let mut from = fit.values.clone();
+            let own = fit.chain.own_of_trace(trace);
+            for &place in &own {
+                from[place] = 0.0;
+            }
+            let found = minimise(&problem, &problem.point(&from));
+            error_on(&problem, data, &found.point, trace, !own.is_empty())
         })
         .collect()
 }
 
-/// Residuals of a law over a data set.
-struct Problem<'a> {
-    law: Fung,
-    data: &'a Data,
-    /// A trace that is predicted but not fitted.
-    left_out: Option<usize>,
-    /// The compression at which the branch forces are stated, mm.
-    reference: f64,
-    bounds: Vec<(f64, f64)>,
-}
-
-impl<'a> Problem<'a> {
-    fn new(law: Fung, data: &'a Data, left_out: Option<usize>) -> Self {
-        let exponent = &law.parameters()[1];
-        let slowest = (0.02 / data.longest()).ln();
-        let fastest = (3.0 / data.shortest_interval()).ln();
-        let bounds = std::iter::repeat_n((0.0, f64::INFINITY), law.terms + 1)
-            .chain(std::iter::once((exponent.lower, exponent.upper)))
-            .chain(std::iter::repeat_n((slowest, fastest), law.terms))
-            .collect();
-        Self { law, data, left_out, reference: data.largest_compression(), bounds }
-    }
-
-    /// The law's parameters p, q, c1…, v1… from the coordinates P0…Pn, q, ln v1….
-    fn declared<T: Number>(&self, point: &[T]) -> Vec<T> {
-        let terms = self.law.terms;
-        let (forces, rest) = point.split_at(terms + 1);
-        let q = rest[0];
-        // A model without any force has no shares either; the tiny floor keeps them finite.
-        let total =
-            forces.iter().fold(T::from(f64::MIN_POSITIVE.sqrt()), |sum, &force| sum + force);
-        let exponent = q + 1.0;
-        let p = total * exponent * (-exponent * self.reference.ln()).exp();
-        [p, q]
-            .into_iter()
-            .chain(forces[1..].iter().map(|&force| force / total))
-            .chain(rest[1..].iter().map(DualNum::exp))
-            .collect()
-    }
-
-    /// Runs the law over every stretch and hands each sample's index, prediction and measurement on.
-    fn predict(&self, point: &[f64], mut sink: impl FnMut(usize, f64, f64)) {
-        let parameters = self.declared(point);
-        let mut memory = self.law.rested();
-        for (index, piece) in self.data.pieces.iter().enumerate() {
-            self.law.run(&parameters, &piece.motion, &mut memory, |k, force| {
-                sink(index, force, piece.measured[k]);
-            });
+/// Root mean square error on one trace, its own zero taken from before its touch where asked.
+fn error_on(problem: &Problem, data: &Data, point: &[f64], trace: usize, tare: bool) -> f64 {
+    let predicted = problem.predict(point);
+    let mut residual = Vec::new();
+    let mut before = Vec::new();
+    for (piece, predicted) in data.pieces.iter().zip(&predicted) {
+        if piece.trace == trace {
+            let first = residual.len();
+            residual.extend(predicted.iter().zip(piece.measured).map(|(f, y)| f - y));
+            let touch = piece.motion.displacement.iter().position(|&x| x > 0.0);
+            before.extend_from_slice(&residual[first..first + touch.unwrap_or(0)]);
         }
     }
-
-    fn fitted(&self, piece: usize) -> bool {
-        self.left_out != Some(self.data.pieces[piece].trace)
-    }
-
-    fn trace_rms(&self, point: &[f64]) -> Vec<f64> {
-        let mut sums = vec![(0.0, 0_usize); self.data.labels.len()];
-        self.predict(point, |piece, force, measured| {
-            let (sum, count) = &mut sums[self.data.pieces[piece].trace];
-            *sum += (force - measured).powi(2);
-            *count += 1;
-        });
-        sums.into_iter().map(|(sum, count)| (sum / (count as f64).max(1.0)).sqrt()).collect()
-    }
-
-    /// Sum of products of neighbouring residuals over the sum of squares.
-    fn autocorrelation(&self, point: &[f64]) -> f64 {
-        let (mut product, mut square) = (0.0, 0.0);
-        let mut before: Option<(usize, f64)> = None;
-        self.predict(point, |piece, force, measured| {
-            let residual = force - measured;
-            square += residual * residual;
-            if let Some((same, earlier)) = before
-                && same == piece
-            {
-                product += residual * earlier;
-            }
-            before = Some((piece, residual));
-        });
-        if square > 0.0 { product / square } else { 0.0 }
-    }
-
-    fn describe(&self, found: &Solution) -> MotionFit {
-        let samples = self.data.samples();
-        let cost = found.normal.cost;
-        let held: Vec<bool> = found.at_bound.clone();
-        let free = held.iter().filter(|held| !**held).count();
-        let autocorrelation = self.autocorrelation(&found.point);
-        let variance = cost / (samples - free) as f64 / independent_share(autocorrelation);
-        let known = uncertainty(&found.normal.curvature, &held, variance);
-        let mut fit = MotionFit {
-            law: self.law,
-            values: self.declared(&found.point),
-            standard_errors: Vec::new(),
-            correlation: DMatrix::zeros(0, 0),
-            at_bound: self.declared_at_bound(&held),
-            cost,
-            samples,
-            r_squared: 1.0 - cost / self.scatter(),
-            autocorrelation,
-            trace_rms: self.trace_rms(&found.point),
-            stop: found.stop,
-            iterations: found.iterations,
-            point: found.point.clone(),
-        };
-        self.declare_uncertainty(&mut fit, &known);
-        sort_branches(&mut fit);
-        fit
-    }
-
-    /// Covariance in the law's own parameters, by the delta method.
-    fn declare_uncertainty(&self, fit: &mut MotionFit, known: &Uncertainty) {
-        let dimension = fit.values.len();
-        let mut slope = DMatrix::zeros(dimension, dimension);
-        for first in (0..dimension).step_by(CHUNK) {
-            for (row, value) in self.declared(&seeded(&fit.point, first)).iter().enumerate() {
-                let derivatives = value.eps.unwrap_generic(Const, U1);
-                for (place, derivative) in derivatives.iter().enumerate() {
-                    if first + place < dimension {
-                        slope[(row, first + place)] = *derivative;
-                    }
-                }
-            }
-        }
-        let covariance = &slope * &known.covariance * slope.transpose();
-        fit.standard_errors = (0..dimension)
-            .map(|row| known.variance(&slope.row(row).transpose()).map(f64::sqrt))
-            .collect();
-        fit.correlation = DMatrix::from_fn(dimension, dimension, |i, j| {
-            let size = (covariance[(i, i)] * covariance[(j, j)]).sqrt();
-            if i == j {
-                1.0
-            } else if size > 0.0 {
-                covariance[(i, j)] / size
-            } else {
-                0.0
-            }
-        });
-    }
-
-    /// Coordinates on a bound, as parameters: a branch without force is a share at zero.
-    fn declared_at_bound(&self, held: &[bool]) -> Vec<bool> {
-        let terms = self.law.terms;
-        std::iter::once(false)
-            .chain(std::iter::once(held[terms + 1]))
-            .chain(held[1..=terms].iter().copied())
-            .chain(held[terms + 2..].iter().copied())
-            .collect()
-    }
-
-    /// Sum of squares of the measured signal about its mean.
-    fn scatter(&self) -> f64 {
-        let values = || self.data.pieces.iter().flat_map(|piece| &piece.measured);
-        let mean = values().sum::<f64>() / self.data.samples() as f64;
-        values().map(|value| (value - mean).powi(2)).sum()
-    }
+    let zero = if tare && !before.is_empty() {
+        before.iter().sum::<f64>() / before.len() as f64
+    } else {
+        0.0
+    };
+    let squares: f64 = residual.iter().map(|r| (r - zero).powi(2)).sum();
+    (squares / (residual.len() as f64).max(1.0)).sqrt()
 }
 
-impl LeastSquares for Problem<'_> {
-    fn bounds(&self) -> &[(f64, f64)] {
-        &self.bounds
-    }
-
-    fn cost(&self, point: &[f64]) -> f64 {
-        let mut cost = 0.0;
-        self.predict(point, |piece, force, measured| {
-            if self.fitted(piece) {
-                cost += (force - measured).powi(2);
-            }
-        });
-        cost
-    }
-
-    fn normal(&self, point: &[f64]) -> Normal {
-        let dimension = point.len();
-        let passes: Vec<usize> = (0..dimension).step_by(CHUNK).collect();
-        let parameters: Vec<Vec<Dual>> =
-            passes.iter().map(|&first| self.declared(&seeded(point, first))).collect();
-        let mut memories: Vec<Memory<Dual>> = vec![self.law.rested(); passes.len()];
-        let mut normal = Normal::zeros(dimension);
-        for (index, piece) in self.data.pieces.iter().enumerate() {
-            let mut rows = vec![0.0; piece.measured.len() * dimension];
-            let mut residuals = vec![0.0; piece.measured.len()];
-            for ((&first, parameters), memory) in passes.iter().zip(&parameters).zip(&mut memories)
-            {
-                let width = CHUNK.min(dimension - first);
-                self.law.run(parameters, &piece.motion, memory, |k, force| {
-                    residuals[k] = force.re - piece.measured[k];
-                    let derivatives = force.eps.unwrap_generic(Const, U1);
-                    let begin = k * dimension + first;
-                    rows[begin..begin + width].copy_from_slice(&derivatives.as_slice()[..width]);
-                });
-            }
-            if self.fitted(index) {
-                accumulate(&mut normal, &rows, &residuals);
-            }
-        }
-        normal
-    }
+/// Predicted signal of every stretch of a data set.
+#[must_use]
+pub fn predict(chain: &Chain, parameters: &[f64], data: &Data) -> Vec<Vec<f64>> {
+    let mut history = History::default();
+    let mut force = Vec::new();
+    let stretch = |piece| {
+        chain.run(parameters, &data.scene(piece), &mut history, &mut force);
+        force.clone()
+    };
+    data.pieces.iter().map(stretch).collect()
 }
 
-fn accumulate(normal: &mut Normal, rows: &[f64], residuals: &[f64]) {
-    let dimension = normal.gradient.len();
-    let jacobian = DMatrix::from_row_slice(residuals.len(), dimension, rows);
-    let residuals = DVector::from_column_slice(residuals);
-    normal.cost += residuals.norm_squared();
-    normal.gradient += jacobian.tr_mul(&residuals);
-    normal.curvature += jacobian.tr_mul(&jacobian);
+fn check_size(chain: &Chain, data: &Data) -> Result<(), DataError> {
+    let (samples, parameters) = (data.samples(), chain.parameters().len());
+    if samples <= parameters {
+        return Err(DataError::TooFew { samples, parameters });
+    }
+    Ok(())
+}
+
+fn describe(problem: &Problem, data: &Data, found: &Solution) -> MotionFit {
+    let samples = data.samples();
+    let cost = found.normal.cost;
+    let bounds = problem.bounds();
+    // What has no range is given, not held against a bound.
+    let given = |j: usize| bounds[j].0 >= bounds[j].1;
+    let held = &found.at_bound;
+    let free = held.iter().filter(|held| !**held).count();
+    let autocorrelation = problem.autocorrelation(&found.point);
+    let variance = cost / (samples - free) as f64 / independent_share(autocorrelation);
+    let known = uncertainty(&found.normal.curvature, held, variance);
+    let rms = |(sum, count): &(f64, usize)| (sum / (*count as f64).max(1.0)).sqrt();
+    let pressed: Vec<bool> = (0..held.len()).map(|j| held[j] && !given(j)).collect();
+    let (standard_errors, correlation) = declared_uncertainty(problem, &found.point, &known);
+    let mut fit = MotionFit {
+        chain: problem.chain.clone(),
+        values: problem.declared(&found.point),
+        standard_errors,
+        correlation,
+        at_bound: declared_at_bound(problem.chain, &pressed),
+        cost,
+        samples,
+        r_squared: 1.0 - cost / scatter(data),
+        autocorrelation,
+        trace_rms: problem.trace_squares(&found.point).iter().map(rms).collect(),
+        stop: found.stop,
+        iterations: found.iterations,
+    };
+    sort_branches(&mut fit);
+    fit
+}
+
+/// Standard errors and correlations in the model's own parameters, by the delta method.
+#[must_use]
+pub fn declared_uncertainty(
+    problem: &Problem,
+    point: &[f64],
+    known: &Uncertainty,
+) -> (Vec<Option<f64>>, DMatrix<f64>) {
+    let dimension = point.len();
+    let at = problem.declared(point);
+    let mut slope = DMatrix::zeros(dimension, dimension);
+    for j in 0..dimension {
+        let step = 1e-6 * point[j].abs() + 1e-9;
+        let mut moved = point.to_vec();
+        moved[j] += step;
+        for (row, value) in problem.declared(&moved).iter().enumerate() {
+            slope[(row, j)] = (value - at[row]) / step;
+        }
+    }
+    let covariance = &slope * &known.covariance * slope.transpose();
+    let standard_errors = (0..dimension)
+        .map(|row| known.variance(&slope.row(row).transpose()).map(f64::sqrt))
+        .collect();
+    let correlation = DMatrix::from_fn(dimension, dimension, |i, j| {
+        let size = (covariance[(i, i)] * covariance[(j, j)]).sqrt();
+        if i == j {
+            1.0
+        } else if size > 0.0 {
+            covariance[(i, j)] / size
+        } else {
+            0.0
+        }
+    });
+    (standard_errors, correlation)
+}
+
+/// Coordinates on a bound, as parameters: a branch without force is a share at zero.
+fn declared_at_bound(chain: &Chain, held: &[bool]) -> Vec<bool> {
+    let terms = chain.base.terms;
+    std::iter::once(false)
+        .chain(std::iter::once(held[terms + 1]))
+        .chain(held[1..=terms].iter().copied())
+        .chain(held[terms + 2..].iter().copied())
+        .collect()
+}
+
+/// Sum of squares of the measured signal about its mean.
+fn scatter(data: &Data) -> f64 {
+    let values = || data.pieces.iter().flat_map(|piece| piece.measured);
+    let mean = values().sum::<f64>() / data.samples() as f64;
+    values().map(|value| (value - mean).powi(2)).sum()
 }
 
 /// Share of the samples that count as independent when neighbours correlate like a first-order
@@ -328,13 +265,14 @@ fn independent_share(autocorrelation: f64) -> f64 {
 
 /// Puts the exponentials in the order of their rates, fast first.
 fn sort_branches(fit: &mut MotionFit) {
-    let terms = fit.law.terms;
+    let terms = fit.chain.base.terms;
     let mut order: Vec<usize> = (0..terms).collect();
     order.sort_by(|&a, &b| fit.values[2 + terms + b].total_cmp(&fit.values[2 + terms + a]));
     let place: Vec<usize> = [0, 1]
         .into_iter()
         .chain(order.iter().map(|&k| 2 + k))
         .chain(order.iter().map(|&k| 2 + terms + k))
+        .chain(fit.chain.base.count()..fit.values.len())
         .collect();
     fit.values = place.iter().map(|&k| fit.values[k]).collect();
     fit.standard_errors = place.iter().map(|&k| fit.standard_errors[k]).collect();

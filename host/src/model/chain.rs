@@ -3,7 +3,7 @@
 
 use super::act::{Act, Remembered, Stage};
 use super::hereditary::{Hereditary, HereditaryState};
-use super::{Fung, Parameter, Scene, Separation, elastic_response};
+use super::{Fung, Parameter, Scene, elastic_response};
 
 /// An effect in a model: its name, the law chosen for it, its parameters and how it acts.
 #[derive(Clone, Debug)]
@@ -18,6 +18,8 @@ pub struct Applied {
     pub parameters: Vec<Parameter>,
     /// Number of strengths among the parameters: at zero strength the effect is absent.
     pub strengths: usize,
+    /// Number of strengths that every trace has of its own, trace by trace; 0 where all share them.
+    pub each_trace: usize,
     /// How it acts.
     pub act: Act,
 }
@@ -121,9 +123,10 @@ impl Chain {
                 for (law, own) in &feedbacks {
                     law(scene, own, force, &mut next);
                 }
-                let change = next.iter().zip(&reached).fold(0.0, |most: f64, (a, b)| {
-                    most.max((a - b).abs())
-                });
+                let change = next
+                    .iter()
+                    .zip(&reached)
+                    .fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
                 reached = next;
                 if change < SETTLED || !change.is_finite() {
                     break;
@@ -194,9 +197,14 @@ impl Chain {
         }
     }
 
-    /// Whether the prediction can be below zero by the base law alone.
+    /// Where among all parameters those stand that belong to one trace alone.
     #[must_use]
-    pub fn bonded(&self) -> bool {
-        self.base.separation == Separation::Bonded
+    pub fn own_of_trace(&self, trace: usize) -> Vec<usize> {
+        let own = |index: usize| {
+            let count = self.effects[index].each_trace;
+            let begin = self.range(index).start + trace * count;
+            begin..begin + count
+        };
+        (0..self.effects.len()).flat_map(own).collect()
     }
 }

@@ -139,13 +139,7 @@ impl Expression {
     /// Adds the expression, N, to the force; x is the commanded displacement here.
     pub fn add_to_force(&self, scene: &Scene, parameters: &[f64], force: &mut [f64]) {
         let x = &scene.motion.displacement;
-        self.over(parameters, force, |k, force| Sample {
-            scene,
-            k,
-            x: x[k],
-            elastic: 0.0,
-            force,
-        });
+        self.over(parameters, force, |k, force| Sample { scene, k, x: x[k], elastic: 0.0, force });
     }
 
     /// Multiplies the rates of relaxation by one plus the expression, but never by less than 0.

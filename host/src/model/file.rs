@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 
-use super::{Fung, MAX_TERMS, Separation};
+use super::{Fung, MAX_TERMS, Parameter, Separation, Stage};
 use crate::files::write_whole;
 
 /// Major version of the model file that this program reads and writes.
@@ -22,8 +22,17 @@ pub struct Model {
     /// What the model is of.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
+    /// Temperature from which effects count it, °C.
+    #[serde(rename = "reference_temperature_C", skip_serializing_if = "Option::is_none")]
+    pub reference_temperature: Option<f64>,
     /// The base law.
     pub base: Base,
+    /// The effects, in the order in which they were added.
+    #[serde(default, rename = "effect", skip_serializing_if = "Vec::is_empty")]
+    pub effects: Vec<StoredEffect>,
+    /// Laws of the user's own that are not in the model but may be tried.
+    #[serde(default, rename = "candidate", skip_serializing_if = "Vec::is_empty")]
+    pub candidates: Vec<StoredEffect>,
     /// How the parameters were found; absent in a model written by hand.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fit: Option<FitRecord>,
@@ -47,6 +56,30 @@ pub struct Base {
     pub parameters: IndexMap<String, StoredParameter>,
 }
 
+/// An effect in a model file: one of the library by its name, or a law of the user's own with a stage
+/// and an expression.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StoredEffect {
+    /// Name of the effect.
+    pub name: String,
+    /// Which law of a library effect; the reference form where absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub law: Option<String>,
+    /// Where in the chain a law of one's own acts.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stage: Option<Stage>,
+    /// The expression of a law of one's own.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub expression: Option<String>,
+    /// What a law of one's own means.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub meaning: Option<String>,
+    /// Parameters by name; of a law of one's own, the first is the strength that makes it vanish at 0.
+    #[serde(default)]
+    pub parameters: IndexMap<String, StoredParameter>,
+}
+
 /// A parameter in a model file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -59,6 +92,21 @@ pub struct StoredParameter {
     /// Its unit, absent for a pure number.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub unit: String,
+    /// Smallest value that a fit may give it, in a law of one's own.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lower: Option<f64>,
+    /// Largest value that a fit may give it, in a law of one's own.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub upper: Option<f64>,
+}
+
+impl StoredParameter {
+    /// A fitted value.
+    #[must_use]
+    pub fn fitted(parameter: &Parameter, value: f64, standard_error: Option<f64>) -> Self {
+        let unit = parameter.unit.to_string();
+        Self { value, standard_error, unit, lower: None, upper: None }
+    }
 }
 
 /// How the parameters were found.
@@ -158,11 +206,10 @@ impl Model {
     /// A model of the law with these values, in the order of [`Fung::parameters`].
     #[must_use]
     pub fn of(law: &Fung, signal: &str, values: &[f64], standard_errors: &[Option<f64>]) -> Self {
-        let stored =
-            |((parameter, &value), &standard_error): ((super::Parameter, &f64), &Option<f64>)| {
-                let unit = parameter.unit.to_owned();
-                (parameter.name.to_owned(), StoredParameter { value, standard_error, unit })
-            };
+        let stored = |((parameter, &value), &standard_error): ((Parameter, &f64), &Option<f64>)| {
+            let stored = StoredParameter::fitted(&parameter, value, standard_error);
+            (parameter.name.to_string(), stored)
+        };
         let parameters =
             law.parameters().into_iter().zip(values).zip(standard_errors).map(stored).collect();
         let base = Base {
@@ -171,7 +218,16 @@ impl Model {
             separation: law.separation,
             parameters,
         };
-        Self { version: VERSION, name: None, base, fit: None, ladder: Vec::new() }
+        Self {
+            version: VERSION,
+            name: None,
+            reference_temperature: None,
+            base,
+            effects: Vec::new(),
+            candidates: Vec::new(),
+            fit: None,
+            ladder: Vec::new(),
+        }
     }
 
     /// The law and its parameter values, in the order of [`Fung::parameters`].
@@ -189,11 +245,13 @@ impl Model {
         }
         let law = Fung { terms, separation: self.base.separation };
         let declared = law.parameters();
-        if let Some(unknown) = names.keys().find(|name| declared.iter().all(|p| p.name != **name)) {
+        if let Some(unknown) =
+            names.keys().find(|name| declared.iter().all(|p| p.name != name.as_str()))
+        {
             return Err(format!("`fung` with {terms} exponentials has no parameter `{unknown}`"));
         }
-        let value = |parameter: &super::Parameter| {
-            let name = parameter.name;
+        let value = |parameter: &Parameter| {
+            let name = parameter.name.as_ref();
             let value = names.get(name).ok_or(format!("parameter `{name}` is missing"))?.value;
             if !value.is_finite() || value < parameter.lower || value > parameter.upper {
                 return Err(format!(

@@ -46,14 +46,16 @@ impl Fung {
     pub fn parameters(&self) -> Vec<Parameter> {
         let parameter = |name: &'static str, unit: &'static str, meaning: &'static str, range| {
             let (lower, upper): (f64, f64) = range;
-            Parameter { name: name.into(), unit: unit.into(), meaning: meaning.into(), lower, upper }
+            Parameter {
+                name: name.into(),
+                unit: unit.into(),
+                meaning: meaning.into(),
+                lower,
+                upper,
+            }
         };
-        let p = parameter(
-            "p",
-            "N/mm^(q+1)",
-            "stiffness of the elastic response",
-            (0.0, f64::INFINITY),
-        );
+        let p =
+            parameter("p", "N/mm^(q+1)", "stiffness of the elastic response", (0.0, f64::INFINITY));
         let q = parameter(
             "q",
             "",
@@ -90,8 +92,7 @@ impl Fung {
     /// A motion that starts in contact counts as having just arrived there.
     #[must_use]
     pub fn predict(&self, parameters: &[f64], motions: &[Motion]) -> Vec<Vec<f64>> {
-        let law =
-            Hereditary::linear(self.relaxation(parameters).branches, self.separation);
+        let law = Hereditary::linear(self.relaxation(parameters).branches, self.separation);
         let mut state = HereditaryState::default();
         motions
             .iter()

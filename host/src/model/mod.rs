@@ -20,7 +20,7 @@ pub use act::{Act, Remembered, Stage};
 pub use chain::{Applied, Chain, History};
 pub use elastic::elastic_response;
 pub use expression::{Expression, ExpressionError, VARIABLES};
-pub use file::{Base, FileError, FitRecord, Model, Rung, StoredParameter, VERSION};
+pub use file::{Base, FileError, FitRecord, Model, Rung, StoredEffect, StoredParameter, VERSION};
 pub use fung::{Fung, MAX_TERMS, Separation, TERMS};
 pub use hereditary::{Hereditary, HereditaryState};
 pub use motion::{Motion, MotionError};

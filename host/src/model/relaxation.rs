@@ -73,13 +73,6 @@ impl Memory {
         }
     }
 
-    /// Lets `interval` seconds pass with the motion held.
-    pub fn wait(&mut self, relaxation: &Relaxation, interval: f64) {
-        for (state, branch) in self.states.iter_mut().zip(&relaxation.branches) {
-            *state *= (-branch.rate * interval).exp();
-        }
-    }
-
     /// A sudden change of the elastic response to `elastic`, N; returns the force, N.
     pub fn jump(&mut self, relaxation: &Relaxation, elastic: f64) -> f64 {
         let change = elastic - self.elastic;
@@ -191,7 +184,7 @@ mod tests {
         let g = sushi();
         let mut memory = Memory::rested(2);
         memory.jump(&g, 1.0);
-        memory.wait(&g, 3.0);
+        memory.step(&g, 1.0, 3.0);
         for _ in 0..100 {
             let free = memory.free(&g, 0.01);
             assert!(memory.step(&g, free, 0.01).abs() < 1e-14);

@@ -179,8 +179,11 @@ mod tests {
             }
         }
         let law = Fung { terms: 2, separation: Separation::Clamp };
-        let motion =
-            Motion { time: time.clone(), displacement: displacement.clone(), rest_before: None };
+        let motion = Motion {
+            time: (&time[..]).into(),
+            displacement: (&displacement[..]).into(),
+            rest_before: None,
+        };
         let force = law.predict(&[0.5, 0.3, 0.25, 0.25, 0.1, 0.02], &[motion]).remove(0);
         let column = |name: &str, values| Column { name: name.into(), values };
         let columns = vec![column(DISPLACEMENT, displacement), column(FORCE, force)];

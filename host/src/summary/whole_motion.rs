@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 use super::{estimate, name_of, unit_of};
 use crate::fit::data::Data;
 use crate::fit::warning::warnings;
-use crate::fit::whole_motion::MotionFit;
+use crate::fit::whole_motion::{MotionFit, predict};
 use crate::model::{FitRecord, Fung, Model, Rung};
 use crate::report::number::significant;
 use crate::report::{Axis, Block, Callout, Colour, Column, Panels, Plot, Section, Series, Table};
@@ -19,7 +19,7 @@ pub struct FitSummary<'a> {
     /// The fit.
     pub fit: &'a MotionFit,
     /// What was fitted.
-    pub data: &'a Data,
+    pub data: &'a Data<'a>,
     /// The column that was fitted.
     pub signal: &'a str,
     /// The noise of that column, where it can be told without the model.
@@ -48,7 +48,7 @@ impl FitSummary<'_> {
     #[must_use]
     pub fn model(&self) -> Model {
         let fit = self.fit;
-        let mut model = Model::of(&fit.law, self.signal, &fit.values, &fit.standard_errors);
+        let mut model = Model::of(&fit.chain.base, self.signal, &fit.values, &fit.standard_errors);
         model.fit = Some(FitRecord {
             traces: self.data.labels.clone(),
             samples: fit.samples,
@@ -71,7 +71,7 @@ impl FitSummary<'_> {
     #[must_use]
     pub fn json(&self) -> Value {
         let fit = self.fit;
-        let declared = fit.law.parameters();
+        let declared = fit.parameters();
         let parameters: serde_json::Map<String, Value> = declared
             .iter()
             .enumerate()
@@ -82,10 +82,10 @@ impl FitSummary<'_> {
                     "unit": parameter.unit,
                     "at_bound": fit.at_bound[k],
                 });
-                (parameter.name.to_owned(), value)
+                (parameter.name.to_string(), value)
             })
             .collect();
-        let names: Vec<&str> = declared.iter().map(|parameter| parameter.name).collect();
+        let names: Vec<&str> = declared.iter().map(|parameter| parameter.name.as_ref()).collect();
         let rows: Vec<Vec<f64>> =
             fit.correlation.row_iter().map(|row| row.iter().copied().collect()).collect();
         let warnings: Vec<String> = self.warnings();
@@ -101,8 +101,8 @@ impl FitSummary<'_> {
         json!({
             "palpate_fit": 1,
             "law": Fung::NAME,
-            "terms": fit.law.terms,
-            "separation": fit.law.separation,
+            "terms": fit.chain.base.terms,
+            "separation": fit.chain.base.separation,
             "signal": self.signal,
             "unit": unit_of(self.signal),
             "parameters": parameters,
@@ -133,8 +133,8 @@ impl FitSummary<'_> {
         let title = format!(
             "{} with {} exponential{}",
             Fung::NAME,
-            fit.law.terms,
-            if fit.law.terms == 1 { "" } else { "s" }
+            fit.chain.base.terms,
+            if fit.chain.base.terms == 1 { "" } else { "s" }
         );
         let mut parameters = Section::new(title)
             .paragraph(self.stop_in_words())
@@ -183,11 +183,12 @@ impl FitSummary<'_> {
             Column::text("meaning"),
         ];
         let mut table = Table::new("Parameters", columns);
-        for (k, parameter) in fit.law.parameters().iter().enumerate() {
+        for (k, parameter) in fit.parameters().iter().enumerate() {
             let value = estimate(fit.values[k], fit.standard_errors[k]);
-            table = table.row([parameter.name, &value, parameter.unit, parameter.meaning]);
+            table =
+                table.row([&parameter.name, value.as_str(), &parameter.unit, &parameter.meaning]);
         }
-        let shares = &fit.values[2..2 + fit.law.terms];
+        let shares = &fit.values[2..2 + fit.chain.base.terms];
         let rest = 1.0 - shares.iter().sum::<f64>();
         let rest = significant(rest, 4);
         table = table.row(["c0", &rest, "", "share that never relaxes, 1 − Σ ci"]);
@@ -238,7 +239,7 @@ impl FitSummary<'_> {
         let mut table = Table::new("Number of exponentials", columns);
         for candidate in self.candidates {
             table = table.row([
-                candidate.law.terms.to_string(),
+                candidate.chain.base.terms.to_string(),
                 significant(candidate.rms(), 5),
                 format!("{:.6}", candidate.r_squared),
                 format!("{:.1}", candidate.bic() - best),
@@ -248,7 +249,8 @@ impl FitSummary<'_> {
     }
 
     fn correlation_table(&self) -> Table {
-        let names: Vec<&str> = self.fit.law.parameters().iter().map(|p| p.name).collect();
+        let parameters = self.fit.parameters();
+        let names: Vec<&str> = parameters.iter().map(|p| p.name.as_ref()).collect();
         let columns = std::iter::once(Column::text(""))
             .chain(names.iter().map(|name| Column::number(*name, "")))
             .collect();
@@ -277,13 +279,12 @@ impl FitSummary<'_> {
 
     /// Measurement and model above, what is left below.
     fn panels(&self, trace: usize) -> Panels {
-        let motions: Vec<_> = self.data.pieces.iter().map(|piece| piece.motion.clone()).collect();
-        let predicted = self.fit.law.predict(&self.fit.values, &motions);
+        let predicted = predict(&self.fit.chain, &self.fit.values, self.data);
         let (mut time, mut measured, mut model, mut residual) = (vec![], vec![], vec![], vec![]);
         let pieces = self.data.pieces.iter().zip(&predicted);
         for (piece, predicted) in pieces.filter(|(piece, _)| piece.trace == trace) {
             time.extend_from_slice(&piece.motion.time);
-            measured.extend_from_slice(&piece.measured);
+            measured.extend_from_slice(piece.measured);
             model.extend_from_slice(predicted);
             residual.extend(piece.measured.iter().zip(predicted).map(|(y, f)| y - f));
         }

@@ -1,0 +1,300 @@
+//! The noise of a data set, from where the specimen is not touched: never from the misfit.
+
+use std::f64::consts::TAU;
+
+use crate::fit::data::Data;
+use crate::fit::whitening::Whitening;
+
+/// What is known of the noise.
+#[derive(Clone, Debug)]
+pub struct NoiseModel {
+    /// The filter that makes it white.
+    pub whitening: Whitening,
+    /// Where it was seen.
+    pub seen: Seen,
+    /// Number of samples it was estimated from.
+    pub samples: usize,
+}
+
+/// Where noise was seen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Seen {
+    /// At rest off the specimen, before and after the touch.
+    OffTheSpecimen,
+    /// In the residual of the model, for want of rest: what the model lacks is in it.
+    Residual,
+}
+
+/// Samples of rest that are enough to see noise in.
+const ENOUGH: usize = 60;
+/// A stretch of rest has at least this many samples.
+const SHORTEST: usize = 16;
+/// Highest order of the autoregression.
+const ORDER: usize = 3;
+/// Time after the touch that still counts as recovery, s.
+const RECOVERY: f64 = 0.3;
+/// Variance of block means over that of white noise above which flicker is looked for.
+const SLOW: f64 = 1.3;
+
+/// The noise, from rest off the specimen; none where the recordings have too little of it.
+#[must_use]
+pub fn noise_model(data: &Data) -> Option<NoiseModel> {
+    let quiet = quiet(data);
+    let samples = quiet.iter().map(Vec::len).sum();
+    if samples < ENOUGH {
+        return None;
+    }
+    let longest = data.pieces.iter().map(|piece| piece.measured.len()).max().unwrap_or(0);
+    let whitening = estimate(&without_hum(quiet, data.shortest_interval()), longest);
+    (whitening.standard_deviation() > 0.0).then_some(NoiseModel {
+        whitening,
+        seen: Seen::OffTheSpecimen,
+        samples,
+    })
+}
+
+/// The noise as it shows in the residuals of a model, stretch by stretch.
+#[must_use]
+pub fn residual_noise(residuals: &[Vec<f64>]) -> NoiseModel {
+    let samples = residuals.iter().map(Vec::len).sum();
+    let stretches: Vec<Vec<f64>> =
+        residuals.iter().filter(|r| r.len() >= SHORTEST).cloned().collect();
+    let parts: Vec<Vec<f64>> = if stretches.is_empty() { residuals.to_vec() } else { stretches };
+    let whitening = autoregression(&parts);
+    NoiseModel { whitening, seen: Seen::Residual, samples }
+}
+
+/// The signal at rest off the specimen, stretch by stretch.
+fn quiet(data: &Data) -> Vec<Vec<f64>> {
+    let mut found = Vec::new();
+    for piece in &data.pieces {
+        let scene = data.scene(piece);
+        let (time, x) = (&piece.motion.time, &piece.motion.displacement);
+        let fastest = scene.velocity.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
+        let mut released = f64::NEG_INFINITY;
+        let mut stretch = Vec::new();
+        for k in 0..time.len() {
+            if x[k] > 0.0 {
+                released = time[k];
+            }
+            let rests = x[k] <= 0.0 && scene.velocity[k].abs() <= 1e-3 * fastest;
+            if rests && time[k] >= released + RECOVERY {
+                stretch.push(piece.measured[k]);
+            } else if !stretch.is_empty() {
+                found.push(std::mem::take(&mut stretch));
+            }
+        }
+        found.push(stretch);
+    }
+    found.retain(|stretch: &Vec<f64>| stretch.len() >= SHORTEST);
+    found
+}
+
+/// The stretches without a line of the mains, if they have one: it is no noise.
+fn without_hum(stretches: Vec<Vec<f64>>, interval: f64) -> Vec<Vec<f64>> {
+    let longest = stretches.iter().map(Vec::len).max().unwrap_or(1) as f64 * interval;
+    let centred: Vec<Vec<f64>> = stretches.into_iter().map(centred).collect();
+    let step = 0.25 / longest;
+    let band = |middle: f64| {
+        let steps = (3.0 / step).ceil() as i32;
+        (-steps..=steps).map(move |k| middle + f64::from(k) * step)
+    };
+    let mut powers: Vec<(f64, f64)> = [50.0, 60.0]
+        .into_iter()
+        .flat_map(band)
+        .map(|frequency| {
+            let turn = TAU * frequency * interval;
+            (centred.iter().map(|values| line(values, turn).2).sum(), turn)
+        })
+        .collect();
+    powers.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let median = powers[powers.len() / 2].0;
+    match powers.last() {
+        Some(&(highest, turn)) if highest > LINE * median => {
+            let cleaned = |values: Vec<f64>| {
+                let (cosine, sine, _) = line(&values, turn);
+                let at = |(k, value): (usize, f64)| {
+                    let phase = turn * k as f64;
+                    value - cosine * phase.cos() - sine * phase.sin()
+                };
+                values.into_iter().enumerate().map(at).collect()
+            };
+            centred.into_iter().map(cleaned).collect()
+        }
+        _ => centred,
+    }
+}
+
+/// Power of a line over the median of its surroundings above which it is one.
+const LINE: f64 = 4.0;
+
+/// Cosine and sine amplitude of a line that turns by `turn` from sample to sample, and its power.
+fn line(values: &[f64], turn: f64) -> (f64, f64, f64) {
+    let (mut cosine, mut sine) = (0.0, 0.0);
+    for (k, value) in values.iter().enumerate() {
+        let phase = turn * k as f64;
+        cosine += value * phase.cos();
+        sine += value * phase.sin();
+    }
+    let part = 2.0 / values.len() as f64;
+    (cosine * part, sine * part, (cosine * cosine + sine * sine) * part)
+}
+
+fn centred(values: Vec<f64>) -> Vec<f64> {
+    let mean = values.iter().sum::<f64>() / values.len() as f64;
+    values.into_iter().map(|value| value - mean).collect()
+}
+
+fn estimate(stretches: &[Vec<f64>], longest: usize) -> Whitening {
+    let plain = autoregression(stretches);
+    if slowness(&plain, stretches) < SLOW {
+        return plain;
+    }
+    with_flicker(stretches, longest).unwrap_or(plain)
+}
+
+/// Variance of the means of blocks within each stretch, over what white noise would give.
+fn slowness(noise: &Whitening, stretches: &[Vec<f64>]) -> f64 {
+    const BLOCK: usize = 24;
+    let (mut squares, mut count) = (0.0, 0.0);
+    for stretch in stretches {
+        let mut values = centred(stretch.clone());
+        noise.apply(&mut values);
+        let sums: Vec<f64> = values.chunks_exact(BLOCK).map(|block| block.iter().sum()).collect();
+        if sums.len() > 1 {
+            let mean = sums.iter().sum::<f64>() / sums.len() as f64;
+            squares += sums.iter().map(|sum| (sum - mean).powi(2)).sum::<f64>() / BLOCK as f64;
+            count += (sums.len() - 1) as f64;
+        }
+    }
+    if count > 0.0 { squares / count } else { 1.0 }
+}
+
+/// The autoregression of up to third order with the least Bayesian information criterion.
+fn autoregression(stretches: &[Vec<f64>]) -> Whitening {
+    let samples: usize = stretches.iter().map(Vec::len).sum();
+    let mut best: Option<(f64, Whitening)> = None;
+    let mut point: Vec<f64> = Vec::new();
+    for order in 0..=ORDER {
+        if order > 0 {
+            point.push(0.0);
+            point = search(&point, |point| {
+                deviance(stretches, |s| Whitening::new(s, &partial(point), 0.0, 0)).0
+            });
+        }
+        let (deviance, size) = deviance(stretches, |s| Whitening::new(s, &partial(&point), 0.0, 0));
+        let criterion = deviance + order as f64 * (samples as f64).ln();
+        if best.as_ref().is_none_or(|(least, _)| criterion < *least) {
+            best = Some((criterion, Whitening::new(size, &partial(&point), 0.0, 0)));
+        }
+    }
+    best.map_or_else(Whitening::none, |(_, noise)| noise)
+}
+
+/// Noise with flicker where that is likelier by far.
+fn with_flicker(stretches: &[Vec<f64>], longest: usize) -> Option<Whitening> {
+    let here = stretches.iter().map(Vec::len).max().unwrap_or(0);
+    let make = |s: f64, point: &[f64], length| {
+        let (flicker, rest) = (point[0].exp(), &point[1..]);
+        Whitening::new(s, &partial(rest), s * flicker, length)
+    };
+    let cost = |point: &[f64]| deviance(stretches, |s| make(s, point, here)).0;
+    let point = search(&[-1.0, 0.3], cost);
+    let (with, size) = deviance(stretches, |s| make(s, &point, here));
+    let plain = deviance(stretches, |s| {
+        let noise = autoregression(stretches);
+        noise.scaled(s / noise.standard_deviation())
+    });
+    (with + 10.0 < plain.0).then(|| make(size, &point, longest))
+}
+
+/// Partial correlations from coordinates without bounds.
+fn partial(point: &[f64]) -> Vec<f64> {
+    point.iter().map(|value| value.tanh()).collect()
+}
+
+/// Minus twice the logarithm of the likelihood at the likeliest size, and that size.
+fn deviance(stretches: &[Vec<f64>], noise: impl Fn(f64) -> Whitening) -> (f64, f64) {
+    let unit = noise(1.0);
+    let (mut squares, mut logarithms, mut count) = (0.0, 0.0, 0.0);
+    for stretch in stretches {
+        let parts = unit.likelihood(stretch);
+        squares += parts.squares;
+        logarithms += parts.logarithms;
+        count += stretch.len() as f64 - 1.0;
+    }
+    let variance = (squares / count).max(f64::MIN_POSITIVE);
+    (count * variance.ln() + logarithms, variance.sqrt())
+}
+
+/// A minimum near `start`, coordinate by coordinate with steps that shrink.
+fn search(start: &[f64], cost: impl Fn(&[f64]) -> f64) -> Vec<f64> {
+    let mut point = start.to_vec();
+    let mut least = cost(&point);
+    let mut step = 0.4;
+    while step > 0.01 {
+        let mut moved = false;
+        for j in 0..point.len() {
+            for sign in [1.0, -1.0] {
+                let mut trial = point.clone();
+                trial[j] += sign * step;
+                let value = cost(&trial);
+                if value < least {
+                    (point, least, moved) = (trial, value, true);
+                    break;
+                }
+            }
+        }
+        if !moved {
+            step *= 0.5;
+        }
+    }
+    point
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, StandardNormal};
+
+    fn stretches(a: f64, sd: f64, offset: bool) -> Vec<Vec<f64>> {
+        let mut random = ChaCha8Rng::seed_from_u64(5);
+        let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
+        (0..20)
+            .map(|number| {
+                let mut value = sd * normal();
+                let level = if offset { 10.0 * f64::from(number) } else { 0.0 };
+                let mut next = || {
+                    value = a * value + sd * (1.0 - a * a).sqrt() * normal();
+                    value + level
+                };
+                (0..200).map(|_| next()).collect()
+            })
+            .collect()
+    }
+
+    #[test]
+    fn an_autoregression_is_found_whatever_the_level() {
+        for offset in [false, true] {
+            let noise = estimate(&stretches(0.7, 0.02, offset), 1000);
+            assert_eq!(noise.flicker(), 0.0);
+            assert!((noise.standard_deviation() / 0.02 - 1.0).abs() < 0.05, "{noise:?}");
+            assert!((noise.coefficients()[0] - 0.7).abs() < 0.04, "{noise:?}");
+        }
+    }
+
+    #[test]
+    fn hum_is_not_noise() {
+        let mut with_hum = stretches(0.5, 0.02, false);
+        for (number, stretch) in with_hum.iter_mut().enumerate() {
+            for (k, value) in stretch.iter_mut().enumerate() {
+                *value += 0.05 * (TAU * 49.9 * 0.005 * k as f64 + number as f64).sin();
+            }
+        }
+        let noise = estimate(&without_hum(with_hum, 0.005), 1000);
+        assert!((noise.standard_deviation() / 0.02 - 1.0).abs() < 0.06, "{noise:?}");
+        assert!((noise.coefficients()[0] - 0.5).abs() < 0.06, "{noise:?}");
+    }
+}

@@ -1,0 +1,259 @@
+//! A chain over a data set as a problem of least squares.
+//!
+//! The search runs over the simulated force, never over differentiated measurements. Its
+//! coordinates are the forces P0…Pn ≥ 0 that the branches carry at the largest compression, the
+//! exponent q, the logarithms of the rates, and the parameters of the effects as they are: in these,
+//! shares that are nonnegative and sum to one are plain bounds, and the stiffness does not trade off
+//! against the exponent. Derivatives are differences, so that a law is one plain function.
+
+use std::borrow::Cow;
+
+use nalgebra::{DMatrix, DVector};
+
+use super::data::{Data, Piece};
+use super::least_squares::{LeastSquares, Normal};
+use super::whitening::Whitening;
+use crate::model::{Chain, History, Scene};
+
+/// Residuals of a chain over a data set.
+pub struct Problem<'a> {
+    /// The chain.
+    pub chain: &'a Chain,
+    data: &'a Data<'a>,
+    /// What is known at every sample; made anew for every run where there are too many to keep.
+    scenes: Vec<Scene<'a>>,
+    whitening: &'a Whitening,
+    /// A trace that is predicted but not fitted.
+    left_out: Option<usize>,
+    /// The compression at which the branch forces are stated, mm.
+    reference: f64,
+    bounds: Vec<(f64, f64)>,
+}
+
+/// Samples up to which scenes are kept: some 100 MB.
+const KEPT: usize = 1_500_000;
+/// Step of a derivative, relative to the coordinate and to its range.
+const STEP: (f64, f64) = (1e-6, 1e-8);
+
+impl<'a> Problem<'a> {
+    /// The residuals of `chain`, whitened, on every trace but the one left out.
+    #[must_use]
+    pub fn new(
+        chain: &'a Chain,
+        data: &'a Data<'a>,
+        whitening: &'a Whitening,
+        left_out: Option<usize>,
+    ) -> Self {
+        let declared = chain.parameters();
+        let terms = chain.base.terms;
+        let slowest = (0.02 / data.longest()).ln();
+        let fastest = (3.0 / data.shortest_interval()).ln();
+        let bounds = std::iter::repeat_n((0.0, f64::INFINITY), terms + 1)
+            .chain(std::iter::once((declared[1].lower, declared[1].upper)))
+            .chain(std::iter::repeat_n((slowest, fastest), terms))
+            .chain(declared[chain.base.count()..].iter().map(|p| (p.lower, p.upper)))
+            .collect();
+        let keep = data.samples() <= KEPT;
+        let scenes =
+            if keep { data.pieces.iter().map(|piece| data.scene(piece)).collect() } else { vec![] };
+        let reference = data.largest_compression();
+        Self { chain, data, scenes, whitening, left_out, reference, bounds }
+    }
+
+    /// The compression at which the branch forces are stated, mm.
+    #[must_use]
+    pub fn reference(&self) -> f64 {
+        self.reference
+    }
+
+    /// The chain's parameters from coordinates.
+    #[must_use]
+    pub fn declared(&self, point: &[f64]) -> Vec<f64> {
+        let terms = self.chain.base.terms;
+        let (forces, rest) = point.split_at(terms + 1);
+        let (q, rates, effects) = (rest[0], &rest[1..=terms], &rest[terms + 1..]);
+        // A model without any force has no shares either; the tiny floor keeps them finite.
+        let total = forces.iter().sum::<f64>() + f64::MIN_POSITIVE.sqrt();
+        let p = total * (q + 1.0) / self.reference.powf(q + 1.0);
+        [p, q]
+            .into_iter()
+            .chain(forces[1..].iter().map(|force| force / total))
+            .chain(rates.iter().map(|rate| rate.exp()))
+            .chain(effects.iter().copied())
+            .collect()
+    }
+
+    /// Coordinates of these parameters.
+    #[must_use]
+    pub fn point(&self, declared: &[f64]) -> Vec<f64> {
+        let terms = self.chain.base.terms;
+        let (p, q) = (declared[0], declared[1]);
+        let (shares, rest) = declared[2..].split_at(terms);
+        let total = p / (q + 1.0) * self.reference.powf(q + 1.0);
+        let first = total * (1.0 - shares.iter().sum::<f64>());
+        std::iter::once(first.max(0.0))
+            .chain(shares.iter().map(|share| share * total))
+            .chain(std::iter::once(q))
+            .chain(rest[..terms].iter().map(|rate| rate.max(f64::MIN_POSITIVE).ln()))
+            .chain(rest[terms..].iter().copied())
+            .collect()
+    }
+
+    fn scene(&self, index: usize) -> Cow<'_, Scene<'a>> {
+        match self.scenes.get(index) {
+            Some(scene) => Cow::Borrowed(scene),
+            None => Cow::Owned(self.data.scene(&self.data.pieces[index])),
+        }
+    }
+
+    /// Runs the chain at several points over every stretch and hands over, stretch by stretch, what
+    /// each predicts. The runs are over all stretches in order: what is remembered stays right.
+    pub fn each_piece(&self, points: &[Vec<f64>], mut sink: impl FnMut(&Piece, &[Vec<f64>])) {
+        let declared: Vec<Vec<f64>> = points.iter().map(|point| self.declared(point)).collect();
+        let mut histories = vec![History::default(); points.len()];
+        let mut forces = vec![Vec::new(); points.len()];
+        for (index, piece) in self.data.pieces.iter().enumerate() {
+            let scene = self.scene(index);
+            for ((parameters, history), force) in
+                declared.iter().zip(&mut histories).zip(&mut forces)
+            {
+                self.chain.run(parameters, &scene, history, force);
+            }
+            sink(piece, &forces);
+        }
+    }
+
+    /// Predicted signal of every stretch.
+    #[must_use]
+    pub fn predict(&self, point: &[f64]) -> Vec<Vec<f64>> {
+        let mut found = Vec::new();
+        self.each_piece(&[point.to_vec()], |_, forces| found.push(forces[0].clone()));
+        found
+    }
+
+    /// Steps of the derivatives at a point, within the bounds.
+    fn steps(&self, point: &[f64]) -> Vec<f64> {
+        let step = |(&value, &(lower, upper)): (&f64, &(f64, f64))| {
+            let range = upper - lower;
+            let range = if range.is_finite() { range } else { 1.0 };
+            let step = STEP.0 * value.abs() + STEP.1 * range;
+            if value + step > upper { -step } else { step }
+        };
+        point.iter().zip(&self.bounds).map(step).collect()
+    }
+
+    /// Hands over, stretch by stretch, the residual (predicted minus measured) and its derivatives to
+    /// every coordinate, column by column, not whitened. A coordinate without a range has zeros.
+    pub fn derivatives(
+        &self,
+        point: &[f64],
+        mut sink: impl FnMut(&Piece, Vec<f64>, Vec<Vec<f64>>),
+    ) {
+        let steps = self.steps(point);
+        let moving: Vec<usize> =
+            (0..point.len()).filter(|&j| self.bounds[j].0 < self.bounds[j].1).collect();
+        let moved = |&j: &usize| {
+            let mut moved = point.to_vec();
+            moved[j] += steps[j];
+            moved
+        };
+        let points: Vec<Vec<f64>> =
+            std::iter::once(point.to_vec()).chain(moving.iter().map(moved)).collect();
+        self.each_piece(&points, |piece, forces| {
+            let mut columns = vec![vec![0.0; piece.measured.len()]; point.len()];
+            for (&j, force) in moving.iter().zip(&forces[1..]) {
+                let at_point = forces[0].iter();
+                for ((column, moved), at) in columns[j].iter_mut().zip(force).zip(at_point) {
+                    *column = (moved - at) / steps[j];
+                }
+            }
+            let residual = forces[0].iter().zip(piece.measured).map(|(f, y)| f - y).collect();
+            sink(piece, residual, columns);
+        });
+    }
+
+    /// The normal equations of every trace by itself, whitened or as they are.
+    #[must_use]
+    pub fn by_trace(&self, point: &[f64], whitening: &Whitening) -> Vec<Normal> {
+        let mut normals = vec![Normal::zeros(point.len()); self.data.labels.len()];
+        self.derivatives(point, |piece, mut residual, mut columns| {
+            whitening.apply(&mut residual);
+            for column in &mut columns {
+                whitening.apply(column);
+            }
+            normals[piece.trace].add(&columns, &residual);
+        });
+        normals
+    }
+
+    /// Sum of squares and number of samples of every trace, not whitened.
+    #[must_use]
+    pub fn trace_squares(&self, point: &[f64]) -> Vec<(f64, usize)> {
+        let mut sums = vec![(0.0, 0); self.data.labels.len()];
+        self.each_piece(&[point.to_vec()], |piece, forces| {
+            let (sum, count) = &mut sums[piece.trace];
+            *sum += forces[0].iter().zip(piece.measured).map(|(f, y)| (f - y).powi(2)).sum::<f64>();
+            *count += piece.measured.len();
+        });
+        sums
+    }
+
+    /// Sum of products of neighbouring residuals over the sum of squares, not whitened.
+    #[must_use]
+    pub fn autocorrelation(&self, point: &[f64]) -> f64 {
+        let (mut product, mut square) = (0.0, 0.0);
+        self.each_piece(&[point.to_vec()], |piece, forces| {
+            let residual: Vec<f64> =
+                forces[0].iter().zip(piece.measured).map(|(f, y)| f - y).collect();
+            product += residual.windows(2).map(|pair| pair[0] * pair[1]).sum::<f64>();
+            square += residual.iter().map(|r| r * r).sum::<f64>();
+        });
+        if square > 0.0 { product / square } else { 0.0 }
+    }
+
+    fn fitted(&self, piece: &Piece) -> bool {
+        self.left_out != Some(piece.trace)
+    }
+}
+
+impl Normal {
+    /// Adds samples: derivatives column by column, and residuals.
+    pub fn add(&mut self, columns: &[Vec<f64>], residual: &[f64]) {
+        let jacobian = DMatrix::from_fn(residual.len(), columns.len(), |i, j| columns[j][i]);
+        let residual = DVector::from_column_slice(residual);
+        self.cost += residual.norm_squared();
+        self.gradient += jacobian.tr_mul(&residual);
+        self.curvature += jacobian.tr_mul(&jacobian);
+    }
+}
+
+impl LeastSquares for Problem<'_> {
+    fn bounds(&self) -> &[(f64, f64)] {
+        &self.bounds
+    }
+
+    fn cost(&self, point: &[f64]) -> f64 {
+        let mut cost = 0.0;
+        self.each_piece(&[point.to_vec()], |piece, forces| {
+            if self.fitted(piece) {
+                let mut residual: Vec<f64> =
+                    forces[0].iter().zip(piece.measured).map(|(f, y)| f - y).collect();
+                self.whitening.apply(&mut residual);
+                cost += residual.iter().map(|r| r * r).sum::<f64>();
+            }
+        });
+        cost
+    }
+
+    fn normal(&self, point: &[f64]) -> Normal {
+        let mut normal = Normal::zeros(point.len());
+        for (trace, of_trace) in self.by_trace(point, self.whitening).into_iter().enumerate() {
+            if self.left_out != Some(trace) {
+                normal.cost += of_trace.cost;
+                normal.gradient += of_trace.gradient;
+                normal.curvature += of_trace.curvature;
+            }
+        }
+        normal
+    }
+}

@@ -1,0 +1,321 @@
+//! The filter that makes correlated noise white.
+//!
+//! Noise is a short autoregression, and where it wanders slower than one allows, flicker beside it: a
+//! sum of first-order processes with times a factor apart, whose spectrum together falls as 1/f. The
+//! filter subtracts what the samples before foretell and divides by what is then left to chance: for
+//! the autoregression alone a fixed filter, with flicker a Kalman filter. Neighbours count by number,
+//! whatever the time between them.
+
+use std::sync::Arc;
+
+use nalgebra::{DMatrix, DVector};
+
+/// A model of noise, as a filter.
+#[derive(Clone, Debug)]
+pub struct Whitening {
+    /// Prediction of a sample from those before, nearest first: one predictor for each number of
+    /// samples before, up to the order.
+    predictors: Vec<Vec<f64>>,
+    /// Standard deviation of what each predictor leaves.
+    left: Vec<f64>,
+    /// Standard deviation of each process of the flicker.
+    flicker: f64,
+    /// The Kalman filter's gain and what it leaves to chance, sample by sample until they settle; empty
+    /// without flicker.
+    schedule: Arc<Vec<(Vec<f64>, f64)>>,
+    /// No whitening at all.
+    none: bool,
+}
+
+/// Time constants of the processes that together are flicker, in samples.
+const TIMES: [f64; 6] = [4.0, 16.0, 64.0, 256.0, 1024.0, 4096.0];
+/// Samples after which the Kalman filter counts as settled at the latest.
+const SETTLED: usize = 8192;
+
+impl Whitening {
+    /// Leaves everything as it is.
+    #[must_use]
+    pub fn none() -> Self {
+        Self {
+            predictors: vec![vec![]],
+            left: vec![1.0],
+            flicker: 0.0,
+            schedule: Arc::default(),
+            none: true,
+        }
+    }
+
+    /// For noise of this standard deviation with these partial correlations (each within −1 and 1, at
+    /// distances 1, 2, …), and flicker whose processes have the standard deviation `flicker` each; for
+    /// stretches of up to `longest` samples.
+    #[must_use]
+    pub fn new(standard_deviation: f64, partial: &[f64], flicker: f64, longest: usize) -> Self {
+        let mut predictors: Vec<Vec<f64>> = vec![vec![]];
+        let mut left = vec![standard_deviation];
+        // Durbin and Levinson.
+        for &reflection in partial {
+            let before = &predictors[predictors.len() - 1];
+            let mut next: Vec<f64> =
+                before.iter().zip(before.iter().rev()).map(|(a, b)| a - reflection * b).collect();
+            next.push(reflection);
+            predictors.push(next);
+            left.push(left[left.len() - 1] * (1.0 - reflection * reflection).max(1e-6).sqrt());
+        }
+        let mut noise = Self { predictors, left, flicker, schedule: Arc::default(), none: false };
+        if flicker > 0.0 {
+            noise.schedule = Arc::new(noise.gains(longest));
+        }
+        noise
+    }
+
+    /// Standard deviation of one sample.
+    #[must_use]
+    pub fn standard_deviation(&self) -> f64 {
+        (self.left[0].powi(2) + TIMES.len() as f64 * self.flicker.powi(2)).sqrt()
+    }
+
+    /// Standard deviation of each process of the flicker; 0 where there is none.
+    #[must_use]
+    pub fn flicker(&self) -> f64 {
+        self.flicker
+    }
+
+    /// The coefficients of the autoregression, nearest first.
+    #[must_use]
+    pub fn coefficients(&self) -> &[f64] {
+        self.predictors.last().map_or(&[], Vec::as_slice)
+    }
+
+    /// This noise made larger or smaller.
+    #[must_use]
+    pub fn scaled(&self, factor: f64) -> Self {
+        let mut scaled = self.clone();
+        scaled.flicker *= factor;
+        scaled.left.iter_mut().for_each(|left| *left *= factor);
+        let schedule = self.schedule.iter().map(|(gain, left)| (gain.clone(), left * factor));
+        scaled.schedule = Arc::new(schedule.collect());
+        scaled
+    }
+
+    /// Whitens the samples of one stretch.
+    pub fn apply(&self, values: &mut [f64]) {
+        if self.none {
+        } else if self.schedule.is_empty() {
+            self.apply_autoregression(values);
+        } else {
+            self.apply_kalman(values);
+        }
+    }
+
+    fn apply_autoregression(&self, values: &mut [f64]) {
+        let order = self.predictors.len() - 1;
+        // From the end, so that what is needed is still as it was.
+        for k in (0..values.len()).rev() {
+            let known = k.min(order);
+            let mut value = values[k];
+            for (distance, coefficient) in self.predictors[known].iter().enumerate() {
+                value -= coefficient * values[k - 1 - distance];
+            }
+            values[k] = value / self.left[known];
+        }
+    }
+
+    fn apply_kalman(&self, values: &mut [f64]) {
+        let (order, decays) = (self.order(), decays());
+        let coefficients = self.coefficients();
+        let mut state = vec![0.0; order + TIMES.len()];
+        for (k, value) in values.iter_mut().enumerate() {
+            let (gain, left) = &self.schedule[k.min(self.schedule.len() - 1)];
+            let innovation = *value - state[0] - state[order..].iter().sum::<f64>();
+            for (state, gain) in state.iter_mut().zip(gain) {
+                *state += gain * innovation;
+            }
+            // The autoregression's last values move up; the flicker decays.
+            let next: f64 = coefficients.iter().zip(&state).map(|(a, x)| a * x).sum();
+            state.copy_within(0..order - 1, 1);
+            state[0] = next;
+            for (state, decay) in state[order..].iter_mut().zip(&decays) {
+                *state *= decay;
+            }
+            *value = innovation / left;
+        }
+    }
+
+    /// Values of the autoregression that the Kalman filter keeps: at least the last.
+    fn order(&self) -> usize {
+        self.coefficients().len().max(1)
+    }
+
+    /// The Kalman filter's gain and standard deviation of the innovation, until they settle.
+    fn gains(&self, longest: usize) -> Vec<(Vec<f64>, f64)> {
+        let order = self.order();
+        let size = order + TIMES.len();
+        let autocovariance = self.autocovariance(order);
+        let mut covariance = DMatrix::from_fn(size, size, |i, j| match (i < order, j < order) {
+            (true, true) => autocovariance[i.abs_diff(j)],
+            (false, false) if i == j => self.flicker.powi(2),
+            _ => 0.0,
+        });
+        let mut transition = DMatrix::zeros(size, size);
+        for (j, coefficient) in self.coefficients().iter().enumerate() {
+            transition[(0, j)] = *coefficient;
+        }
+        for i in 1..order {
+            transition[(i, i - 1)] = 1.0;
+        }
+        let mut chance = DMatrix::zeros(size, size);
+        chance[(0, 0)] = self.left[self.left.len() - 1].powi(2);
+        for (k, decay) in decays().into_iter().enumerate() {
+            transition[(order + k, order + k)] = decay;
+            chance[(order + k, order + k)] = self.flicker.powi(2) * (1.0 - decay * decay);
+        }
+        let seen = DVector::from_fn(size, |i, _| if i == 0 || i >= order { 1.0 } else { 0.0 });
+        let mut found: Vec<(Vec<f64>, f64)> = Vec::new();
+        while found.len() < longest.clamp(1, SETTLED) {
+            let towards = &covariance * &seen;
+            let variance = seen.dot(&towards);
+            let gain = &towards / variance;
+            covariance -= &gain * towards.transpose();
+            covariance = &transition * covariance * transition.transpose() + &chance;
+            let left = variance.sqrt();
+            let settled = found.last().is_some_and(|(last, before)| {
+                let moved = last.iter().zip(gain.iter()).map(|(a, b)| (a - b).abs());
+                (left - before).abs() < 1e-9 * left && moved.fold(0.0, f64::max) < 1e-7
+            });
+            found.push((gain.as_slice().to_vec(), left));
+            if settled {
+                break;
+            }
+        }
+        found
+    }
+
+    /// Autocovariance of the autoregression at distances from 0 to below `count`.
+    fn autocovariance(&self, count: usize) -> Vec<f64> {
+        let mut found = vec![self.left[0].powi(2)];
+        for distance in 1..count {
+            let predictor = &self.predictors[distance.min(self.predictors.len() - 1)];
+            let before = &self.predictors[distance - 1];
+            let reflection = predictor.last().copied().unwrap_or(0.0);
+            let foretold: f64 = before.iter().zip(found.iter().rev()).map(|(a, r)| a * r).sum();
+            found.push(foretold + reflection * self.left[distance - 1].powi(2));
+        }
+        found
+    }
+
+    /// What the likelihood of values that are this noise about an unknown constant takes: minus twice
+    /// its logarithm is `squares`/s² + `logarithms` + 2 (count − 1) ln s for this noise times s.
+    #[must_use]
+    pub fn likelihood(&self, values: &[f64]) -> Likelihood {
+        let mut values = values.to_vec();
+        let mut ones = vec![1.0; values.len()];
+        self.apply(&mut values);
+        self.apply(&mut ones);
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let unit = dot(&ones, &ones);
+        let left = |k: usize| match self.schedule.len() {
+            0 => self.left[k.min(self.left.len() - 1)],
+            settled => self.schedule[k.min(settled - 1)].1,
+        };
+        let logarithms: f64 = (0..values.len()).map(|k| left(k).ln()).sum();
+        Likelihood {
+            squares: dot(&values, &values) - dot(&ones, &values).powi(2) / unit,
+            logarithms: 2.0 * logarithms + unit.ln(),
+        }
+    }
+}
+
+/// Parts of a likelihood.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Likelihood {
+    /// Sum of squares of what chance would have to explain.
+    pub squares: f64,
+    /// Logarithm of the determinant.
+    pub logarithms: f64,
+}
+
+fn decays() -> [f64; TIMES.len()] {
+    TIMES.map(|time| (-1.0 / time).exp())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, StandardNormal};
+
+    fn normal(count: usize, seed: u64) -> Vec<f64> {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        (0..count).map(|_| StandardNormal.sample(&mut random)).collect()
+    }
+
+    fn correlation(values: &[f64], distance: usize) -> f64 {
+        let product: f64 = values.iter().zip(&values[distance..]).map(|(a, b)| a * b).sum();
+        product / values.iter().map(|v| v * v).sum::<f64>()
+    }
+
+    #[test]
+    fn an_autoregression_becomes_white_from_its_first_sample_on() {
+        // Many short stretches: the first sample has the full standard deviation.
+        let (a, sd) = (0.7, 2.0);
+        let noise = Whitening::new(sd, &[a], 0.0, 0);
+        let chance = normal(40_000, 1);
+        let (mut first, mut all) = (Vec::new(), Vec::new());
+        for chance in chance.chunks(8) {
+            let mut values = vec![sd * chance[0]];
+            for c in &chance[1..] {
+                values.push(a * values[values.len() - 1] + sd * (1.0f64 - a * a).sqrt() * c);
+            }
+            noise.apply(&mut values);
+            assert!(values.iter().zip(chance).all(|(w, c)| (w - c).abs() < 1e-9));
+            first.push(values[0]);
+            all.extend(values);
+        }
+        assert!(correlation(&all, 1).abs() < 0.01);
+    }
+
+    #[test]
+    fn flicker_becomes_white() {
+        let (sd, flicker) = (1.0, 0.8);
+        let noise = Whitening::new(sd, &[0.5, 0.1], flicker, 30_000);
+        let count = 30_000;
+        let mut values = vec![0.0; count];
+        let base = Whitening::new(sd, &[0.5, 0.1], 0.0, 0);
+        let (c, last) = (base.coefficients().to_vec(), base.left[2]);
+        let chance = normal(count, 2);
+        for k in 2..count {
+            values[k] = c[0] * values[k - 1] + c[1] * values[k - 2] + last * chance[k];
+        }
+        for (k, decay) in decays().into_iter().enumerate() {
+            let mut state = 0.0;
+            for (value, c) in values.iter_mut().zip(normal(count, 10 + k as u64)) {
+                state = decay * state + flicker * (1.0 - decay * decay).sqrt() * c;
+                *value += state;
+            }
+        }
+        noise.apply(&mut values);
+        let spread = values.iter().map(|v| v * v).sum::<f64>() / count as f64;
+        assert!((spread - 1.0).abs() < 0.03, "{spread}");
+        for distance in [1, 2, 5, 50, 500] {
+            assert!(correlation(&values, distance).abs() < 0.02, "{distance}");
+        }
+    }
+
+    #[test]
+    fn the_likelihood_is_largest_at_the_noise_that_was() {
+        let mut values = normal(4000, 3);
+        for k in 1..values.len() {
+            values[k] += 0.6 * values[k - 1];
+        }
+        let sd = 1.0 / (1.0f64 - 0.36).sqrt();
+        let at = |sd: f64, a: f64, flicker: f64| {
+            let parts = Whitening::new(sd, &[a], flicker, values.len()).likelihood(&values);
+            parts.squares + parts.logarithms
+        };
+        let best = at(sd, 0.6, 0.0);
+        for other in [at(1.2 * sd, 0.6, 0.0), at(sd, 0.4, 0.0), at(sd, 0.6, 0.3)] {
+            assert!(other > best + 5.0);
+        }
+    }
+}
