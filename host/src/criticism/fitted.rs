@@ -150,7 +150,12 @@ impl Fitted {
                     let (sum, count) = before.fold((0.0, 0.0), |(sum, count), block| {
                         (sum + block.before_touch.0, count + block.before_touch.1)
                     });
-                    step[j] = if count > 0.0 { -sum / count } else { -self.point[j] };
+                    step[j] = match (own.len(), count > 0.0) {
+                        (1, true) => -sum / count,
+                        (1, false) => -self.point[j],
+                        // What a trace has more of its own than a zero stays as it was fitted.
+                        _ => 0.0,
+                    };
                 }
                 for block in self.blocks.iter().filter(|block| block.trace == trace) {
                     let raw = &block.raw;

@@ -218,7 +218,7 @@ struct Probe {
     points: Vec<Vec<f64>>,
     histories: Vec<History>,
     typical: f64,
-    each_trace: bool,
+    each_trace: usize,
     /// Whether the effect acts last, on the prediction itself.
     last: bool,
 }
@@ -250,7 +250,8 @@ impl Probe {
         trace: usize,
         base: &[f64],
     ) -> Vec<(usize, Vec<f64>)> {
-        let places = if self.each_trace { trace..trace + 1 } else { 0..self.points.len() };
+        let own = trace * self.each_trace..(trace + 1) * self.each_trace;
+        let places = if self.each_trace > 0 { own } else { 0..self.points.len() };
         let mut found = Vec::with_capacity(places.len());
         for place in places {
             let Some(point) = self.points.get(place) else { continue };

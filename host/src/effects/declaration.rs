@@ -96,6 +96,8 @@ pub enum Count {
     Fixed(&'static [&'static str]),
     /// One for every trace.
     Traces,
+    /// One of each of these for every trace, trace by trace.
+    EachTrace(&'static [&'static str]),
     /// One for every other channel.
     Channels,
 }
@@ -182,6 +184,11 @@ impl Law {
             Count::Traces => {
                 setting.traces.iter().map(|trace| format!("{name}[{trace}]")).collect()
             }
+            Count::EachTrace(names) => setting
+                .traces
+                .iter()
+                .flat_map(|trace| names.iter().map(move |name| format!("{name}[{trace}]")))
+                .collect(),
             Count::Channels => {
                 setting.channels.iter().map(|channel| format!("{name}[{channel}]")).collect()
             }
@@ -222,7 +229,11 @@ impl Law {
             law: self.name.into(),
             stage: effect.stage,
             strengths: strengths.len(),
-            each_trace: self.strength.count == Count::Traces,
+            each_trace: match self.strength.count {
+                Count::Traces => 1,
+                Count::EachTrace(names) => names.len(),
+                Count::Fixed(_) | Count::Channels => 0,
+            },
             parameters: strengths
                 .into_iter()
                 .map(strength)

@@ -6,12 +6,40 @@
 //! by name.
 
 mod candidates;
+mod adhesion;
+mod amplitude_dependent_relaxation;
+mod backlash;
 mod contact_offset;
+mod coulomb_friction;
+mod crosstalk;
+mod cyclic_softening;
 mod declaration;
+mod drift;
+mod elastic_stiffening;
 mod fast_mode;
+mod fixture_compliance;
+mod gauge_nonlinearity;
+mod hysteresis;
+mod inertia;
+mod latency_law;
 mod library;
+mod load_friction;
+mod mains_hum;
+mod memory;
 mod mullins;
+mod permanent_set;
+mod rate_drag;
+mod saturation;
+mod sensor_lag;
+mod shapes;
+mod slow_relaxation;
 mod stored;
+mod sync_delay;
+mod thermal_output;
+mod thermal_stiffness;
+mod time_temperature;
+mod viscous_drag;
+mod warm_up;
 mod zero_shift;
 
 pub use candidates::{Candidate, Form, candidates};
@@ -20,3 +48,6 @@ pub use declaration::{
 };
 pub use library::{LIBRARY, find};
 pub use stored::{EffectError, applied, chain_of, store};
+
+#[cfg(test)]
+mod tests;

@@ -1,5 +1,6 @@
 //! `mullins`: the specimen is softer where it has been before.
 
+use super::memory::largest;
 use super::{Count, Effect, Law, Needs, Role, Shape, Sign, Strength};
 use crate::model::{Act, Remembered, Scene, Stage};
 
@@ -49,32 +50,66 @@ pub const EFFECT: Effect = Effect {
             }],
             act: Act::Elastic(by_energy),
         },
+        Law {
+            name: "relative",
+            formula: "N → N (1 − r (1 − x/x_max)^k)",
+            strength: DEPTH,
+            shapes: &[Shape {
+                name: "exponent",
+                unit: "",
+                meaning: "how late it sets in below the largest compression",
+                grid: |_| vec![0.5, 1.5],
+                role: Role::Fitted(|_| (0.1, 6.0)),
+            }],
+            act: Act::Elastic(by_part),
+        },
     ],
 };
 
 fn by_distance(
-    scene: &Scene,
+    _: &Scene,
     parameters: &[f64],
-    _: &mut Remembered,
+    remembered: &mut Remembered,
     x: &[f64],
     elastic: &mut [f64],
 ) {
     let (depth, width) = (parameters[0], parameters[1]);
-    for (k, elastic) in elastic.iter_mut().enumerate() {
-        *elastic *= 1.0 - depth * ((scene.largest[k] - x[k]).max(0.0) / width).tanh();
+    for (&x, elastic) in x.iter().zip(elastic) {
+        *elastic *= 1.0 - depth * ((largest(remembered, x) - x) / width).tanh();
     }
 }
 
 /// After Ogden and Roxburgh (1999), with the energy of the elastic response up to a factor.
-fn by_energy(_: &Scene, parameters: &[f64], most: &mut Remembered, x: &[f64], elastic: &mut [f64]) {
+fn by_energy(
+    _: &Scene,
+    parameters: &[f64],
+    remembered: &mut Remembered,
+    x: &[f64],
+    elastic: &mut [f64],
+) {
     let (depth, width) = (parameters[0], parameters[1]);
-    most.resize(1, 0.0);
     for (x, elastic) in x.iter().zip(elastic) {
         let energy = *elastic * x.max(0.0);
-        most[0] = most[0].max(energy);
-        if most[0] > 0.0 {
-            let below = (most[0] - energy) / (width * most[0]);
+        let most = largest(remembered, energy);
+        if most > 0.0 {
+            let below = (most - energy) / (width * most);
             *elastic *= 1.0 - depth * statrs::function::erf::erf(below);
+        }
+    }
+}
+
+fn by_part(
+    _: &Scene,
+    parameters: &[f64],
+    remembered: &mut Remembered,
+    x: &[f64],
+    elastic: &mut [f64],
+) {
+    let (depth, exponent) = (parameters[0], parameters[1]);
+    for (&x, elastic) in x.iter().zip(elastic) {
+        let most = largest(remembered, x);
+        if most > 0.0 {
+            *elastic *= 1.0 - depth * (1.0 - x.max(0.0) / most).powf(exponent);
         }
     }
 }

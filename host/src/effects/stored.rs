@@ -74,14 +74,14 @@ pub fn applied(
                 value: stored.value,
             }),
             // A trace that the model has not seen has no zero of its own yet.
-            None if effect.each_trace => Ok(0.0),
+            None if effect.each_trace > 0 => Ok(0.0),
             None => Err(missing()),
         }
     };
     let values = effect.parameters.iter().map(value).collect::<Result<Vec<_>, _>>()?;
     let known = |name: &String| effect.parameters.iter().any(|p| p.name == name.as_str());
     if let Some(parameter) =
-        stored.parameters.keys().find(|name| !known(name) && !effect.each_trace)
+        stored.parameters.keys().find(|name| !known(name) && effect.each_trace == 0)
     {
         return Err(EffectError::UnknownParameter { effect: name(), parameter: parameter.clone() });
     }
@@ -129,7 +129,7 @@ fn own(stored: &StoredEffect) -> Result<Applied, EffectError> {
         law: "own".into(),
         stage,
         strengths: 1,
-        each_trace: false,
+        each_trace: 0,
         parameters: stored.parameters.iter().map(parameter).collect(),
         act: Act::Own(Arc::new(expression)),
     })

@@ -9,7 +9,7 @@ pub const EFFECT: Effect = Effect {
     stage: Stage::Sensor,
     meaning: "The zero of the force channel was set anew, or wandered, between traces.",
     signature: "A constant in each trace, also before the touch.",
-    confused_with: &["drift"],
+    confused_with: &["drift", "warm-up", "thermal-output"],
     experiment: "Record a second of rest before every touch, and tare there.",
     needs: Needs::Nothing,
     laws: &[Law {

@@ -57,7 +57,7 @@ pub enum Act {
     /// Changes the elastic response N (last), N, at the compression x, mm (second to last).
     Elastic(fn(&Scene, &[f64], &mut Remembered, &[f64], &mut [f64])),
     /// Changes how the elastic response relaxes, at the compression x, mm.
-    Relaxation(fn(&Scene, &[f64], &[f64], &mut Hereditary)),
+    Relaxation(fn(&Scene, &[f64], &mut Remembered, &[f64], &mut Hereditary)),
     /// Changes the force, N, at its stage: contact or sensor.
     Force(fn(&Scene, &[f64], &mut Remembered, &mut [f64])),
     /// A law of the user's own, as an expression.

@@ -18,8 +18,8 @@ pub struct Applied {
     pub parameters: Vec<Parameter>,
     /// Number of strengths among the parameters: at zero strength the effect is absent.
     pub strengths: usize,
-    /// Whether there is one strength for each trace, in their order.
-    pub each_trace: bool,
+    /// Number of strengths that every trace has of its own, trace by trace; 0 where all share them.
+    pub each_trace: usize,
     /// How it acts.
     pub act: Act,
 }
@@ -177,7 +177,7 @@ impl Chain {
             Hereditary::linear(self.base.relaxation(parameters).branches, self.base.separation);
         self.each(parameters, history, |act, own, remembered, stage| match act {
             Act::Elastic(law) => law(scene, own, remembered, x, &mut elastic),
-            Act::Relaxation(law) => law(scene, own, x, &mut hereditary),
+            Act::Relaxation(law) => law(scene, own, remembered, x, &mut hereditary),
             Act::Own(expression) if stage == Stage::Elasticity => {
                 expression.add_to_elastic(scene, own, x, &mut elastic);
             }
@@ -220,9 +220,11 @@ impl Chain {
     /// Where among all parameters those stand that belong to one trace alone.
     #[must_use]
     pub fn own_of_trace(&self, trace: usize) -> Vec<usize> {
-        (0..self.effects.len())
-            .filter(|&index| self.effects[index].each_trace)
-            .map(|index| self.range(index).start + trace)
-            .collect()
+        let own = |index: usize| {
+            let count = self.effects[index].each_trace;
+            let begin = self.range(index).start + trace * count;
+            begin..begin + count
+        };
+        (0..self.effects.len()).flat_map(own).collect()
     }
 }

@@ -1,0 +1,112 @@
+//! `adhesion`: the surfaces pull at each other while they part.
+
+use super::memory::direction;
+use super::shapes::FULL_SPEED;
+use super::{Count, Effect, Law, Needs, Role, Shape, Sign, Strength};
+use crate::model::{Act, Remembered, Scene, Stage};
+
+const PULL: Strength = Strength {
+    name: "pull",
+    unit: "N",
+    meaning: "largest force of the pull",
+    sign: Sign::Positive,
+    typical: |scales| 0.01 * scales.force,
+    most: |scales| scales.force,
+    count: Count::Fixed(&[]),
+};
+
+const LENGTH: Shape = Shape {
+    name: "length",
+    unit: "mm",
+    meaning: "distance from the touch at which the pull has faded",
+    grid: |scales| [0.03, 0.15].map(|part| part * scales.compression).to_vec(),
+    role: Role::Fitted(|scales| (0.003 * scales.compression, scales.compression)),
+};
+
+/// Part of the length of the pull in which a motion turns from approaching to parting.
+const TURN: f64 = 0.1;
+
+/// The effect.
+pub const EFFECT: Effect = Effect {
+    name: "adhesion",
+    stage: Stage::Contact,
+    meaning: "Tack or a film of liquid holds the surfaces together when they part, until the neck breaks.",
+    signature: "At the end of unloading, where the force goes below zero; nothing on the way in.",
+    confused_with: &["contact-offset", "permanent-set"],
+    experiment: "Part slowly and fast, with the surface as it is and powdered.",
+    needs: Needs::Nothing,
+    laws: &[
+        Law {
+            name: "reference",
+            formula: "F → F − w e^(−|x|/ℓ) while parting",
+            strength: PULL,
+            shapes: &[LENGTH],
+            act: Act::Force(|scene, parameters, remembered, force| {
+                let (pull, length) = (parameters[0], parameters[1]);
+                for (k, parting) in parting(scene, remembered, length).into_iter().enumerate() {
+                    let x = scene.motion.displacement[k];
+                    force[k] -= pull * parting * (-x.abs() / length).exp();
+                }
+            }),
+        },
+        Law {
+            name: "gaussian",
+            formula: "F → F − w e^(−((x − x_p)/ℓ)²) while parting",
+            strength: PULL,
+            shapes: &[
+                Shape { grid: |scales| vec![0.1 * scales.compression], ..LENGTH },
+                Shape {
+                    name: "place",
+                    unit: "mm",
+                    meaning: "compression at which the pull is largest",
+                    grid: |scales| [0.0, 0.1].map(|part| part * scales.compression).to_vec(),
+                    role: Role::Fitted(|scales| {
+                        (-0.1 * scales.compression, 0.5 * scales.compression)
+                    }),
+                },
+            ],
+            act: Act::Force(|scene, parameters, remembered, force| {
+                let (pull, length, place) = (parameters[0], parameters[1], parameters[2]);
+                for (k, parting) in parting(scene, remembered, length).into_iter().enumerate() {
+                    let off = (scene.motion.displacement[k] - place) / length;
+                    force[k] -= pull * parting * (-off * off).exp();
+                }
+            }),
+        },
+        Law {
+            name: "rate",
+            formula: "F → F − w |v/V|^k e^(−|x|/ℓ) while parting",
+            strength: Strength { meaning: "largest force of the pull at full speed", ..PULL },
+            shapes: &[
+                LENGTH,
+                Shape {
+                    name: "exponent",
+                    unit: "",
+                    meaning: "how the pull grows with the speed",
+                    grid: |_| vec![0.5],
+                    role: Role::Fitted(|_| (0.05, 2.0)),
+                },
+                FULL_SPEED,
+            ],
+            act: Act::Force(by_rate),
+        },
+    ],
+};
+
+/// From 0 in approach to 1 while parting; a rest changes nothing.
+fn parting(scene: &Scene, remembered: &mut Remembered, length: f64) -> Vec<f64> {
+    let mut parting = direction(remembered, 1.0, TURN * length, &scene.motion.displacement);
+    for way in &mut parting {
+        *way = 0.5 * (1.0 - *way);
+    }
+    parting
+}
+
+fn by_rate(scene: &Scene, parameters: &[f64], remembered: &mut Remembered, force: &mut [f64]) {
+    let &[pull, length, exponent, full] = parameters else { return };
+    for (k, parting) in parting(scene, remembered, length).into_iter().enumerate() {
+        let x = scene.motion.displacement[k];
+        let fast = (scene.velocity[k] / full).abs().powf(exponent);
+        force[k] -= pull * parting * fast * (-x.abs() / length).exp();
+    }
+}

@@ -1,0 +1,58 @@
+//! `crosstalk`: other channels leak into the signal.
+
+use super::{Count, Effect, Law, Needs, Sign, Strength};
+use crate::model::{Act, Stage};
+
+const LEAK: Strength = Strength {
+    name: "leak",
+    unit: "",
+    meaning: "part of this channel, in its unit, that is added to the signal",
+    sign: Sign::Either,
+    typical: |_| 0.01,
+    most: |_| 1e3,
+    count: Count::Channels,
+};
+
+/// The effect.
+pub const EFFECT: Effect = Effect {
+    name: "crosstalk",
+    stage: Stage::Sensor,
+    meaning: "Channels leak into each other, or a gauge is strained by a load that another one is meant for.",
+    signature: "Copies of another channel, at every phase.",
+    confused_with: &[],
+    experiment: "Load so that one channel answers alone, and watch the others.",
+    needs: Needs::Channels,
+    laws: &[
+        Law {
+            name: "reference",
+            formula: "F → F + Σ k_j channel_j",
+            strength: LEAK,
+            shapes: &[],
+            act: Act::Force(|scene, parameters, _, force| {
+                for (leak, channel) in parameters.iter().zip(scene.channels) {
+                    for (force, value) in force.iter_mut().zip(*channel) {
+                        *force += leak * value;
+                    }
+                }
+            }),
+        },
+        Law {
+            name: "zeroed",
+            formula: "F → F + Σ k_j (channel_j − channel_j at the first sample of the set)",
+            strength: LEAK,
+            shapes: &[],
+            act: Act::Force(|scene, parameters, first, force| {
+                if first.is_empty() {
+                    let begin = |channel: &&[f64]| channel.first().copied().unwrap_or_default();
+                    *first = scene.channels.iter().map(begin).collect();
+                }
+                let leaks = parameters.iter().zip(first.iter());
+                for ((leak, first), channel) in leaks.zip(scene.channels) {
+                    for (force, value) in force.iter_mut().zip(*channel) {
+                        *force += leak * (value - first);
+                    }
+                }
+            }),
+        },
+    ],
+};
