@@ -8,7 +8,9 @@
 //! - [`misfit`]: R, the misfit that the refitted base leaves.
 //! - [`noise`]: correlated, white, 1/f.
 //! - [`scenario`]: all of it together.
+//! - [`folder`]: data sets as files, for the command.
 
+pub mod folder;
 pub mod laws;
 pub mod misfit;
 pub mod motion;

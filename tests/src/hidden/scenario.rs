@@ -53,10 +53,24 @@ pub struct Truth {
     pub hidden: Vec<Hidden>,
     /// R of all of them together.
     pub r: f64,
+    /// The column that holds the effect.
+    pub signal: &'static str,
     /// Standard deviation of the noise, in the unit of the signal.
     pub noise_rms: f64,
-    /// The specimen.
+    /// The specimen; its stiffness is in newtons whatever the signal.
     pub base: Base,
+}
+
+impl Truth {
+    /// Whether every hidden law has the asked R within 2 %.
+    #[must_use]
+    pub fn reaches(&self, r: f64) -> bool {
+        self.hidden.iter().all(|hidden| reached(hidden.r, r))
+    }
+}
+
+fn reached(found: f64, asked: f64) -> bool {
+    (found / asked - 1.0).abs() < 0.02
 }
 
 /// Traces in order of recording, and what they hold.
@@ -64,8 +78,6 @@ pub struct Truth {
 pub struct DataSet {
     /// The traces, each with the name of its file as path.
     pub traces: Vec<Trace>,
-    /// The column that holds the effect.
-    pub signal: &'static str,
     /// What is hidden.
     pub truth: Truth,
     /// The signal without noise and rounding.
@@ -124,8 +136,8 @@ fn of_session(scenario: &Scenario, session: &Session) -> DataSet {
     let traces = traces(scenario, session, &channels);
     let Channel { name: signal, clean, noise_rms } =
         channels.into_iter().next_back().expect("at least one channel");
-    let truth = Truth { hidden, r, noise_rms, base };
-    DataSet { traces, signal, truth, clean }
+    let truth = Truth { hidden, r, signal, noise_rms, base };
+    DataSet { traces, truth, clean }
 }
 
 /// A recorded quantity, without noise and rounding, and the noise to come.
@@ -194,7 +206,7 @@ impl Scaling<'_> {
         loop {
             let recipe = laws[random.random_range(0..laws.len())](&self.setting, random);
             let (strength, r) = self.strength(&recipe, scenario.r);
-            if (r / scenario.r - 1.0).abs() < 0.02 || attempt == ATTEMPTS {
+            if reached(r, scenario.r) || attempt == ATTEMPTS {
                 return (recipe, strength, r);
             }
             attempt += 1;
@@ -311,6 +323,7 @@ mod tests {
     use palpate::trace::read_set;
 
     use super::*;
+    use crate::hidden::folder::write_traces;
     use crate::hidden::laws::{EFFECTS, OUTSIDE, effect};
     use crate::hidden::specimen::Now;
 
@@ -323,9 +336,9 @@ mod tests {
     fn r_of_library(set: &DataSet) -> f64 {
         let mut traces = set.traces.clone();
         for (trace, clean) in traces.iter_mut().zip(&set.clean) {
-            trace.set_column(set.signal, clean.clone());
+            trace.set_column(set.truth.signal, clean.clone());
         }
-        let data = Data::of(&traces, set.signal).expect("the traces can be fitted");
+        let data = Data::of(&traces, set.truth.signal).expect("the traces can be fitted");
         let law = Fung { terms: 2, separation: Separation::Clamp };
         fit(law, &data).expect("the base can be fitted").rms() / set.truth.noise_rms
     }
@@ -366,7 +379,7 @@ mod tests {
         for law in &of_effects {
             let set = generate(&scenario(7, std::slice::from_ref(law), 0.2));
             assert!(set.clean.iter().flatten().all(|value| value.is_finite()), "{law:?}");
-            if (set.truth.r / 0.2 - 1.0).abs() > 0.02 {
+            if !set.truth.reaches(0.2) {
                 short.push((law, set.truth.r));
             }
         }
@@ -387,10 +400,7 @@ mod tests {
     fn traces_are_what_the_format_says_and_read_back_in_order() {
         let set = generate(&scenario(2, &[("crosstalk", LawKind::Foreign)], 1.0));
         let folder = tempfile::tempdir().expect("a folder");
-        for trace in &set.traces {
-            let name = trace.path.as_deref().expect("every trace has a file name");
-            palpate::trace::write(&folder.path().join(name), trace).expect("a valid trace");
-        }
+        write_traces(folder.path(), &set).expect("valid traces");
         let back = read_set(&[folder.path()]).expect("a valid set");
         assert_eq!(back.len(), 10);
         for (read, made) in back.iter().zip(&set.traces) {

@@ -1,5 +1,7 @@
 //! A day at the machine: which traces are taken, in which order and when, and how warm the air is.
 
+use std::f64::consts::TAU;
+
 use rand::RngExt;
 use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
@@ -61,7 +63,7 @@ impl Air {
     fn random(random: &mut ChaCha8Rng) -> Self {
         let mut wave = || {
             let period = even(random, 200.0, 900.0);
-            (even(random, 0.3, 0.9), std::f64::consts::TAU / period, even(random, 0.0, 6.28))
+            (even(random, 0.3, 0.9), TAU / period, even(random, 0.0, TAU))
         };
         let waves = [wave(), wave()];
         let slope_per_s = sign(random) * even(random, 0.3, 2.0) / 700.0;

@@ -75,7 +75,7 @@ pub const CROSSTALK: &str = "crosstalk";
 #[rustfmt::skip]
 pub const EFFECTS: &[Effect] = &[
     Effect { name: "contact-offset", stage: 1, reference: motion::offset, foreign: &[motion::tilt] },
-    Effect { name: "fixture-compliance", stage: 1, reference: motion::compliance, foreign: &[motion::joint] },
+    Effect { name: "fixture-compliance", stage: 1, reference: motion::compliance, foreign: &[motion::joint, motion::closing_joint] },
     Effect { name: "backlash", stage: 1, reference: motion::play, foreign: &[motion::smooth_play] },
     Effect { name: "sync-delay", stage: 1, reference: motion::delay, foreign: &[motion::growing_delay] },
     Effect { name: "elastic-stiffening", stage: 2, reference: elastic::power, foreign: &[elastic::exponential, elastic::densification] },

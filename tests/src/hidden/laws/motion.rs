@@ -75,6 +75,23 @@ pub fn joint(setting: &Setting, _: &mut ChaCha8Rng) -> Recipe {
     }
 }
 
+/// Gaps in the frame that close under load: x → x − C F0 (1 − e^(−F/F0)).
+pub fn closing_joint(setting: &Setting, random: &mut ChaCha8Rng) -> Recipe {
+    let closed = even(random, 0.15, 0.5) * setting.full_scale;
+    Recipe {
+        form: "closing joint: x - C F0 (1 - e^(-F/F0))",
+        inner: vec![("F0_N", closed)],
+        unit: "mm/N",
+        guess: 0.1 / setting.full_scale,
+        most: 1.0 / setting.full_scale,
+        act: Box::new(move |s| {
+            one(Act::Motion(Box::new(move |now, x| {
+                x + s * closed * (-now.force / closed).exp_m1()
+            })))
+        }),
+    }
+}
+
 /// Play of width b: its output stays between x and x + b.
 pub fn play(_: &Setting, _: &mut ChaCha8Rng) -> Recipe {
     Recipe {
