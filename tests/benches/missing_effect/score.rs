@@ -186,7 +186,7 @@ fn print_group(name: &str, all: &[&Outcome]) {
     }
     let mean = all.iter().map(|outcome| outcome.seconds).sum::<f64>() / all.len() as f64;
     let longest = all.iter().map(|outcome| outcome.seconds).fold(0.0, f64::max);
-    println!("{name:<16}{:<34} mean {mean:.2} s, longest {longest:.2} s", "time per diagnosis");
+    println!("{name:<16}{:<34}mean {mean:.2} s, longest {longest:.2} s", "time per diagnosis");
 }
 
 fn print_credible(name: &str, all: &[&Outcome]) {

@@ -256,7 +256,7 @@ pub fn second_order(_: &Setting, random: &mut ChaCha8Rng) -> Recipe {
     }
 }
 
-/// Bouc and Wen: F − s z, dz = (dF/W) (1 − z² [z dF > 0]).
+/// Bouc and Wen: F − s z, dz = (dF/W) (1 − z²) where z dF > 0, else dF/W.
 pub fn bouc_wen(setting: &Setting, random: &mut ChaCha8Rng) -> Recipe {
     let width = even(random, 0.1, 0.4) * setting.full_scale;
     Recipe {
