@@ -1,5 +1,7 @@
 //! What the whole-product tests share: the binary under test and the folders they read.
 
+pub mod hidden;
+
 use std::path::{Path, PathBuf};
 
 use assert_cmd::Command;

@@ -7,6 +7,7 @@ mod compare;
 mod completions;
 mod decompose;
 mod demo;
+mod diagnose;
 mod fit;
 pub mod import;
 mod output;
@@ -53,6 +54,8 @@ enum Command {
     Fit(fit::Args),
     /// Compare a model with measurements, and see where it fails
     Compare(compare::Args),
+    /// Say which physical effect a model lacks, with the evidence
+    Diagnose(diagnose::Args),
     /// Predict the force of a motion
     Simulate(simulate::Args),
     /// Turn a foreign recording into a trace
@@ -103,6 +106,7 @@ pub fn run() -> ExitCode {
         Command::Decompose(args) => decompose::run(args),
         Command::Fit(args) => fit::run(args),
         Command::Compare(args) => compare::run(args),
+        Command::Diagnose(args) => diagnose::run(args),
         Command::Simulate(args) => simulate::run(args),
         Command::Import(args) => import::run(args),
         Command::Plot(args) => plot::run(args),

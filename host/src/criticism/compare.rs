@@ -2,10 +2,11 @@
 
 use super::covariate::Covariate;
 use super::dependence::{Dependence, dependences};
-use super::region::Region;
+use super::region::{Region, regions};
 use super::residuals::{Stretch, stretches};
 use crate::effects::chain_of;
 use crate::fit::data::{Data, DataError};
+use crate::fit::problem::Problem;
 use crate::model::Model;
 use crate::trace::{Noise, Trace, pooled_noise};
 
@@ -101,34 +102,62 @@ fn rms<'a>(cells: impl Iterator<Item = &'a Cell>) -> f64 {
 }
 
 fn cells(stretches: &[Stretch], traces: usize, noise: Option<&Noise>) -> Vec<Cell> {
-    let floor = noise.map_or(0.0, |noise| noise.standard_deviation.powi(2));
-    let mut cells = Vec::new();
-    for trace in 0..traces {
-        for region in Region::ALL {
-            let mut square = 0.0;
-            let mut samples = 0;
-            for stretch in stretches.iter().filter(|stretch| stretch.trace == trace) {
-                for (residual, at) in stretch.residual().iter().zip(&stretch.regions) {
-                    if *at == region {
-                        square += residual * residual;
-                        samples += 1;
-                    }
+    let mut sums = Sums::new(traces);
+    for stretch in stretches {
+        sums.add(stretch.trace, &stretch.regions, &stretch.residual());
+    }
+    sums.cells(noise.map_or(0.0, |noise| noise.standard_deviation))
+}
+
+/// The error in every region of every trace of a problem at a point, stretch by stretch.
+#[must_use]
+pub fn cells_of(problem: &Problem, data: &Data, point: &[f64], noise: f64) -> Vec<Cell> {
+    let mut sums = Sums::new(data.labels.len());
+    problem.each_piece(&[point.to_vec()], |piece, forces| {
+        let residual: Vec<f64> =
+            piece.measured.iter().zip(&forces[0]).map(|(y, f)| y - f).collect();
+        let regions = regions(&piece.motion.time, &piece.motion.displacement);
+        sums.add(piece.trace, &regions, &residual);
+    });
+    sums.cells(noise)
+}
+
+/// Sums of squares and numbers of samples, by trace and region.
+struct Sums(Vec<[(f64, usize); Region::ALL.len()]>);
+
+impl Sums {
+    fn new(traces: usize) -> Self {
+        Self(vec![[(0.0, 0); Region::ALL.len()]; traces])
+    }
+
+    fn add(&mut self, trace: usize, regions: &[Region], residual: &[f64]) {
+        for (&region, residual) in regions.iter().zip(residual) {
+            let (square, samples) = &mut self.0[trace][region as usize];
+            *square += residual * residual;
+            *samples += 1;
+        }
+    }
+
+    fn cells(&self, noise: f64) -> Vec<Cell> {
+        let mut cells = Vec::new();
+        for (trace, regions) in self.0.iter().enumerate() {
+            for (region, &(square, samples)) in Region::ALL.into_iter().zip(regions) {
+                if samples > 0 {
+                    let rms = (square / samples as f64).sqrt();
+                    cells.push(Cell { trace, region, samples, rms, share_of_excess: 0.0 });
                 }
             }
-            if samples > 0 {
-                let rms = (square / samples as f64).sqrt();
-                cells.push(Cell { trace, region, samples, rms, share_of_excess: 0.0 });
+        }
+        let excess =
+            |cell: &Cell| ((cell.rms * cell.rms - noise * noise) * cell.samples as f64).max(0.0);
+        let total: f64 = cells.iter().map(excess).sum();
+        if total > 0.0 {
+            for cell in &mut cells {
+                cell.share_of_excess = excess(cell) / total;
             }
         }
+        cells
     }
-    let excess = |cell: &Cell| ((cell.rms * cell.rms - floor) * cell.samples as f64).max(0.0);
-    let total: f64 = cells.iter().map(excess).sum();
-    if total > 0.0 {
-        for cell in &mut cells {
-            cell.share_of_excess = excess(cell) / total;
-        }
-    }
-    cells
 }
 
 impl Comparison {

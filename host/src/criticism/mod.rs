@@ -5,9 +5,15 @@
 //! - [`dependence`]: how much of the residual a quantity explains, and whether that is chance.
 //! - [`compare`]: all of it for one model and one data set.
 
+pub mod adequacy;
 pub mod compare;
 pub mod covariate;
 pub mod dependence;
+pub mod diagnose;
+pub mod fitted;
 pub mod noise;
 pub mod region;
 pub mod residuals;
+pub mod screen;
+pub mod search;
+mod tail;

@@ -5,6 +5,7 @@
 //! separates it. A new effect is one file here and one line in [`LIBRARY`]; nothing else knows effects
 //! by name.
 
+mod candidates;
 mod adhesion;
 mod amplitude_dependent_relaxation;
 mod backlash;
@@ -41,6 +42,7 @@ mod viscous_drag;
 mod warm_up;
 mod zero_shift;
 
+pub use candidates::{Candidate, Form, candidates};
 pub use declaration::{
     Count, Effect, Grid, Law, Needs, Role, Scales, Setting, Shape, Sign, Strength,
 };

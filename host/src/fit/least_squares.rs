@@ -88,14 +88,33 @@ pub struct Solution {
     pub iterations: usize,
 }
 
-const MAX_ITERATIONS: usize = 200;
+/// How far a search goes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Effort {
+    /// Most steps.
+    pub iterations: usize,
+    /// Relative fall of the sum of squares that counts as none.
+    pub cost: f64,
+}
+
+impl Effort {
+    /// To the last digits that mean something.
+    pub const FULL: Self = Self { iterations: 200, cost: 1e-13 };
+    /// Enough to choose between models.
+    pub const QUICK: Self = Self { iterations: 12, cost: 1e-6 };
+}
+
 /// Cosine between the residual and any free column of J at which the gradient counts as vanished.
 const GRADIENT_TOLERANCE: f64 = 1e-9;
-const COST_TOLERANCE: f64 = 1e-13;
 const STEP_TOLERANCE: f64 = 1e-12;
 
 /// Searches for a minimum from `start`, which is moved into the bounds first.
 pub fn minimise(problem: &impl LeastSquares, start: &[f64]) -> Solution {
+    minimise_with(problem, start, Effort::FULL)
+}
+
+/// Searches for a minimum from `start` with limited effort.
+pub fn minimise_with(problem: &impl LeastSquares, start: &[f64], effort: Effort) -> Solution {
     let bounds = problem.bounds();
     let mut point: Vec<f64> =
         start.iter().zip(bounds).map(|(x, (lower, upper))| x.clamp(*lower, *upper)).collect();
@@ -107,7 +126,7 @@ pub fn minimise(problem: &impl LeastSquares, start: &[f64]) -> Solution {
         if gradient_vanished(&normal, &point, bounds) {
             break Stop::Gradient;
         }
-        if iterations == MAX_ITERATIONS {
+        if iterations >= effort.iterations {
             break Stop::Iterations;
         }
         iterations += 1;
@@ -130,7 +149,7 @@ pub fn minimise(problem: &impl LeastSquares, start: &[f64]) -> Solution {
         if gained > 0.0 {
             let ratio = gained / promised.max(f64::MIN_POSITIVE);
             let stalled =
-                gained <= COST_TOLERANCE * normal.cost && promised <= COST_TOLERANCE * normal.cost;
+                gained <= effort.cost * normal.cost && promised <= effort.cost * normal.cost;
             point = trial;
             normal = problem.normal(&point);
             if stalled {
@@ -139,7 +158,7 @@ pub fn minimise(problem: &impl LeastSquares, start: &[f64]) -> Solution {
             damping *= (1.0 - (2.0 * ratio - 1.0).powi(3)).clamp(1.0 / 10.0, 2.0);
             growth = 2.0;
         } else {
-            if promised.abs() <= COST_TOLERANCE * normal.cost {
+            if promised.abs() <= effort.cost * normal.cost {
                 break Stop::Cost;
             }
             damping *= growth;

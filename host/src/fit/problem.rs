@@ -7,6 +7,8 @@
 //! against the exponent. Derivatives are differences, so that a law is one plain function.
 
 use std::borrow::Cow;
+use std::ops::Range;
+use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
 
@@ -21,7 +23,7 @@ pub struct Problem<'a> {
     pub chain: &'a Chain,
     data: &'a Data<'a>,
     /// What is known at every sample; made anew for every run where there are too many to keep.
-    scenes: Vec<Scene<'a>>,
+    scenes: Arc<Vec<Scene<'a>>>,
     whitening: &'a Whitening,
     /// A trace that is predicted but not fitted.
     left_out: Option<usize>,
@@ -44,20 +46,29 @@ impl<'a> Problem<'a> {
         whitening: &'a Whitening,
         left_out: Option<usize>,
     ) -> Self {
-        let declared = chain.parameters();
-        let terms = chain.base.terms;
-        let slowest = (0.02 / data.longest()).ln();
-        let fastest = (3.0 / data.shortest_interval()).ln();
-        let bounds = std::iter::repeat_n((0.0, f64::INFINITY), terms + 1)
-            .chain(std::iter::once((declared[1].lower, declared[1].upper)))
-            .chain(std::iter::repeat_n((slowest, fastest), terms))
-            .chain(declared[chain.base.count()..].iter().map(|p| (p.lower, p.upper)))
-            .collect();
         let keep = data.samples() <= KEPT;
         let scenes =
             if keep { data.pieces.iter().map(|piece| data.scene(piece)).collect() } else { vec![] };
         let reference = data.largest_compression();
-        Self { chain, data, scenes, whitening, left_out, reference, bounds }
+        let bounds = bounds(chain, data);
+        Self { chain, data, scenes: Arc::new(scenes), whitening, left_out, reference, bounds }
+    }
+
+    /// The same data with another chain.
+    #[must_use]
+    pub fn with_chain<'b>(&self, chain: &'b Chain) -> Problem<'b>
+    where
+        'a: 'b,
+    {
+        Problem {
+            chain,
+            data: self.data,
+            scenes: self.scenes.clone(),
+            whitening: self.whitening,
+            left_out: self.left_out,
+            reference: self.reference,
+            bounds: bounds(chain, self.data),
+        }
     }
 
     /// The compression at which the branch forces are stated, mm.
@@ -172,18 +183,39 @@ impl<'a> Problem<'a> {
         });
     }
 
-    /// The normal equations of every trace by itself, whitened or as they are.
+    /// The normal equations of every block of the data, whitened and as they are. A block is a trace,
+    /// or a part of one where there are few.
     #[must_use]
-    pub fn by_trace(&self, point: &[f64], whitening: &Whitening) -> Vec<Normal> {
-        let mut normals = vec![Normal::zeros(point.len()); self.data.labels.len()];
+    pub fn blocks(&self, point: &[f64]) -> Vec<Block> {
+        let parts = FEWEST_BLOCKS.div_ceil(self.data.pieces.len().max(1));
+        let mut blocks = Vec::new();
         self.derivatives(point, |piece, mut residual, mut columns| {
-            whitening.apply(&mut residual);
-            for column in &mut columns {
-                whitening.apply(column);
+            let count = residual.len();
+            let size = count.div_ceil(parts).max(1);
+            let first = blocks.len();
+            let touch = piece.motion.displacement.iter().position(|&x| x > 0.0);
+            for begin in (0..count).step_by(size) {
+                let mut block = Block::new(piece.trace, point.len());
+                let range = begin..(begin + size).min(count);
+                block.samples = range.len();
+                block.raw.add(&columns, &residual, range.clone());
+                for &residual in
+                    &residual[begin.min(touch.unwrap_or(0))..range.end.min(touch.unwrap_or(0))]
+                {
+                    block.before_touch.0 += residual;
+                    block.before_touch.1 += 1.0;
+                }
+                blocks.push(block);
             }
-            normals[piece.trace].add(&columns, &residual);
+            self.whitening.apply(&mut residual);
+            for column in &mut columns {
+                self.whitening.apply(column);
+            }
+            for (block, begin) in blocks[first..].iter_mut().zip((0..count).step_by(size)) {
+                block.white.add(&columns, &residual, begin..(begin + size).min(count));
+            }
         });
-        normals
+        blocks
     }
 
     /// Sum of squares and number of samples of every trace, not whitened.
@@ -216,11 +248,50 @@ impl<'a> Problem<'a> {
     }
 }
 
+/// Fewest blocks that data are taken apart into.
+const FEWEST_BLOCKS: usize = 8;
+
+/// The normal equations of one part of the data.
+#[derive(Clone, Debug)]
+pub struct Block {
+    /// The trace it is of.
+    pub trace: usize,
+    /// Number of samples.
+    pub samples: usize,
+    /// Whitened.
+    pub white: Normal,
+    /// As they are.
+    pub raw: Normal,
+    /// Sum of the residuals (predicted minus measured) before the touch, and their number.
+    pub before_touch: (f64, f64),
+}
+
+impl Block {
+    fn new(trace: usize, dimension: usize) -> Self {
+        let zeros = || Normal::zeros(dimension);
+        Self { trace, samples: 0, white: zeros(), raw: zeros(), before_touch: (0.0, 0.0) }
+    }
+}
+
+/// Bounds of every coordinate.
+fn bounds(chain: &Chain, data: &Data) -> Vec<(f64, f64)> {
+    let declared = chain.parameters();
+    let terms = chain.base.terms;
+    let slowest = (0.02 / data.longest()).ln();
+    let fastest = (3.0 / data.shortest_interval()).ln();
+    std::iter::repeat_n((0.0, f64::INFINITY), terms + 1)
+        .chain(std::iter::once((declared[1].lower, declared[1].upper)))
+        .chain(std::iter::repeat_n((slowest, fastest), terms))
+        .chain(declared[chain.base.count()..].iter().map(|p| (p.lower, p.upper)))
+        .collect()
+}
+
 impl Normal {
-    /// Adds samples: derivatives column by column, and residuals.
-    pub fn add(&mut self, columns: &[Vec<f64>], residual: &[f64]) {
-        let jacobian = DMatrix::from_fn(residual.len(), columns.len(), |i, j| columns[j][i]);
-        let residual = DVector::from_column_slice(residual);
+    /// Adds a range of samples: derivatives column by column, and residuals.
+    pub fn add(&mut self, columns: &[Vec<f64>], residual: &[f64], range: Range<usize>) {
+        let jacobian =
+            DMatrix::from_fn(range.len(), columns.len(), |i, j| columns[j][range.start + i]);
+        let residual = DVector::from_column_slice(&residual[range]);
         self.cost += residual.norm_squared();
         self.gradient += jacobian.tr_mul(&residual);
         self.curvature += jacobian.tr_mul(&jacobian);
@@ -247,13 +318,15 @@ impl LeastSquares for Problem<'_> {
 
     fn normal(&self, point: &[f64]) -> Normal {
         let mut normal = Normal::zeros(point.len());
-        for (trace, of_trace) in self.by_trace(point, self.whitening).into_iter().enumerate() {
-            if self.left_out != Some(trace) {
-                normal.cost += of_trace.cost;
-                normal.gradient += of_trace.gradient;
-                normal.curvature += of_trace.curvature;
+        self.derivatives(point, |piece, mut residual, mut columns| {
+            if self.fitted(piece) {
+                self.whitening.apply(&mut residual);
+                for column in &mut columns {
+                    self.whitening.apply(column);
+                }
+                normal.add(&columns, &residual, 0..residual.len());
             }
-        }
+        });
         normal
     }
 }

@@ -142,6 +142,26 @@ impl Chain {
         });
     }
 
+    /// Lets the last effect alone act on `force`, which the chain without it predicts: the same as a
+    /// run of the whole chain where nothing acts after it.
+    pub fn run_last(
+        &self,
+        parameters: &[f64],
+        scene: &Scene,
+        history: &mut History,
+        force: &mut [f64],
+    ) {
+        history.effects.resize(self.effects.len(), Remembered::new());
+        let (Some(effect), Some(remembered)) = (self.effects.last(), history.effects.last_mut())
+        else {
+            return;
+        };
+        if let Act::Force(law) = effect.act {
+            let own = &parameters[parameters.len() - effect.parameters.len()..];
+            law(scene, own, remembered, force);
+        }
+    }
+
     /// From the compression to the contact force.
     fn contact(
         &self,

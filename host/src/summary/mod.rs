@@ -2,6 +2,7 @@
 
 mod compare;
 mod decomposition;
+mod diagnosis;
 mod holds;
 mod plan;
 mod press;
@@ -13,6 +14,7 @@ pub use decomposition::{
     decomposed_trace, decomposition_json, decomposition_sections, part_panels, region_spans,
     region_table, shaded,
 };
+pub use diagnosis::{diagnosis_json, diagnosis_sections};
 pub use holds::{hold_json, hold_sections};
 pub use plan::plan_section;
 pub use press::press_sections;

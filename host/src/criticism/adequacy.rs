@@ -1,0 +1,114 @@
+//! Whether what a model leaves is noise: slow wandering of the residual against that of the signal at
+//! rest.
+//!
+//! The whitened residual is summed in blocks of several lengths. White noise gives block sums whose
+//! mean square is that of the samples; what a model lacks adds up within a block. What the whitening
+//! itself leaves in the noise is in the rest off the specimen as well, so the two are compared.
+
+use statrs::distribution::{ContinuousCDF, FisherSnedecor};
+
+use crate::fit::problem::Problem;
+use crate::fit::whitening::Whitening;
+
+/// Lengths of the blocks, samples.
+const LENGTHS: [usize; 4] = [8, 24, 72, 216];
+/// Chance below which a residual is more than noise.
+pub const LEVEL: f64 = 1e-3;
+
+/// What the residual of a model looks like beside noise.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Adequacy {
+    /// Chance of block sums as large under noise alone, over all lengths.
+    pub p_value: f64,
+    /// Sum of squares, whitened, that noise does not account for: the largest over the lengths.
+    pub excess: f64,
+    /// Lights: Ljung and Box's chance, Durbin and Watson's statistic, and the chance of the number of
+    /// runs of one sign.
+    pub lights: Lights,
+}
+
+/// Well-known figures of a whitened residual: to look at, not to judge by.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Lights {
+    /// Ljung and Box: mean over their number of the squared correlations at distances 1 to 20; 1 for noise.
+    pub ljung_box: f64,
+    /// Durbin and Watson: 2 for noise, less where neighbours agree.
+    pub durbin_watson: f64,
+    /// Runs of one sign over their expected number; 1 for noise.
+    pub runs: f64,
+}
+
+/// Sum of squares of block sums, per sample, and the number of blocks.
+#[derive(Clone, Copy, Debug, Default)]
+struct Sums {
+    squares: f64,
+    count: f64,
+}
+
+/// Tests the residual of a problem at a point.
+#[must_use]
+pub fn adequacy(problem: &Problem, point: &[f64], whitening: &Whitening) -> Adequacy {
+    let mut touched = [Sums::default(); LENGTHS.len()];
+    let mut quiet = [Sums::default(); LENGTHS.len()];
+    let mut whitened = Vec::new();
+    problem.each_piece(&[point.to_vec()], |piece, forces| {
+        let mut residual: Vec<f64> =
+            piece.measured.iter().zip(&forces[0]).map(|(y, f)| y - f).collect();
+        whitening.apply(&mut residual);
+        let x = &piece.motion.displacement;
+        for (place, &length) in LENGTHS.iter().enumerate() {
+            for (block, x) in residual.chunks_exact(length).zip(x.chunks_exact(length)) {
+                let sums = if x.iter().all(|&x| x <= 0.0) { &mut quiet } else { &mut touched };
+                sums[place].squares += block.iter().sum::<f64>().powi(2) / length as f64;
+                sums[place].count += 1.0;
+            }
+        }
+        whitened.push(residual);
+    });
+    let mut p_value: f64 = 1.0;
+    let mut excess: f64 = 0.0;
+    for (touched, quiet) in touched.iter().zip(&quiet) {
+        if touched.count < 2.0 {
+            continue;
+        }
+        let mean = touched.squares / touched.count;
+        // Few quiet blocks say little of what noise does; then noise counts as white.
+        let (floor, degrees) = if quiet.count >= 8.0 {
+            ((quiet.squares / quiet.count).max(1.0), quiet.count)
+        } else {
+            (1.0, 200.0)
+        };
+        excess = excess.max((mean - floor) * touched.count);
+        if let Ok(fisher) = FisherSnedecor::new(touched.count, degrees) {
+            p_value = p_value.min(fisher.sf((mean / floor).max(0.0)));
+        }
+    }
+    let p_value = (p_value * LENGTHS.len() as f64).min(1.0);
+    Adequacy { p_value, excess, lights: lights(&whitened) }
+}
+
+fn lights(stretches: &[Vec<f64>]) -> Lights {
+    const DISTANCES: usize = 20;
+    let mut products = [0.0; DISTANCES + 1];
+    let (mut differences, mut runs, mut expected, mut samples) = (0.0, 0.0, 0.0, 0.0);
+    for stretch in stretches {
+        for (distance, product) in products.iter_mut().enumerate() {
+            let later = stretch.get(distance..).unwrap_or_default();
+            *product += stretch.iter().zip(later).map(|(a, b)| a * b).sum::<f64>();
+        }
+        differences += stretch.windows(2).map(|pair| (pair[1] - pair[0]).powi(2)).sum::<f64>();
+        let changes = stretch.windows(2).filter(|pair| (pair[0] > 0.0) != (pair[1] > 0.0)).count();
+        runs += changes as f64 + 1.0;
+        let above = stretch.iter().filter(|value| **value > 0.0).count() as f64;
+        let count = stretch.len() as f64;
+        expected += 1.0 + 2.0 * above * (count - above) / count.max(1.0);
+        samples += count;
+    }
+    let square = products[0].max(f64::MIN_POSITIVE);
+    let correlations: f64 = products[1..].iter().map(|product| (product / square).powi(2)).sum();
+    Lights {
+        ljung_box: samples * correlations / DISTANCES as f64,
+        durbin_watson: differences / square,
+        runs: runs / f64::max(expected, 1.0),
+    }
+}

@@ -1,0 +1,241 @@
+//! What a model lacks: the whole procedure from the noise to the verdict.
+
+use super::adequacy::{Adequacy, LEVEL, adequacy};
+use super::compare::{Cell, cells_of};
+use super::fitted::{Fitted, HeldOut};
+use super::noise::{NoiseModel, noise_model, residual_noise};
+use super::search::{FALSE_ALARMS, Found, Search, Step};
+use crate::effects::{Candidate, EffectError, candidates, chain_of};
+use crate::fit::data::{Data, DataError};
+use crate::fit::least_squares::Effort;
+use crate::fit::problem::Problem;
+use crate::fit::whitening::Whitening;
+use crate::model::{Chain, Model, Separation};
+use crate::trace::Trace;
+
+/// What a model lacks on a data set.
+#[derive(Clone, Debug)]
+pub struct Diagnosis {
+    /// In one word.
+    pub verdict: Verdict,
+    /// Names of the traces.
+    pub labels: Vec<String>,
+    /// The column.
+    pub signal: String,
+    /// What is known of the noise.
+    pub noise: NoiseModel,
+    /// What happens when contact breaks, as the model has it.
+    pub separation: Separation,
+    /// What the search found.
+    pub found: Found,
+    /// Standard errors of the parameters of the last model.
+    pub standard_errors: Vec<Option<f64>>,
+    /// Error on traces left out, before any step and after each; none for a single trace.
+    pub held_out: Vec<Option<HeldOut>>,
+    /// Whether each step's gain on traces left out is beyond chance.
+    pub sure: Vec<bool>,
+    /// The residual of the model without effects beside noise.
+    pub before: Adequacy,
+    /// The residual of the last model beside noise.
+    pub after: Adequacy,
+    /// Part of the misfit of the model without effects that the last one leaves.
+    pub unexplained: f64,
+    /// Where what the last model leaves sits.
+    pub places: Vec<Cell>,
+    /// Effects that these data cannot show, with the reason.
+    pub untestable: Vec<(String, String)>,
+    /// What could be tried.
+    pub candidates: Vec<Candidate>,
+    /// What was done that a reader should know.
+    pub notes: Vec<String>,
+}
+
+/// The answer in one word.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// Nothing is missing.
+    Adequate,
+    /// Single effects, and what remains is noise.
+    Named,
+    /// The data cannot separate the members of a step's credible set.
+    Ambiguous,
+    /// Something is missing that no effect of the library explains.
+    Unknown,
+}
+
+impl Verdict {
+    /// The word.
+    #[must_use]
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Adequate => "adequate",
+            Self::Named => "named",
+            Self::Ambiguous => "ambiguous",
+            Self::Unknown => "unknown",
+        }
+    }
+}
+
+/// Why a diagnosis cannot be made.
+#[derive(Debug, thiserror::Error)]
+#[allow(missing_docs)]
+pub enum DiagnoseError {
+    #[error(transparent)]
+    Effect(#[from] EffectError),
+    #[error(transparent)]
+    Data(#[from] DataError),
+}
+
+/// Part of the misfit that may remain after effects are named: a law's form differs from the
+/// specimen's by as much.
+const FORM: f64 = 0.2;
+
+/// Says what a model lacks on the traces of a data set, in order of recording.
+///
+/// # Errors
+/// When the model or the traces are not usable.
+pub fn diagnose(model: &Model, traces: &[Trace]) -> Result<Diagnosis, DiagnoseError> {
+    let signal = &model.base.signal;
+    let data = Data::of(traces, signal)?.with_reference(model.reference_temperature);
+    let setting = data.setting();
+    let (chain, values) = chain_of(model, &setting)?;
+    let candidates = candidates(&setting, &model.candidates)?;
+    let white = Whitening::none();
+    let plain = Problem::new(&chain, &data, &white, None);
+    let start = plain.point(&values);
+    let noise = match noise_model(&data) {
+        Some(noise) => noise,
+        None => {
+            let fitted = Fitted::new(&plain, &start, Effort::QUICK);
+            let residuals = plain.predict(&fitted.point);
+            let pieces = data.pieces.iter().zip(residuals);
+            let residual = pieces.map(|(piece, predicted)| {
+                piece.measured.iter().zip(&predicted).map(|(y, f)| y - f).collect()
+            });
+            residual_noise(&residual.collect::<Vec<_>>())
+        }
+    };
+    let problem = Problem::new(&chain, &data, &noise.whitening, None);
+    let attempt = |separation: Separation| {
+        let chain =
+            Chain { base: crate::model::Fung { separation, ..chain.base }, ..chain.clone() };
+        let problem = problem.with_chain(&chain);
+        let base = Fitted::new(&problem, &start, Effort::QUICK);
+        (adequacy(&problem, &base.point, &noise.whitening), base)
+    };
+    let search = Search {
+        data: &data,
+        candidates: &candidates,
+        whitening: &noise.whitening,
+        problem: &problem,
+    };
+    let mut notes = Vec::new();
+    let mut separation = chain.base.separation;
+    let (before, base) = attempt(separation);
+    let (before, mut found) = (before, search.run(base));
+    // Where contact breaks in another way than the model says, effects would be named in its stead.
+    if !found.steps.is_empty() && separation != Separation::Bonded {
+        let other = match separation {
+            Separation::Clamp => Separation::Free,
+            _ => Separation::Clamp,
+        };
+        let (_, base) = attempt(other);
+        if base.bic() < found.model().bic() {
+            notes.push(format!(
+                "with separation = \"{}\" the model explains these traces better than with any effect added; that was used",
+                name_of(other)
+            ));
+            separation = other;
+            found = search.run(base);
+        }
+    }
+    let final_problem = problem.with_chain(&found.model().chain);
+    let after = adequacy(&final_problem, &found.model().point, &noise.whitening);
+    let standard_errors = found.model().standard_errors(&final_problem);
+    let held_out: Vec<Option<HeldOut>> =
+        std::iter::once(&found.base).chain(&found.models).map(Fitted::held_out).collect();
+    let sure = held_out.windows(2).map(|pair| is_sure(&pair[0], &pair[1])).collect::<Vec<_>>();
+    let explained = (found.base.cost - found.model().cost).max(0.0);
+    let leftover = after.excess.max(0.0);
+    let unexplained =
+        if explained + leftover > 0.0 { leftover / (explained + leftover) } else { 0.0 };
+    let verdict = verdict(&found, &before, &after, unexplained, &sure);
+    let places =
+        cells_of(&final_problem, &data, &found.model().point, noise.whitening.standard_deviation());
+    let untestable = untestable(&candidates, &found);
+    Ok(Diagnosis {
+        verdict,
+        labels: data.labels.clone(),
+        signal: signal.clone(),
+        separation,
+        standard_errors,
+        held_out,
+        sure,
+        before,
+        after,
+        unexplained,
+        places,
+        untestable,
+        notes,
+        noise,
+        found,
+        candidates,
+    })
+}
+
+fn name_of(separation: Separation) -> &'static str {
+    match separation {
+        Separation::Clamp => "clamp",
+        Separation::Free => "free",
+        Separation::Bonded => "bonded",
+    }
+}
+
+/// Whether the mean square error on traces left out falls by more than two standard errors over them.
+fn is_sure(before: &Option<HeldOut>, after: &Option<HeldOut>) -> bool {
+    let (Some(before), Some(after)) = (before, after) else { return false };
+    let gains: Vec<f64> =
+        before.squares.iter().zip(&after.squares).map(|(before, after)| before - after).collect();
+    let count = gains.len() as f64;
+    let mean = gains.iter().sum::<f64>() / count;
+    let variance = gains.iter().map(|gain| (gain - mean).powi(2)).sum::<f64>() / (count - 1.0);
+    mean > 2.0 * (variance / count).sqrt()
+}
+
+fn verdict(
+    found: &Found,
+    before: &Adequacy,
+    after: &Adequacy,
+    unexplained: f64,
+    sure: &[bool],
+) -> Verdict {
+    if found.steps.is_empty() {
+        let missed = found.first.chance.iter().any(|&chance| chance <= 0.5 * FALSE_ALARMS);
+        return if before.p_value < LEVEL && (missed || before.p_value < LEVEL / 10.0) {
+            Verdict::Unknown
+        } else {
+            Verdict::Adequate
+        };
+    }
+    if after.p_value < LEVEL && unexplained > FORM {
+        return Verdict::Unknown;
+    }
+    let _ = sure;
+    let single = |step: &Step| step.credible.len() == 1;
+    if found.steps.iter().all(single) { Verdict::Named } else { Verdict::Ambiguous }
+}
+
+/// Effects that the first screen could not test.
+fn untestable(candidates: &[Candidate], found: &Found) -> Vec<(String, String)> {
+    let reason = |(index, candidate): (usize, &Candidate)| {
+        let name = || candidate.name.clone();
+        if let Some(missing) = candidate.missing {
+            return Some((name(), missing.to_owned()));
+        }
+        let mut own = found.first.directions.iter().filter(|d| d.candidate == index);
+        let absorbed = own.all(|direction| direction.left < super::screen::ABSORBED);
+        absorbed
+            .then(|| (name(), "absorbed by the model's own parameters on these traces".to_owned()))
+    };
+    candidates.iter().enumerate().filter_map(reason).collect()
+}

@@ -1,0 +1,358 @@
+//! The search for what is missing: screen, refit the best few, keep the one that the evidence names,
+//! go on; then ask of every one kept whether another would do better in its place.
+
+use std::cmp::Ordering;
+
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
+
+use super::fitted::Fitted;
+use super::screen::{Direction, Screen, screen};
+use crate::effects::Candidate;
+use crate::fit::data::Data;
+use crate::fit::least_squares::Effort;
+use crate::fit::problem::Problem;
+use crate::fit::whitening::Whitening;
+
+/// Chance of naming anything where nothing is missing, over all steps.
+pub const FALSE_ALARMS: f64 = 0.01;
+/// Fall of the information criterion that decides between models.
+pub const DECISIVE: f64 = 10.0;
+/// Most effects added.
+const MOST_STEPS: usize = 4;
+/// Most laws refitted in a step.
+const MOST_REFITS: usize = 16;
+/// A law whose predicted gain is below this part of the best is not refitted.
+const WORTH: f64 = 0.25;
+/// Part of all that was explained so far that a further effect must explain: less is how a law's form
+/// differs from the specimen's.
+const MINOR: f64 = 0.04;
+/// Resamplings of the blocks.
+const RESAMPLES: usize = 200;
+/// Seed of the resamplings.
+pub const SEED: u64 = 13;
+/// Part of the resamplings that a single name must win.
+const WON: f64 = 0.9;
+/// Part of the resamplings that a credible set must hold.
+const COVERED: f64 = 0.975;
+
+/// One effect of a model and what speaks for it.
+#[derive(Clone, Debug)]
+pub struct Step {
+    /// Name of the effect.
+    pub effect: String,
+    /// Chance under noise alone of a score as large, over the whole library.
+    pub p_value: f64,
+    /// Every effect that was refitted in its place, best first.
+    pub rivals: Vec<Rival>,
+    /// Names that the data do not tell apart, the effect first.
+    pub credible: Vec<String>,
+}
+
+/// An effect refitted beside the others of a model.
+#[derive(Clone, Debug)]
+pub struct Rival {
+    /// Which candidate.
+    pub candidate: usize,
+    /// Name of the effect.
+    pub effect: String,
+    /// Gain that the screen foretold: fall of the whitened sum of squares.
+    pub predicted: f64,
+    /// The model with it.
+    pub fitted: Fitted,
+    /// Part of the resamplings of the data in which it is best.
+    pub won: f64,
+}
+
+/// What a search found.
+#[derive(Clone, Debug)]
+pub struct Found {
+    /// The model without effects of the search.
+    pub base: Fitted,
+    /// The effects found.
+    pub steps: Vec<Step>,
+    /// The model after each.
+    pub models: Vec<Fitted>,
+    /// The last screen: what could still be missing.
+    pub last: Screen,
+    /// The screen of the base.
+    pub first: Screen,
+}
+
+impl Found {
+    /// The model with all effects found.
+    #[must_use]
+    pub fn model(&self) -> &Fitted {
+        self.models.last().unwrap_or(&self.base)
+    }
+}
+
+/// A search over a data set.
+pub struct Search<'a> {
+    /// The data.
+    pub data: &'a Data<'a>,
+    /// What can be tried.
+    pub candidates: &'a [Candidate],
+    /// The filter that makes the noise white.
+    pub whitening: &'a Whitening,
+    /// The problem whose scenes are shared.
+    pub problem: &'a Problem<'a>,
+}
+
+impl Search<'_> {
+    /// Adds effects to the base for as long as they are missed.
+    #[must_use]
+    pub fn run(&self, base: Fitted) -> Found {
+        let first = self.screen(&base);
+        let mut found =
+            Found { base, steps: Vec::new(), models: Vec::new(), last: first.clone(), first };
+        let mut budget = 0.5 * FALSE_ALARMS;
+        while found.steps.len() < MOST_STEPS {
+            let current = found.model().clone();
+            let best = found.last.chance.iter().copied().fold(1.0, f64::min);
+            if best > budget {
+                break;
+            }
+            let rivals = self.refit(&current, &found.last, &[]);
+            let Some(winner) = rivals.first() else { break };
+            let fell = current.bic() - winner.fitted.bic();
+            let explained = found.base.cost - current.cost;
+            let minor =
+                !found.steps.is_empty() && current.cost - winner.fitted.cost < MINOR * explained;
+            if fell < DECISIVE || minor {
+                break;
+            }
+            found.models.push(winner.fitted.clone());
+            found.steps.push(Step {
+                effect: winner.effect.clone(),
+                p_value: found.last.chance[winner.candidate],
+                rivals,
+                credible: Vec::new(),
+            });
+            if found.steps.len() > 1 {
+                self.polish(&mut found);
+            }
+            found.last = self.screen(found.model());
+            budget *= 0.5;
+        }
+        self.weigh(&mut found);
+        found
+    }
+
+    fn screen(&self, fitted: &Fitted) -> Screen {
+        let problem = self.problem.with_chain(&fitted.chain);
+        screen(&problem, self.data, &fitted.point, self.whitening, self.candidates)
+    }
+
+    /// Refits the laws that the screen foretells the most for, and names their effects, best first.
+    fn refit(&self, from: &Fitted, screen: &Screen, besides: &[usize]) -> Vec<Rival> {
+        let present = |direction: &&Direction| {
+            let name = &self.candidates[direction.candidate].name;
+            from.chain.effects.iter().all(|effect| effect.name != *name)
+        };
+        let mut directions: Vec<&Direction> =
+            screen.directions.iter().filter(|d| d.gain > 0.0).filter(present).collect();
+        directions.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+        let most = directions.first().map_or(0.0, |d| d.gain);
+        let mut chosen: Vec<&Direction> = Vec::new();
+        for direction in directions {
+            let same =
+                |d: &&&Direction| (d.candidate, d.form) == (direction.candidate, direction.form);
+            let wanted = direction.gain >= WORTH * most || besides.contains(&direction.candidate);
+            if wanted && chosen.iter().filter(same).count() == 0 && chosen.len() < MOST_REFITS {
+                chosen.push(direction);
+            }
+        }
+        let fits: Vec<(usize, f64, Fitted)> = chosen
+            .par_iter()
+            .map(|direction| (direction.candidate, direction.gain, self.with(from, direction)))
+            .collect();
+        let mut rivals: Vec<Rival> = Vec::new();
+        for (candidate, predicted, fitted) in fits {
+            match rivals.iter_mut().find(|rival| rival.candidate == candidate) {
+                Some(rival) if fitted.bic() < rival.fitted.bic() => {
+                    (rival.predicted, rival.fitted) = (predicted, fitted);
+                }
+                Some(_) => {}
+                None => {
+                    let effect = self.candidates[candidate].name.clone();
+                    rivals.push(Rival { candidate, effect, predicted, fitted, won: 0.0 });
+                }
+            }
+        }
+        rivals.sort_by(by_criterion);
+        rivals
+    }
+
+    /// The model with one more law, from what the screen foretells.
+    fn with(&self, from: &Fitted, direction: &Direction) -> Fitted {
+        let form = &self.candidates[direction.candidate].forms[direction.form];
+        let chain = from.chain.with(form.applied.clone());
+        let problem = self.problem.with_chain(&chain);
+        let shifted = from.point.iter().zip(&direction.shift).map(|(x, step)| x + step);
+        let shapes = direction.shapes.iter().copied();
+        let strengths = direction.strengths.iter().copied();
+        let start: Vec<f64> = shifted.chain(strengths.clone()).chain(shapes.clone()).collect();
+        let careful: Vec<f64> =
+            from.point.iter().copied().chain(strengths.map(|s| 0.5 * s)).chain(shapes).collect();
+        // A forecast beyond the reach of its straight line would start worse than no forecast.
+        use crate::fit::least_squares::LeastSquares;
+        let inside = |point: &[f64]| -> Vec<f64> {
+            point.iter().zip(problem.bounds()).map(|(x, (l, u))| x.clamp(*l, *u)).collect()
+        };
+        let (start, careful) = (inside(&start), inside(&careful));
+        let start = if problem.cost(&start) <= problem.cost(&careful) { start } else { careful };
+        Fitted::new(&problem, &start, Effort::QUICK)
+    }
+
+    /// Asks of every effect whether another would do better in its place, and whether it is still
+    /// needed.
+    fn polish(&self, found: &mut Found) {
+        for _ in 0..2 {
+            let mut changed = false;
+            for index in (0..found.steps.len()).rev() {
+                if found.steps.len() < 2 {
+                    return;
+                }
+                let (without, screen) = self.without(found, index);
+                if without.bic() - found.model().bic() < DECISIVE {
+                    found.steps.remove(index);
+                    self.rebuild(found, without);
+                    changed = true;
+                    continue;
+                }
+                let rivals = self.refit(&without, &screen, &[]);
+                if let Some(best) = rivals.first()
+                    && best.fitted.bic() + 1e-6 < found.model().bic()
+                {
+                    changed |= best.effect != found.steps[index].effect;
+                    let mut step = found.steps.remove(index);
+                    step.effect.clone_from(&best.effect);
+                    step.p_value = screen.chance[best.candidate];
+                    let fitted = best.fitted.clone();
+                    step.rivals = rivals;
+                    found.steps.push(step);
+                    self.rebuild(found, fitted);
+                }
+            }
+            if !changed {
+                return;
+            }
+        }
+    }
+
+    /// The model without one of its effects, refitted and screened.
+    fn without(&self, found: &Found, index: usize) -> (Fitted, Screen) {
+        let model = found.model();
+        let place = found.base.chain.effects.len() + index;
+        let range = model.chain.range(place);
+        let chain = model.chain.without(place);
+        let mut start = model.point.clone();
+        start.drain(range);
+        let problem = self.problem.with_chain(&chain);
+        let fitted = Fitted::new(&problem, &start, Effort::QUICK);
+        let screen = self.screen(&fitted);
+        (fitted, screen)
+    }
+
+    /// Refits the models on the way to the last, one effect more in each.
+    fn rebuild(&self, found: &mut Found, last: Fitted) {
+        let first = found.base.chain.effects.len();
+        let count = last.chain.effects.len() - first;
+        found.models = vec![last; count];
+        for step in (0..count.saturating_sub(1)).rev() {
+            let next = &found.models[step + 1];
+            let range = next.chain.range(first + step + 1);
+            let chain = next.chain.without(first + step + 1);
+            let mut start = next.point.clone();
+            start.drain(range);
+            let problem = self.problem.with_chain(&chain);
+            found.models[step] = Fitted::new(&problem, &start, Effort::QUICK);
+        }
+    }
+
+    /// Weighs every effect found against its rivals beside the others.
+    fn weigh(&self, found: &mut Found) {
+        for index in 0..found.steps.len() {
+            let mut rivals = if found.steps.len() > 1 {
+                let (without, screen) = self.without(found, index);
+                let mut rivals = self.refit(&without, &screen, &[]);
+                let present = &found.steps[index].effect;
+                if let Some(own) = rivals.iter().position(|rival| rival.effect == *present) {
+                    let best = found.model().clone();
+                    if best.bic() <= rivals[own].fitted.bic() {
+                        rivals[own].fitted = best;
+                    }
+                }
+                rivals.sort_by(by_criterion);
+                rivals
+            } else {
+                std::mem::take(&mut found.steps[index].rivals)
+            };
+            resample(&mut rivals);
+            let step = &mut found.steps[index];
+            step.credible = credible(&step.effect, &rivals);
+            step.rivals = rivals;
+        }
+    }
+}
+
+fn by_criterion(a: &Rival, b: &Rival) -> Ordering {
+    a.fitted.bic().total_cmp(&b.fitted.bic())
+}
+
+/// How often each rival is best when the blocks of the data are drawn anew.
+fn resample(rivals: &mut [Rival]) {
+    let Some(first) = rivals.first() else { return };
+    let blocks = first.fitted.blocks.len();
+    let mut random = ChaCha8Rng::seed_from_u64(SEED);
+    let draws: Vec<Vec<f64>> = (0..RESAMPLES)
+        .map(|_| {
+            let mut weights = vec![0.0; blocks];
+            for _ in 0..blocks {
+                weights[random.random_range(0..blocks)] += 1.0;
+            }
+            weights
+        })
+        .collect();
+    let best = |weights: &Vec<f64>| {
+        let criteria: Vec<f64> =
+            rivals.iter().map(|rival| rival.fitted.weighted_bic(weights)).collect();
+        (0..criteria.len()).min_by(|&a, &b| criteria[a].total_cmp(&criteria[b])).unwrap_or(0)
+    };
+    let winners: Vec<usize> = draws.par_iter().map(best).collect();
+    for (index, rival) in rivals.iter_mut().enumerate() {
+        let wins = winners.iter().filter(|&&winner| winner == index).count();
+        rival.won = wins as f64 / RESAMPLES as f64;
+    }
+}
+
+/// The names that the data do not tell apart: one alone if it wins nearly always and by far.
+fn credible(effect: &str, rivals: &[Rival]) -> Vec<String> {
+    let Some(best) = rivals.first() else { return vec![effect.to_owned()] };
+    let close = |rival: &&Rival| rival.fitted.bic() - best.fitted.bic() < DECISIVE;
+    let near = rivals.iter().filter(close).count();
+    let mut by_wins: Vec<&Rival> = rivals.iter().collect();
+    by_wins.sort_by(|a, b| b.won.total_cmp(&a.won));
+    let mut set: Vec<String> = vec![effect.to_owned()];
+    set.extend(rivals.iter().filter(close).map(|rival| rival.effect.clone()));
+    let own = rivals.iter().find(|rival| rival.effect == effect).map_or(0.0, |rival| rival.won);
+    if near > 1 || own < WON {
+        let mut covered = 0.0;
+        for rival in by_wins {
+            if covered >= COVERED {
+                break;
+            }
+            covered += rival.won;
+            set.push(rival.effect.clone());
+        }
+    }
+    let mut unique: Vec<String> = Vec::new();
+    for name in set {
+        if !unique.contains(&name) {
+            unique.push(name);
+        }
+    }
+    unique
+}

@@ -1,0 +1,177 @@
+//! A day at the machine: which traces are taken, in which order and when, and how warm the air is.
+
+use std::f64::consts::TAU;
+
+use rand::RngExt;
+use rand::seq::SliceRandom;
+use rand_chacha::ChaCha8Rng;
+
+use super::motion::Course;
+use super::random::{Subject, even, sign, stream};
+
+/// Samples per second of every trace.
+pub const RATE_HZ: f64 = 200.0;
+
+/// One trace as it is planned.
+#[derive(Clone, Debug)]
+pub struct Recording {
+    /// Name in the head of the trace.
+    pub name: String,
+    /// Name of its file.
+    pub file: String,
+    /// What is done.
+    pub course: Course,
+    /// Time of the first sample since the data set began, s.
+    pub start_s: f64,
+    /// Number of samples.
+    pub samples: usize,
+}
+
+impl Recording {
+    /// Time of each sample since the trace began, s.
+    pub fn times(&self) -> impl Iterator<Item = f64> {
+        (0..self.samples).map(|k| k as f64 / RATE_HZ)
+    }
+}
+
+/// The traces of a data set in order of recording, and the air around them.
+#[derive(Clone, Debug)]
+pub struct Session {
+    /// The traces.
+    pub recordings: Vec<Recording>,
+    air: Air,
+    /// Mean temperature of all samples, °C: the reference temperature of the laws.
+    pub mean_temperature: f64,
+}
+
+/// Temperature over time: a slope and two slow waves.
+#[derive(Clone, Debug)]
+struct Air {
+    mean: f64,
+    slope_per_s: f64,
+    /// Amplitude K, angular frequency 1/s, phase.
+    waves: [(f64, f64, f64); 2],
+}
+
+impl Air {
+    fn at(&self, set_time: f64) -> f64 {
+        let waves =
+            self.waves.iter().map(|(size, turn, phase)| size * (turn * set_time + phase).sin());
+        self.mean + self.slope_per_s * set_time + waves.sum::<f64>()
+    }
+
+    fn random(random: &mut ChaCha8Rng) -> Self {
+        let mut wave = || {
+            let period = even(random, 200.0, 900.0);
+            (even(random, 0.3, 0.9), TAU / period, even(random, 0.0, TAU))
+        };
+        let waves = [wave(), wave()];
+        let slope_per_s = sign(random) * even(random, 0.3, 2.0) / 700.0;
+        Self { mean: even(random, 21.0, 26.0), slope_per_s, waves }
+    }
+}
+
+/// How the motions of one data set are carried out.
+struct Habits {
+    gap_mm: f64,
+    corner_s: f64,
+}
+
+impl Habits {
+    fn begin(&self, random: &mut ChaCha8Rng) -> Course {
+        Course::at_rest(-self.gap_mm, even(random, 0.5, 1.0), self.corner_s)
+    }
+
+    fn hold(&self, random: &mut ChaCha8Rng, to_mm: f64, speed: f64) -> Course {
+        let mut course = self.begin(random);
+        course.go(to_mm, speed);
+        course.stay(even(random, 4.2, 4.4));
+        course.go(-self.gap_mm, speed);
+        course.stay(even(random, 2.0, 3.0));
+        course
+    }
+
+    fn cycles(&self, random: &mut ChaCha8Rng) -> Course {
+        let mut course = self.begin(random);
+        let (hold, rest) = (even(random, 0.3, 0.5), even(random, 0.2, 0.4));
+        for _ in 0..6 {
+            course.go(8.0, 20.0);
+            course.stay(hold);
+            course.go(-self.gap_mm, 20.0);
+            course.stay(rest);
+        }
+        course.stay(even(random, 2.0, 3.0));
+        course
+    }
+}
+
+impl Session {
+    /// Three amplitudes at three rates, and six cycles. One set in two goes from small to large
+    /// amplitudes, rates in any order; the other takes all traces in any order.
+    #[must_use]
+    pub fn whole(seed: u64) -> Self {
+        let random = &mut stream(seed, Subject::Session);
+        let habits = Habits { gap_mm: even(random, 0.5, 0.8), corner_s: even(random, 0.03, 0.05) };
+        let mut planned = Vec::new();
+        for to_mm in [4, 8, 12] {
+            for speed in [5, 20, 60] {
+                let course = habits.hold(random, f64::from(to_mm), f64::from(speed));
+                let name = format!("{to_mm} mm at {speed} mm/s");
+                planned.push((to_mm, name, format!("hold-{to_mm}mm-{speed}mms.csv"), course));
+            }
+        }
+        // Before or after the block of its amplitude.
+        let place = if random.random_bool(0.5) { 7 } else { 9 };
+        let cycles = habits.cycles(random);
+        planned.push((
+            place,
+            "six cycles to 8 mm at 20 mm/s".into(),
+            "cycles-8mm-20mms.csv".into(),
+            cycles,
+        ));
+        planned.shuffle(random);
+        if random.random_bool(0.5) {
+            planned.sort_by_key(|(amplitude, ..)| *amplitude);
+        }
+        let planned = planned.into_iter().map(|(_, name, file, course)| (name, file, course));
+        Self::of(random, planned)
+    }
+
+    /// A single trace, 8 mm at 20 mm/s.
+    #[must_use]
+    pub fn short(seed: u64) -> Self {
+        let random = &mut stream(seed, Subject::Session);
+        let habits = Habits { gap_mm: even(random, 0.5, 0.8), corner_s: even(random, 0.03, 0.05) };
+        let course = habits.hold(random, 8.0, 20.0);
+        Self::of(random, [("8 mm at 20 mm/s".into(), "hold-8mm-20mms.csv".into(), course)])
+    }
+
+    fn of(
+        random: &mut ChaCha8Rng,
+        planned: impl IntoIterator<Item = (String, String, Course)>,
+    ) -> Self {
+        let mut start_s = 0.0;
+        let mut recordings = Vec::new();
+        for (name, file, course) in planned {
+            let lasts_s = course.lasts_s();
+            let samples = (lasts_s * RATE_HZ) as usize;
+            recordings.push(Recording { name, file, course, start_s, samples });
+            let next: f64 = start_s + lasts_s + even(random, 20.0, 120.0);
+            start_s = (10.0 * next).round() / 10.0;
+        }
+        let mut session = Self { recordings, air: Air::random(random), mean_temperature: 0.0 };
+        let (sum, count) = session.recordings.iter().fold((0.0, 0), |(sum, count), recording| {
+            let of_all =
+                recording.times().map(|time| session.temperature(recording.start_s + time));
+            (sum + of_all.sum::<f64>(), count + recording.samples)
+        });
+        session.mean_temperature = sum / f64::from(count as u32);
+        session
+    }
+
+    /// True temperature of the air, °C, at a time since the data set began, s.
+    #[must_use]
+    pub fn temperature(&self, set_time: f64) -> f64 {
+        self.air.at(set_time)
+    }
+}
