@@ -17,7 +17,7 @@ const LIMIT: Shape = Shape {
     name: "limit",
     unit: "N",
     meaning: "force above which the sensor loses",
-    grid: |scales| [0.97, 0.9, 0.8].map(|part| part * scales.force).to_vec(),
+    grid: |scales| [0.8, 0.9, 0.97].map(|part| part * scales.force).to_vec(),
     role: Role::Fitted(|scales| (0.2 * scales.force, 1.05 * scales.force)),
 };
 
@@ -48,7 +48,7 @@ pub const EFFECT: Effect = Effect {
             formula: "F → F − s w ln(1 + e^((F − F_c)/w)), w = F_c/20",
             strength: LOSS,
             shapes: &[Shape {
-                grid: |scales| [0.95, 0.85].map(|part| part * scales.force).to_vec(),
+                grid: |scales| [0.85, 0.95].map(|part| part * scales.force).to_vec(),
                 ..LIMIT
             }],
             act: Act::Force(|_, parameters, _, force| {
