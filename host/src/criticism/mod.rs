@@ -10,6 +10,7 @@ pub mod compare;
 pub mod covariate;
 pub mod dependence;
 pub mod diagnose;
+pub mod experiment;
 pub mod fitted;
 pub mod noise;
 pub mod region;

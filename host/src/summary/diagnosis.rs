@@ -76,7 +76,7 @@ pub fn diagnosis_json(diagnosis: &Diagnosis) -> Value {
         "steps": steps,
         "where": places,
         "untestable": untestable,
-        "next_experiment": Value::Null,
+        "next_experiment": diagnosis.next_experiment,
         "adequacy": {"before": diagnosis.before.p_value, "after": diagnosis.after.p_value, "unexplained": diagnosis.unexplained},
         "notes": diagnosis.notes,
         "seeds": {"null": screen::SEED, "resampling": search::SEED},
