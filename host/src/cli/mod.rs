@@ -3,11 +3,13 @@
 //! Results go to standard output, words about the work to standard error. Exit status 0, 1 when the
 //! work failed, 2 when the input or the call was wrong.
 
+mod add;
 mod compare;
 mod completions;
 mod decompose;
 mod demo;
 mod diagnose;
+mod drop;
 mod fit;
 pub mod import;
 mod output;
@@ -41,6 +43,7 @@ Examples:
   palpate decompose press.csv -o split/            FA, SA, regions of every gauge
   palpate fit fung traces/ -o model.toml           one model for a whole data set
   palpate compare model.toml traces/               where the model fails
+  palpate add mullins model.toml traces/           what an effect explains
   palpate simulate model.toml --motion press.csv   what the model says of another motion
   palpate import lab.txt --map lab.map.toml        a foreign recording";
 
@@ -56,6 +59,10 @@ enum Command {
     Compare(compare::Args),
     /// Say which physical effect a model lacks, with the evidence
     Diagnose(diagnose::Args),
+    /// Add an effect to a model, refit, and see the error fall
+    Add(add::Args),
+    /// Take an effect out of a model, refit, and see the error rise
+    Drop(drop::Args),
     /// Predict the force of a motion
     Simulate(simulate::Args),
     /// Turn a foreign recording into a trace
@@ -107,6 +114,8 @@ pub fn run() -> ExitCode {
         Command::Fit(args) => fit::run(args),
         Command::Compare(args) => compare::run(args),
         Command::Diagnose(args) => diagnose::run(args),
+        Command::Add(args) => add::run(args),
+        Command::Drop(args) => drop::run(args),
         Command::Simulate(args) => simulate::run(args),
         Command::Import(args) => import::run(args),
         Command::Plot(args) => plot::run(args),

@@ -4,8 +4,10 @@
 //! - [`region`]: the regions in which errors are counted.
 //! - [`dependence`]: how much of the residual a quantity explains, and whether that is chance.
 //! - [`compare`]: all of it for one model and one data set.
+//! - [`change`]: an effect added or taken out, everything refitted.
 
 pub mod adequacy;
+pub mod change;
 pub mod compare;
 pub mod covariate;
 pub mod dependence;

@@ -186,7 +186,8 @@ impl Search<'_> {
     }
 
     /// The model with one more law, from what the screen foretells.
-    fn with(&self, from: &Fitted, direction: &Direction) -> Fitted {
+    #[must_use]
+    pub fn with(&self, from: &Fitted, direction: &Direction) -> Fitted {
         let form = &self.candidates[direction.candidate].forms[direction.form];
         let chain = from.chain.with(form.applied.clone());
         let problem = self.problem.with_chain(&chain);
