@@ -10,7 +10,9 @@ mod decompose;
 mod demo;
 mod diagnose;
 mod drop;
+mod effects;
 mod fit;
+mod hide;
 pub mod import;
 mod output;
 mod plan;
@@ -44,6 +46,8 @@ Examples:
   palpate fit fung traces/ -o model.toml           one model for a whole data set
   palpate compare model.toml traces/               where the model fails
   palpate add mullins model.toml traces/           what an effect explains
+  palpate effects mullins                          one effect of the library, in depth
+  palpate hide -o practice/                        an exercise: which effect is in it?
   palpate simulate model.toml --motion press.csv   what the model says of another motion
   palpate import lab.txt --map lab.map.toml        a foreign recording";
 
@@ -63,6 +67,10 @@ enum Command {
     Add(add::Args),
     /// Take an effect out of a model, refit, and see the error rise
     Drop(drop::Args),
+    /// Show the library of effects, or one effect in depth
+    Effects(effects::Args),
+    /// Make a practice data set with a hidden effect, or open one
+    Hide(hide::Args),
     /// Predict the force of a motion
     Simulate(simulate::Args),
     /// Turn a foreign recording into a trace
@@ -116,6 +124,8 @@ pub fn run() -> ExitCode {
         Command::Diagnose(args) => diagnose::run(args),
         Command::Add(args) => add::run(args),
         Command::Drop(args) => drop::run(args),
+        Command::Effects(args) => effects::run(args),
+        Command::Hide(args) => hide::run(args),
         Command::Simulate(args) => simulate::run(args),
         Command::Import(args) => import::run(args),
         Command::Plot(args) => plot::run(args),

@@ -245,7 +245,7 @@ pub fn overlays(comparison: &Comparison) -> Section {
 }
 
 /// Stretches of one region on the specimen, in time.
-fn spans(time: &[f64], regions: &[Region]) -> Vec<(f64, f64, Region)> {
+pub(super) fn spans(time: &[f64], regions: &[Region]) -> Vec<(f64, f64, Region)> {
     let mut found: Vec<(f64, f64, Region)> = Vec::new();
     for (&time, &region) in time.iter().zip(regions) {
         match found.last_mut() {

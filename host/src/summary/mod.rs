@@ -4,8 +4,10 @@ mod change;
 mod compare;
 mod decomposition;
 mod diagnosis;
+mod effects;
 mod holds;
 mod plan;
+mod practice;
 mod press;
 mod recording;
 mod whole_motion;
@@ -17,8 +19,12 @@ pub use decomposition::{
     region_table, shaded,
 };
 pub use diagnosis::{diagnosis_json, diagnosis_sections};
+pub use effects::{
+    effect_figures, effect_json, effect_pages, effect_section, library_json, library_section,
+};
 pub use holds::{hold_json, hold_sections};
 pub use plan::plan_section;
+pub use practice::{practice_json, practice_sections, truth_json, truth_sections};
 pub use press::press_sections;
 pub use recording::{loops, overview, trace_panels};
 pub use whole_motion::FitSummary;
