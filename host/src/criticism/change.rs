@@ -205,7 +205,7 @@ fn try_laws(chain: &Chain, values: &[f64], data: &Data, candidate: &Candidate) -
     let candidates = std::slice::from_ref(candidate);
     let search = Search { data, candidates, whitening: &whitening, problem: &problem };
     let from = Fitted::new(&problem, &problem.point(values), Effort::QUICK);
-    let directions = screen(&problem, data, &from.point, &whitening, candidates).directions;
+    let directions = screen(&problem, data, &from.point, &whitening, candidates, None).directions;
     let absorbed = directions.iter().all(|direction| direction.left < ABSORBED);
     let start = |direction: &Direction| {
         let mut start = direction.clone();
@@ -216,8 +216,11 @@ fn try_laws(chain: &Chain, values: &[f64], data: &Data, candidate: &Candidate) -
         }
         start
     };
-    let mut fits: Vec<Fitted> =
-        directions.par_iter().map(|direction| search.with(&from, &start(direction))).collect();
+    let fitted = |direction: &Direction| {
+        let (chain, found) = search.try_out(&from, &start(direction));
+        Fitted::new(&problem.with_chain(&chain), &found.point, Effort::QUICK)
+    };
+    let mut fits: Vec<Fitted> = directions.par_iter().map(fitted).collect();
     fits.sort_by(|a, b| a.bic().total_cmp(&b.bic()));
     let law = |fitted: &Fitted| fitted.chain.effects.last().map(|effect| effect.law.clone());
     let least = fits.first().map_or(0.0, Fitted::bic);

@@ -4,7 +4,7 @@ use crate::fit::data::Data;
 use crate::fit::problem::Problem;
 use crate::fit::whitening::Whitening;
 use crate::fit::whole_motion::predict;
-use crate::model::{Chain, History, Scene};
+use crate::model::{Chain, Elasticity, History, Scene};
 
 /// A base law at its parameters over a data set, with the directions in which it can move.
 pub struct Ground<'a> {
@@ -62,11 +62,11 @@ impl<'a> Ground<'a> {
     pub fn misfit(&self, chain: &Chain, effects: &[f64]) -> Misfit {
         debug_assert_eq!(chain.base, self.chain.base);
         let parameters = [self.values, effects].concat();
-        let mut history = History::default();
+        let (mut history, mut elasticity) = (History::default(), Elasticity::default());
         let mut change = Vec::with_capacity(self.predicted.len());
         let mut force = Vec::new();
         for scene in &self.scenes {
-            chain.run(&parameters, scene, &mut history, &mut force);
+            chain.run(&parameters, scene, &mut history, &mut elasticity, &mut force);
             change.extend_from_slice(&force);
         }
         for (change, predicted) in change.iter_mut().zip(&self.predicted) {
