@@ -10,7 +10,6 @@
 pub mod adequacy;
 pub mod change;
 pub mod compare;
-pub mod covariate;
 pub mod dependence;
 pub mod diagnose;
 pub mod fitted;
@@ -21,3 +20,5 @@ pub mod screen;
 pub mod search;
 pub mod signature;
 mod tail;
+
+pub use crate::model::covariate;
