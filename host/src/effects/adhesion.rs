@@ -2,7 +2,7 @@
 
 use super::memory::direction;
 use super::shapes::FULL_SPEED;
-use super::{Count, Effect, Law, Needs, Role, Shape, Sign, Strength};
+use super::{Count, Covariate, Effect, Law, Needs, Role, Shape, Sign, Strength};
 use crate::model::{Act, Remembered, Scene, Stage};
 
 const PULL: Strength = Strength {
@@ -32,6 +32,7 @@ pub const EFFECT: Effect = Effect {
     stage: Stage::Contact,
     meaning: "Tack or a film of liquid holds the surfaces together when they part, until the neck breaks.",
     signature: "At the end of unloading, where the force goes below zero; nothing on the way in.",
+    against: Covariate::Displacement,
     confused_with: &["contact-offset", "permanent-set"],
     experiment: "Part slowly and fast, with the surface as it is and powdered.",
     needs: Needs::Nothing,

@@ -1,6 +1,6 @@
 //! `crosstalk`: other channels leak into the signal.
 
-use super::{Count, Effect, Law, Needs, Sign, Strength};
+use super::{Count, Covariate, Effect, Law, Needs, Sign, Strength};
 use crate::model::{Act, Stage};
 
 const LEAK: Strength = Strength {
@@ -19,6 +19,7 @@ pub const EFFECT: Effect = Effect {
     stage: Stage::Sensor,
     meaning: "Channels leak into each other, or a gauge is strained by a load that another one is meant for.",
     signature: "Copies of another channel, at every phase.",
+    against: Covariate::Displacement,
     confused_with: &[],
     experiment: "Load so that one channel answers alone, and watch the others.",
     needs: Needs::Channels,

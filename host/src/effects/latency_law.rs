@@ -1,6 +1,6 @@
 //! `latency-law`: how fast a state relaxes is a power of how far it is off.
 
-use super::{Count, Effect, Law, Needs, Role, Shape, Sign, Strength};
+use super::{Count, Covariate, Effect, Law, Needs, Role, Shape, Sign, Strength};
 use crate::model::{Act, Growth, Stage};
 
 /// Smallest power n − 1 that is followed: below, a state would be at rest after no time.
@@ -20,6 +20,7 @@ pub const EFFECT: Effect = Effect {
     stage: Stage::Relaxation,
     meaning: "The state does not decay exponentially: far from equilibrium it relaxes faster, close to it slower, than any exponential.",
     signature: "Early against late hold, in opposite directions; large presses relax faster than small ones.",
+    against: Covariate::Time,
     confused_with: &["slow-relaxation", "fast-mode", "amplitude-dependent-relaxation"],
     experiment: "Hold ten times longer, at a small and at a large amplitude: the time in which half is gone depends on the amplitude.",
     needs: Needs::Nothing,

@@ -1,6 +1,6 @@
 //! `saturation`: the sensor cannot read more than so much.
 
-use super::{Count, Effect, Law, Needs, Role, Shape, Sign, Strength};
+use super::{Count, Covariate, Effect, Law, Needs, Role, Shape, Sign, Strength};
 use crate::model::{Act, Stage};
 
 const LOSS: Strength = Strength {
@@ -27,6 +27,7 @@ pub const EFFECT: Effect = Effect {
     stage: Stage::Sensor,
     meaning: "Amplifier, converter or a stop that protects the load cell cuts off what is larger than its range.",
     signature: "Flat tops, all at the same force.",
+    against: Covariate::Force,
     confused_with: &["gauge-nonlinearity"],
     experiment: "Hang a dead weight heavier than the largest force, or press at a lower gain.",
     needs: Needs::Nothing,

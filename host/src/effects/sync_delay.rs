@@ -1,6 +1,6 @@
 //! `sync-delay`: the clocks of motion and force do not agree.
 
-use super::{Count, Effect, Law, Needs, Role, Shape, Sign, Strength};
+use super::{Count, Covariate, Effect, Law, Needs, Role, Shape, Sign, Strength};
 use crate::model::{Act, Scene, Stage};
 
 /// The effect.
@@ -9,6 +9,7 @@ pub const EFFECT: Effect = Effect {
     stage: Stage::Motion,
     meaning: "Displacement and force were recorded by devices whose clocks differ, or one of them passed through a buffer.",
     signature: "Grows with the slope of the force over time; corners are shifted but stay sharp, and so do touch-on and touch-off.",
+    against: Covariate::Velocity,
     confused_with: &["sensor-lag", "fast-mode"],
     experiment: "Press a rigid block at fifty times the rate: a shift leaves the corners sharp, a lag rounds them.",
     needs: Needs::Nothing,

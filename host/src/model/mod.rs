@@ -5,6 +5,7 @@
 
 mod act;
 mod chain;
+pub mod covariate;
 mod elastic;
 mod expression;
 mod file;

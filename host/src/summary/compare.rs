@@ -208,7 +208,8 @@ fn dependence_plot(comparison: &Comparison, dependence: &Dependence) -> Plot {
 }
 
 /// Measurement and model of every trace with what is left, regions shaded.
-fn overlays(comparison: &Comparison) -> Section {
+#[must_use]
+pub fn overlays(comparison: &Comparison) -> Section {
     let mut section = Section::new("Each trace");
     for stretch in comparison.stretches.iter().take(MOST_DRAWN) {
         let (name, unit) = (name_of(&comparison.signal), unit_of(&comparison.signal));
@@ -244,7 +245,7 @@ fn overlays(comparison: &Comparison) -> Section {
 }
 
 /// Stretches of one region on the specimen, in time.
-fn spans(time: &[f64], regions: &[Region]) -> Vec<(f64, f64, Region)> {
+pub(super) fn spans(time: &[f64], regions: &[Region]) -> Vec<(f64, f64, Region)> {
     let mut found: Vec<(f64, f64, Region)> = Vec::new();
     for (&time, &region) in time.iter().zip(regions) {
         match found.last_mut() {
