@@ -8,6 +8,7 @@ mod completions;
 mod decompose;
 mod demo;
 mod diagnose;
+mod explore;
 mod fit;
 pub mod import;
 mod output;
@@ -56,6 +57,8 @@ enum Command {
     Compare(compare::Args),
     /// Say which physical effect a model lacks, with the evidence
     Diagnose(diagnose::Args),
+    /// Add what is missing until only noise is left, or say that it does not know
+    Explore(explore::Args),
     /// Predict the force of a motion
     Simulate(simulate::Args),
     /// Turn a foreign recording into a trace
@@ -107,6 +110,7 @@ pub fn run() -> ExitCode {
         Command::Fit(args) => fit::run(args),
         Command::Compare(args) => compare::run(args),
         Command::Diagnose(args) => diagnose::run(args),
+        Command::Explore(args) => explore::run(args),
         Command::Simulate(args) => simulate::run(args),
         Command::Import(args) => import::run(args),
         Command::Plot(args) => plot::run(args),

@@ -29,7 +29,7 @@ const WORTH: f64 = 0.25;
 /// differs from the specimen's.
 const MINOR: f64 = 0.04;
 /// Resamplings of the blocks.
-const RESAMPLES: usize = 200;
+pub const RESAMPLES: usize = 200;
 /// Seed of the resamplings.
 pub const SEED: u64 = 13;
 /// Part of the resamplings that a single name must win.

@@ -4,18 +4,20 @@ mod compare;
 mod decomposition;
 mod diagnosis;
 mod holds;
+mod ladder;
 mod plan;
 mod press;
 mod recording;
 mod whole_motion;
 
-pub use compare::{compare_json, compare_sections, ladder};
+pub use compare::{compare_json, compare_sections};
 pub use decomposition::{
     decomposed_trace, decomposition_json, decomposition_sections, part_panels, region_spans,
     region_table, shaded,
 };
-pub use diagnosis::{diagnosis_json, diagnosis_sections};
+pub use diagnosis::{DiagnosisSummary, NextCommand};
 pub use holds::{hold_json, hold_sections};
+pub use ladder::ladder;
 pub use plan::plan_section;
 pub use press::press_sections;
 pub use recording::{loops, overview, trace_panels};
