@@ -5,10 +5,10 @@
 //! separates it. A new effect is one file here and one line in [`LIBRARY`]; nothing else knows effects
 //! by name.
 
-mod candidates;
 mod adhesion;
 mod amplitude_dependent_relaxation;
 mod backlash;
+mod candidates;
 mod contact_offset;
 mod coulomb_friction;
 mod crosstalk;

@@ -135,6 +135,7 @@ pub(super) fn heat_map(comparison: &Comparison) -> HeatMap {
             .map(|trace| Region::ALL.map(|region| share(trace, region)).to_vec())
             .collect(),
         format: CellFormat::Percent,
+        strongest: None,
     }
 }
 

@@ -1,6 +1,6 @@
 //! Every effect that could be tried, ranked.
 
-use super::{DiagnosisSummary, chance};
+use super::DiagnosisSummary;
 use crate::report::number::significant;
 use crate::report::{Column, Section, Table};
 
@@ -43,38 +43,39 @@ impl DiagnosisSummary<'_> {
         let found = &self.diagnosis.found;
         let columns = vec![
             Column::text("effect"),
-            Column::number("gain foretold", "χ²"),
-            Column::number("chance", ""),
-            Column::number("error after refit", unit),
-            Column::number("ΔBIC to the best", ""),
-            Column::text("in place of"),
+            Column::number("foretold", "Δχ²"),
+            Column::number("p value", ""),
+            Column::number("refitted", unit),
+            Column::number("ΔBIC behind", ""),
+            Column::text(if found.steps.is_empty() { "" } else { "in place of" }),
         ];
-        let mut table = Table::new("Every effect of the library, by its gain", columns);
+        let mut table = Table::new("", columns);
         for ranked in self.ranked() {
             let mut cells = vec![ranked.name.to_owned()];
             if self.untestable(ranked.name).is_some() {
-                cells.extend(["–".into(), "–".into(), String::new(), String::new()]);
-                cells.push("not testable here, see below".into());
+                cells.extend(["–", "–", "–", "–", "not testable here"].map(String::from));
                 table = table.row(cells);
                 continue;
             }
-            cells.extend([significant(ranked.gain, 3), chance(ranked.chance)]);
+            cells.extend([format!("{:.0}", ranked.gain), significant(ranked.chance, 2)]);
             let tried = found.steps.iter().filter_map(|step| {
                 let rival = step.rivals.iter().find(|rival| rival.effect == ranked.name)?;
                 let behind = rival.fitted.bic() - step.rivals[0].fitted.bic();
                 Some((behind, rival.fitted.rms(), &step.effect))
             });
             if let Some((behind, rms, of)) = tried.min_by(|a, b| a.0.total_cmp(&b.0)) {
-                let place = if of == ranked.name { "" } else { of };
+                let place = if of == ranked.name { "found" } else { of };
                 cells.extend([self.level(rms), format!("{behind:.0}"), place.to_owned()]);
+            } else {
+                cells.extend(["–", "–", ""].map(String::from));
             }
             table = table.row(cells);
         }
         let table = table.note(
-            "Gain foretold: fall of the whitened sum of squares that the score test foretells before \
-             any refit, for the model without the effects found. Chance: that noise alone would show \
-             as much anywhere in the library. The best were refitted, each in the place of an effect \
-             found and beside the others found.",
+            "Foretold: fall of the whitened sum of squares by the score test, before any refit, for the \
+             model without the effects found. p value: chance that noise alone shows as much anywhere \
+             in the library. Refitted: the error of the best few after a refit, each in the place of an \
+             effect found and beside the others found; behind: to the best in that place.",
         );
         Section::new("Every effect").table(table)
     }

@@ -23,6 +23,7 @@ use crate::criticism::diagnose::{Diagnosis, Verdict};
 use crate::criticism::explore::rungs;
 use crate::criticism::leftover::leftover;
 use crate::criticism::screen::DRAWS;
+use crate::criticism::search::DECISIVE;
 use crate::fit::data::Data;
 use crate::model::{Fung, Rung};
 use crate::report::number::significant;
@@ -50,8 +51,9 @@ pub struct NextCommand {
 
 impl NextCommand {
     /// Puts one effect into the model.
-    fn add(&self, effect: &str) -> String {
-        format!("palpate add {effect} {} {} -o better.toml", self.model, self.traces)
+    fn add(&self, effect: &str, law: Option<&str>) -> String {
+        let law = law.map(|law| format!(" --law {law}")).unwrap_or_default();
+        format!("palpate add {effect} {} {}{law} -o better.toml", self.model, self.traces)
     }
 
     /// Puts all effects found into the model.
@@ -155,27 +157,29 @@ impl<'a> DiagnosisSummary<'a> {
         let unit = self.unit();
         let found = &self.diagnosis.found;
         let noise = self.noise();
-        let columns = vec![
+        let mut columns = vec![
             Column::text("model"),
             Column::number("error", unit),
             Column::number("held out", unit),
             Column::number("error / noise", ""),
-            Column::number("ΔBIC", ""),
-            Column::number("chance", ""),
         ];
+        if !found.steps.is_empty() {
+            columns.extend([Column::number("ΔBIC", ""), Column::number("p value", "")]);
+        }
         let mut table = Table::new("The ladder", columns);
         let models: Vec<_> = std::iter::once(&found.base).chain(&found.models).collect();
         for (index, rung) in self.rungs().iter().enumerate() {
-            let step = index.checked_sub(1);
-            let fell = step.map(|step| models[step].bic() - models[index].bic());
-            table = table.row([
+            let mut cells = vec![
                 rung_name((index, rung)),
                 self.level(rung.fitted_rms),
                 rung.heldout_rms.map_or("–".into(), |rms| self.level(rms)),
                 format!("{:.2}", rung.fitted_rms / noise),
-                fell.map_or(String::new(), |fell| format!("{fell:.0}")),
-                step.map_or(String::new(), |step| chance(found.steps[step].p_value)),
-            ]);
+            ];
+            if let Some(step) = index.checked_sub(1) {
+                let fell = models[step].bic() - models[index].bic();
+                cells.extend([format!("{fell:.0}"), significant(found.steps[step].p_value, 2)]);
+            }
+            table = table.row(cells);
         }
         let held_out = match self.data.labels.len() {
             1 => "One trace: none can be held out.",
@@ -185,10 +189,11 @@ impl<'a> DiagnosisSummary<'a> {
         if found.steps.is_empty() {
             return table;
         }
-        table.note(
-            "ΔBIC: fall of the Bayesian information criterion; 10 is decisive. \
-             Chance: that noise alone would show as much anywhere in the library.",
-        )
+        table.note(format!(
+            "ΔBIC: fall of the Bayesian information criterion; {DECISIVE:.0} is decisive. p value: chance that \
+             noise alone shows as much anywhere in the library, {} at the least.",
+            significant(1.0 / (DRAWS + 1) as f64, 2)
+        ))
     }
 
     fn ladder_bars(&self) -> crate::report::Bars {
@@ -210,16 +215,6 @@ impl<'a> DiagnosisSummary<'a> {
         let decimals =
             if noise > 0.0 { (2.0 - noise.log10().floor()).clamp(0.0, 9.0) } else { 5.0 };
         format!("{rms:.0$}", decimals as usize)
-    }
-}
-
-/// A chance as the screen can tell it: it has a least.
-fn chance(p_value: f64) -> String {
-    let least = 1.0 / (DRAWS + 1) as f64;
-    if p_value < 1.001 * least {
-        format!("< {}", significant(least, 2))
-    } else {
-        significant(p_value, 2)
     }
 }
 

@@ -1,7 +1,8 @@
 //! Where the misfit sat, and where what is left sits.
 
 use super::DiagnosisSummary;
-use crate::criticism::compare::Comparison;
+use crate::criticism::compare::{Cell, Comparison};
+use crate::criticism::region::Region;
 use crate::criticism::residuals::Stretch;
 use crate::report::number::significant;
 use crate::report::{Axis, Colour, HeatMap, Panels, Plot, Section, Series};
@@ -9,6 +10,8 @@ use crate::summary::compare::{heat_map, spans};
 
 /// Most traces whose residual is drawn.
 const MOST_DRAWN: usize = 4;
+/// Most regions of a trace whose names are shown.
+const MOST_NAMED: usize = 8;
 
 impl DiagnosisSummary<'_> {
     /// Heat maps and residuals over time, before and after.
@@ -19,14 +22,16 @@ impl DiagnosisSummary<'_> {
             if steps.is_empty() { "What the model leaves" } else { "Without the effects found" },
             self.before.in_words()
         ));
-        section = section.figure(self.map(&self.before, &self.base_name()), "");
+        let before = heat_map(&self.before);
+        let strongest = before.values.iter().flatten().copied().fold(0.0, f64::max);
+        let title = format!("Share of what {} leaves beyond the noise", self.base_name());
+        section = section.figure(HeatMap { title, ..before.clone() }, "");
         if !steps.is_empty() {
-            let name = self.top_name();
-            section = section.figure(
-                self.map(&self.after, &name),
-                "What is left beyond the noise is small here where the error is that of the noise: its \
-                 shares then mean little.",
-            );
+            let title = format!("What {} still leaves of that", self.top_name());
+            let (values, summary) = (self.still_left(), self.after.in_words());
+            let strongest = Some(strongest);
+            let map = HeatMap { title, values, summary, strongest, ..before };
+            section = section.figure(map, "In the same unit and colours: all above is 100 %.");
         }
         for trace in self.worst() {
             section = section.figure(self.residuals(trace), "");
@@ -40,13 +45,19 @@ impl DiagnosisSummary<'_> {
         std::iter::once(self.base_name()).chain(steps).collect::<Vec<_>>().join(" + ")
     }
 
-    fn map(&self, comparison: &Comparison, model: &str) -> HeatMap {
-        let title = format!(
-            "Share of what {model} leaves beyond the noise (error {} {})",
-            self.level(comparison.rms),
-            self.unit()
-        );
-        HeatMap { title, ..heat_map(comparison) }
+    /// What is left beyond the noise in every region of every trace, as a share of all that was there
+    /// before.
+    fn still_left(&self) -> Vec<Vec<f64>> {
+        let noise = self.noise();
+        let excess =
+            |cell: &Cell| ((cell.rms * cell.rms - noise * noise) * cell.samples as f64).max(0.0);
+        let all: f64 = self.before.cells.iter().map(excess).sum();
+        let mut values = vec![vec![f64::NAN; Region::ALL.len()]; self.data.labels.len()];
+        for cell in &self.after.cells {
+            values[cell.trace][cell.region as usize] =
+                if all > 0.0 { excess(cell) / all } else { 0.0 };
+        }
+        values
     }
 
     /// The traces with the most of the misfit before, the worst first.
@@ -64,7 +75,7 @@ impl DiagnosisSummary<'_> {
     /// The residual of one trace over time, before above after, on one scale.
     fn residuals(&self, trace: usize) -> Panels {
         let label = &self.data.labels[trace];
-        let plots = self.panels(trace);
+        let plots = self.models();
         let most = |comparison: &Comparison| {
             let own = comparison.stretches.iter().filter(|stretch| stretch.trace == trace);
             own.flat_map(Stretch::residual).fold(0.0, |most: f64, r| most.max(r.abs()))
@@ -87,7 +98,8 @@ impl DiagnosisSummary<'_> {
         panels
     }
 
-    fn panels(&self, _: usize) -> Vec<(String, &Comparison)> {
+    /// The model before and after, each with what it leaves.
+    fn models(&self) -> Vec<(String, &Comparison)> {
         let mut plots = vec![(self.base_name(), &self.before)];
         if !self.diagnosis.found.steps.is_empty() {
             plots.push((self.top_name(), &self.after));
@@ -111,8 +123,11 @@ impl DiagnosisSummary<'_> {
                 Series::line("residual", &stretch.time[..], stretch.residual())
                     .colour(Colour::RESIDUAL),
             );
-            for (from, to, region) in spans(&stretch.time, &stretch.regions) {
-                plot = plot.span(from, to, if first { region.name() } else { "" });
+            let spans = spans(&stretch.time, &stretch.regions);
+            // Names of many short regions would cover the plot.
+            let named = first && spans.len() <= MOST_NAMED;
+            for (from, to, region) in spans {
+                plot = plot.span(from, to, if named { region.name() } else { "" });
             }
         }
         plot.level(noise, "noise").level(-noise, "")

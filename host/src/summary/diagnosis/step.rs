@@ -1,11 +1,11 @@
 //! The evidence for one effect.
 
 use super::super::estimate;
-use super::{DiagnosisSummary, chance};
-use crate::criticism::search::{RESAMPLES, Rival, Step};
+use super::DiagnosisSummary;
+use crate::criticism::search::{DECISIVE, RESAMPLES, Rival, Step};
 use crate::effects::{Law, find};
 use crate::model::{Applied, Parameter};
-use crate::report::number::percent;
+use crate::report::number::{percent, significant};
 use crate::report::{Column, Section, Table};
 
 impl DiagnosisSummary<'_> {
@@ -37,6 +37,12 @@ impl DiagnosisSummary<'_> {
         &found.model().chain.effects[found.base.chain.effects.len() + index]
     }
 
+    /// The law that was chosen, where it is one of the library and not its first.
+    pub(super) fn law_beside_reference(&self, index: usize) -> Option<&str> {
+        let first = find(&self.diagnosis.found.steps[index].effect)?.laws[0].name;
+        Some(self.applied(index).law.as_str()).filter(|law| *law != first)
+    }
+
     /// The law that was chosen, where the effect is one of the library.
     fn law(&self, index: usize) -> Option<&'static Law> {
         let effect = find(&self.diagnosis.found.steps[index].effect)?;
@@ -63,9 +69,13 @@ impl DiagnosisSummary<'_> {
         let law = self.law(index).map(|law| format!(": {}", law.formula));
         let mut table = Table::new(format!("{}{}", step.effect, law.unwrap_or_default()), columns);
         for (parameter, value, error) in self.parameters(index) {
-            let value = estimate(value, error);
-            table =
-                table.row([&parameter.name, value.as_str(), &parameter.unit, &parameter.meaning]);
+            let given = if parameter.lower < parameter.upper { "" } else { " (given)" };
+            table = table.row([
+                parameter.name.to_string(),
+                estimate(value, error),
+                parameter.unit.to_string(),
+                format!("{}{given}", parameter.meaning),
+            ]);
         }
         table
     }
@@ -78,15 +88,15 @@ impl DiagnosisSummary<'_> {
         let after = &found.models[index];
         let columns = vec![
             Column::text("evidence"),
-            Column::number("without", ""),
-            Column::number("with", ""),
+            Column::text("without"),
+            Column::text("with"),
             Column::text(""),
         ];
         let mut table = Table::new("", columns).row([
             &format!("error, {unit}"),
             &self.level(before.rms()),
             &self.level(after.rms()),
-            "",
+            &format!("noise {}", self.level(self.noise())),
         ]);
         if let (Some(before), Some(after)) =
             (&diagnosis.held_out[index], &diagnosis.held_out[index + 1])
@@ -96,17 +106,18 @@ impl DiagnosisSummary<'_> {
             } else {
                 "gain within two standard errors over traces: not sure"
             };
-            table = table.row([
-                &format!("held out, {unit}"),
-                &self.level(before.rms),
-                &self.level(after.rms),
-                sure,
-            ]);
+            let (before, after) = (self.level(before.rms), self.level(after.rms));
+            table = table.row([&format!("held out, {unit}"), &before, &after, sure]);
         }
-        let fell = before.bic() - after.bic();
+        let fell = format!("{:.0}", before.bic() - after.bic());
         table
-            .row(["ΔBIC", "", &format!("{fell:.0}"), "10 is decisive"])
-            .row(["chance", "", &chance(step.p_value), "that noise alone would show as much"])
+            .row(["ΔBIC", "", &fell, &format!("{DECISIVE:.0} is decisive")])
+            .row([
+                "p value",
+                "",
+                &significant(step.p_value, 2),
+                "chance that noise alone shows as much",
+            ])
             .row(["credible set", "", "", &step.credible.join(", ")])
     }
 
@@ -117,9 +128,9 @@ impl DiagnosisSummary<'_> {
         let columns = vec![
             Column::text("effect"),
             Column::number("error", self.unit()),
-            Column::number("ΔBIC to the best", ""),
+            Column::number("ΔBIC behind", ""),
             Column::number("wins", ""),
-            Column::text("told apart by these traces?"),
+            Column::text("told apart?"),
         ];
         let mut table = Table::new(format!("In place of {}", step.effect), columns);
         for rival in &step.rivals {
@@ -151,7 +162,7 @@ impl DiagnosisSummary<'_> {
             format!("{}{form}", rival.effect),
             self.level(rival.fitted.rms()),
             format!("{:.0}", rival.fitted.bic() - step.rivals[0].fitted.bic()),
-            percent(rival.won, 3),
+            format!("{:.0} %", 100.0 * rival.won),
             told.to_owned(),
         ]
     }

@@ -1,6 +1,6 @@
 //! The verdict in words, and what to do next.
 
-use super::{DiagnosisSummary, chance, listed};
+use super::{DiagnosisSummary, listed};
 use crate::criticism::adequacy::LEVEL;
 use crate::criticism::diagnose::Verdict;
 use crate::criticism::search::{DECISIVE, FALSE_ALARMS, Step};
@@ -32,12 +32,17 @@ impl DiagnosisSummary<'_> {
                     self.place_in_words(),
                 )
             }
-            Verdict::Unknown => format!(
-                "Something is missing that the library does not explain to the end. {} {} {}",
-                self.missing(),
-                self.fall(),
-                self.rest_in_words(),
-            ),
+            Verdict::Unknown => {
+                let steps = self.diagnosis.found.steps.iter();
+                let names: Vec<String> = steps.map(|step| step.effect.clone()).collect();
+                format!(
+                    "Something is missing that no effect of the library explains to the end. With what \
+                     explains the most, {}, {} {}",
+                    listed(&names, "and"),
+                    self.fall().replacen("The", "the", 1),
+                    self.rest_in_words(),
+                )
+            }
         }
     }
 
@@ -47,7 +52,7 @@ impl DiagnosisSummary<'_> {
             format!(
                 " The nearest is `{}`: noise alone looks as much like it with a chance of {}.",
                 ranked.name,
-                chance(ranked.chance)
+                percent(ranked.chance, 2)
             )
         });
         format!(
@@ -107,7 +112,7 @@ impl DiagnosisSummary<'_> {
         let steps = &self.diagnosis.found.steps;
         let largest = steps.iter().map(|step| step.p_value).fold(0.0, f64::max);
         let mut text =
-            format!("Noise alone would show as much with a chance of {}", chance(largest));
+            format!("Noise alone shows as much with a chance of at most {}", percent(largest, 2));
         if let [step] = &steps[..]
             && step.credible.len() == 1
         {
@@ -120,9 +125,17 @@ impl DiagnosisSummary<'_> {
                     next.effect,
                     next.fitted.bic() - own.fitted.bic(),
                     own.effect,
-                    percent(own.won, 3),
+                    percent(own.won, 2),
                 );
             }
+        }
+        let unsure = steps.iter().zip(&self.diagnosis.sure).filter(|(_, sure)| !**sure);
+        let unsure: Vec<String> = unsure.map(|(step, _)| step.effect.clone()).collect();
+        if self.data.labels.len() > 1 && !unsure.is_empty() {
+            text += &format!(
+                "; on traces left out the gain of {} is within two standard errors of none",
+                listed(&unsure, "and")
+            );
         }
         text + "."
     }
@@ -153,15 +166,12 @@ impl DiagnosisSummary<'_> {
 
     /// What would tell the members of a credible set apart.
     pub(super) fn next_experiment(&self) -> Option<String> {
+        if self.diagnosis.verdict != Verdict::Ambiguous {
+            return None;
+        }
         let undecided = |step: &&Step| step.credible.len() > 1;
         let step = self.diagnosis.found.steps.iter().find(undecided)?;
-        let mut experiments: Vec<&str> = Vec::new();
-        for effect in step.credible.iter().filter_map(|name| find(name)) {
-            if !experiments.contains(&effect.experiment) {
-                experiments.push(effect.experiment);
-            }
-        }
-        experiments.first().map(|&experiment| experiment.to_owned())
+        find(&step.effect).map(|effect| effect.experiment.to_owned())
     }
 
     /// What to do next: a sentence, and the command where there is one.
@@ -169,7 +179,7 @@ impl DiagnosisSummary<'_> {
         let steps = &self.diagnosis.found.steps;
         let add = |sure: bool| {
             let (what, command) = match &steps[..] {
-                [step] => ("it", self.next.add(&step.effect)),
+                [step] => ("it", self.next.add(&step.effect, self.law_beside_reference(0))),
                 _ => ("them", self.next.explore()),
             };
             let text = if sure {
@@ -214,7 +224,7 @@ impl DiagnosisSummary<'_> {
     /// How a law of one's own is tried.
     pub(super) fn law_of_ones_own(&self) -> (String, Option<String>) {
         let text = format!(
-            "If you know what it could be, write it into {} as a law of your own, here with {}, and \
+            "If you know what it could be, write it into {} as a law of your own, here with the {}, and \
              diagnose again:",
             self.next.model,
             self.suspect().1,
@@ -224,13 +234,13 @@ impl DiagnosisSummary<'_> {
 
     /// What the rest depends on most, as an expression and in words.
     fn suspect(&self) -> (&'static str, &'static str) {
-        let strongest = self.after.dependences.iter().find(|dependence| dependence.p_value < 0.05);
+        let strongest = self.after.dependences.first().filter(|strongest| strongest.p_value < 0.01);
         match strongest.map(|dependence| dependence.covariate) {
             Some(covariate) => match covariate.symbol() {
-                "sgn(v)" => ("sign(v)", "the direction of the motion"),
+                "sgn(v)" => ("sign(v)", "direction of the motion"),
                 symbol => (symbol, covariate.name()),
             },
-            None => ("x", "the displacement"),
+            None => ("x", "displacement"),
         }
     }
 
