@@ -15,7 +15,7 @@ use crate::effects::{Candidate, Form};
 use crate::fit::data::{Data, Piece};
 use crate::fit::problem::Problem;
 use crate::fit::whitening::Whitening;
-use crate::model::{Act, Chain, History, Scene, Stage};
+use crate::model::{Act, Chain, Elasticity, History, Scene, Stage};
 
 /// One law of one candidate with its shapes at one point of their grid.
 #[derive(Clone, Debug)]
@@ -63,7 +63,8 @@ pub const ABSORBED: f64 = 0.02;
 /// Grids longer than this are searched beforehand, and their best point alone is kept.
 const LONG_GRID: usize = 12;
 
-/// Screens the candidates against what the problem leaves at `point`.
+/// Screens the candidates against what the problem leaves at `point`. Long grids are not searched again
+/// where a screen of the same data has chosen from them `before`.
 #[must_use]
 pub fn screen(
     problem: &Problem,
@@ -71,8 +72,9 @@ pub fn screen(
     point: &[f64],
     whitening: &Whitening,
     candidates: &[Candidate],
+    before: Option<&Screen>,
 ) -> Screen {
-    let mut directions = directions(problem, data, point, whitening, candidates);
+    let mut directions = directions(problem, data, point, whitening, candidates, before);
     let base = point.len();
     let size = base + directions.last().map_or(0, |d| d.columns.end);
     let gram = gram(problem, data, point, whitening, candidates, &directions, size);
@@ -81,6 +83,18 @@ pub fn screen(
     for direction in &mut directions {
         let positive = candidates[direction.candidate].forms[direction.form].positive;
         projected.judge(direction, positive);
+    }
+    for d in &directions {
+        tracing::trace!(
+            "score: {} ({}) {:?}: left {:.3}, gain {:.1}, strengths {:?}, log chance {:.1}",
+            candidates[d.candidate].name,
+            candidates[d.candidate].forms[d.form].applied.law,
+            d.shapes,
+            d.left,
+            d.gain,
+            &d.strengths[..d.strengths.len().min(3)],
+            d.log_chance
+        );
     }
     let cosines = projected.cosines();
     let chance = chances(&directions, candidates, &cosines);
@@ -94,6 +108,7 @@ fn directions(
     point: &[f64],
     whitening: &Whitening,
     candidates: &[Candidate],
+    before: Option<&Screen>,
 ) -> Vec<Direction> {
     let mut found = Vec::new();
     let mut next = 0;
@@ -103,10 +118,12 @@ fn directions(
         }
         for (number, form) in candidate.forms.iter().enumerate() {
             let looks = if form.grid.len() > LONG_GRID { form.grid.len() } else { 1 };
-            let grid = if looks > 1 {
-                vec![best_of_grid(problem, data, point, whitening, form)]
-            } else {
-                form.grid.clone()
+            let same = |d: &&Direction| (d.candidate, d.form) == (index, number);
+            let chosen = before.and_then(|before| before.directions.iter().find(same));
+            let grid = match chosen {
+                Some(chosen) if looks > 1 => vec![chosen.shapes.clone()],
+                None if looks > 1 => vec![best_of_grid(problem, data, point, whitening, form)],
+                _ => form.grid.clone(),
             };
             for shapes in grid {
                 let columns = next..next + form.applied.strengths;
@@ -200,8 +217,9 @@ fn gram(
         }
         columns.push((size, residual.into_iter().map(|r| -r).collect()));
         columns.par_iter_mut().for_each(|(_, column)| whitening.apply(column));
-        let matrix = DMatrix::from_fn(scene.len(), columns.len(), |i, j| columns[j].1[i]);
-        let products = matrix.tr_mul(&matrix);
+        let entries = columns.iter().flat_map(|(_, column)| column).copied();
+        let matrix = DMatrix::from_iterator(scene.len(), columns.len(), entries);
+        let products = matrix.transpose() * &matrix;
         for (i, (row, _)) in columns.iter().enumerate() {
             for (j, (column, _)) in columns.iter().enumerate() {
                 gram[(*row, *column)] += products[(i, j)];
@@ -217,6 +235,7 @@ struct Probe {
     /// Parameters of the chain with each strength in turn at its typical size.
     points: Vec<Vec<f64>>,
     histories: Vec<History>,
+    elasticity: Elasticity,
     typical: f64,
     each_trace: usize,
     /// Whether the effect acts last, on the prediction itself.
@@ -236,6 +255,7 @@ impl Probe {
             chain: chain.with(form.applied.clone()),
             points: (0..strengths).map(at).collect(),
             histories: vec![History::default(); strengths],
+            elasticity: Elasticity::default(),
             typical: form.typical,
             each_trace: form.applied.each_trace,
             last: matches!(form.applied.act, Act::Force(_)) && !after(stage),
@@ -260,7 +280,8 @@ impl Probe {
                 force.extend_from_slice(base);
                 self.chain.run_last(point, scene, &mut self.histories[place], &mut force);
             } else {
-                self.chain.run(point, scene, &mut self.histories[place], &mut force);
+                let history = &mut self.histories[place];
+                self.chain.run(point, scene, history, &mut self.elasticity, &mut force);
             }
             for (force, base) in force.iter_mut().zip(base) {
                 *force = (*force - base) / self.typical;

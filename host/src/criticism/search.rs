@@ -11,9 +11,10 @@ use super::fitted::Fitted;
 use super::screen::{Direction, Screen, screen};
 use crate::effects::Candidate;
 use crate::fit::data::Data;
-use crate::fit::least_squares::Effort;
+use crate::fit::least_squares::{Effort, LeastSquares, Solution, minimise_with};
 use crate::fit::problem::Problem;
 use crate::fit::whitening::Whitening;
+use crate::model::Chain;
 
 /// Chance of naming anything where nothing is missing, over all steps.
 pub const FALSE_ALARMS: f64 = 0.01;
@@ -28,6 +29,13 @@ const WORTH: f64 = 0.25;
 /// Part of all that was explained so far that a further effect must explain: less is how a law's form
 /// differs from the specimen's.
 const MINOR: f64 = 0.04;
+/// A law whose gain after a few steps is below this part of the best is given up, but not among the
+/// first few.
+const CLOSE: f64 = 0.6;
+/// Effects that are always refitted.
+const FEWEST: usize = 3;
+/// Most replacements of effects already found.
+const MOST_ROUNDS: usize = 8;
 /// Resamplings of the blocks.
 pub const RESAMPLES: usize = 200;
 /// Seed of the resamplings.
@@ -48,6 +56,8 @@ pub struct Step {
     pub rivals: Vec<Rival>,
     /// Names that the data do not tell apart, the effect first.
     pub credible: Vec<String>,
+    /// Whether the rivals were refitted beside the other effects of the model.
+    fresh: bool,
 }
 
 /// An effect refitted beside the others of a model.
@@ -104,49 +114,59 @@ impl Search<'_> {
     /// Adds effects to the base for as long as they are missed.
     #[must_use]
     pub fn run(&self, base: Fitted) -> Found {
-        let first = self.screen(&base);
+        let first = self.screen(&base, None);
         let mut found =
             Found { base, steps: Vec::new(), models: Vec::new(), last: first.clone(), first };
         let mut budget = 0.5 * FALSE_ALARMS;
-        while found.steps.len() < MOST_STEPS {
-            let current = found.model().clone();
-            let best = found.last.chance.iter().copied().fold(1.0, f64::min);
-            if best > budget {
+        loop {
+            while found.steps.len() < MOST_STEPS && self.advance(&mut found, budget) {
+                budget *= 0.5;
+            }
+            if !self.polish(&mut found) {
                 break;
             }
-            let rivals = self.refit(&current, &found.last, &[]);
-            let Some(winner) = rivals.first() else { break };
-            let fell = current.bic() - winner.fitted.bic();
-            let explained = found.base.cost - current.cost;
-            let minor =
-                !found.steps.is_empty() && current.cost - winner.fitted.cost < MINOR * explained;
-            if fell < DECISIVE || minor {
-                break;
-            }
-            found.models.push(winner.fitted.clone());
-            found.steps.push(Step {
-                effect: winner.effect.clone(),
-                p_value: found.last.chance[winner.candidate],
-                rivals,
-                credible: Vec::new(),
-            });
-            if found.steps.len() > 1 {
-                self.polish(&mut found);
-            }
-            found.last = self.screen(found.model());
-            budget *= 0.5;
         }
-        self.weigh(&mut found);
+        for step in &mut found.steps {
+            resample(&mut step.rivals);
+            step.credible = credible(&step.effect, &step.rivals);
+        }
         found
     }
 
-    fn screen(&self, fitted: &Fitted) -> Screen {
+    /// Adds the effect that is missed most, if one is missed beyond the chance of `budget`.
+    fn advance(&self, found: &mut Found, budget: f64) -> bool {
+        let least = found.last.chance.iter().copied().fold(1.0, f64::min);
+        if least > budget {
+            return false;
+        }
+        let current = found.model();
+        let rivals = self.refit(current, &found.last);
+        let Some(winner) = rivals.first() else { return false };
+        let fell = current.bic() - winner.fitted.bic();
+        let explained = found.base.cost - current.cost;
+        let minor =
+            !found.steps.is_empty() && current.cost - winner.fitted.cost < MINOR * explained;
+        if fell < DECISIVE || minor {
+            return false;
+        }
+        for step in &mut found.steps {
+            step.fresh = false;
+        }
+        let (model, effect) = (winner.fitted.clone(), winner.effect.clone());
+        let p_value = found.last.chance[winner.candidate];
+        found.models.push(model);
+        found.steps.push(Step { effect, p_value, rivals, credible: Vec::new(), fresh: true });
+        found.last = self.screen(found.model(), None);
+        true
+    }
+
+    fn screen(&self, fitted: &Fitted, before: Option<&Screen>) -> Screen {
         let problem = self.problem.with_chain(&fitted.chain);
-        screen(&problem, self.data, &fitted.point, self.whitening, self.candidates)
+        screen(&problem, self.data, &fitted.point, self.whitening, self.candidates, before)
     }
 
     /// Refits the laws that the screen foretells the most for, and names their effects, best first.
-    fn refit(&self, from: &Fitted, screen: &Screen, besides: &[usize]) -> Vec<Rival> {
+    fn refit(&self, from: &Fitted, screen: &Screen) -> Vec<Rival> {
         let present = |direction: &&Direction| {
             let name = &self.candidates[direction.candidate].name;
             from.chain.effects.iter().all(|effect| effect.name != *name)
@@ -159,14 +179,58 @@ impl Search<'_> {
         for direction in directions {
             let same =
                 |d: &&&Direction| (d.candidate, d.form) == (direction.candidate, direction.form);
-            let wanted = direction.gain >= WORTH * most || besides.contains(&direction.candidate);
-            if wanted && chosen.iter().filter(same).count() == 0 && chosen.len() < MOST_REFITS {
+            let wanted = direction.gain >= WORTH * most;
+            if wanted && !chosen.iter().any(|d| same(&d)) && chosen.len() < MOST_REFITS {
                 chosen.push(direction);
             }
         }
-        let fits: Vec<(usize, f64, Fitted)> = chosen
+        for direction in &chosen {
+            tracing::debug!(
+                "worth a try: {} ({}), shapes {:?}, foretold gain {:.1}, strengths {:?}, left {:.3}",
+                self.candidates[direction.candidate].name,
+                self.candidates[direction.candidate].forms[direction.form].applied.law,
+                direction.shapes,
+                direction.gain,
+                direction.strengths,
+                direction.left
+            );
+        }
+        // A few steps for all tell which are worth going on with.
+        let mut tried: Vec<(&Direction, Chain, Solution)> = chosen
             .par_iter()
-            .map(|direction| (direction.candidate, direction.gain, self.with(from, direction)))
+            .map(|direction| {
+                let (chain, found) = self.try_out(from, direction);
+                (*direction, chain, found)
+            })
+            .collect();
+        tried.sort_by(|a, b| a.2.normal.cost.total_cmp(&b.2.normal.cost));
+        let gain = |found: &Solution| from.cost - found.normal.cost;
+        for (direction, _, found) in &tried {
+            tracing::debug!(
+                "tried: {} ({}): gain {:.1}, {}",
+                self.candidates[direction.candidate].name,
+                self.candidates[direction.candidate].forms[direction.form].applied.law,
+                gain(found),
+                found.stop
+            );
+        }
+        let most = tried.first().map_or(0.0, |(.., found)| gain(found));
+        let mut names: Vec<usize> = Vec::new();
+        tried.retain(|(direction, _, found)| {
+            let new = !names.contains(&direction.candidate);
+            let kept = gain(found) >= CLOSE * most || (new && names.len() < FEWEST);
+            if kept && new {
+                names.push(direction.candidate);
+            }
+            kept
+        });
+        let fits: Vec<(usize, f64, Fitted)> = tried
+            .into_par_iter()
+            .map(|(direction, chain, found)| {
+                let problem = self.problem.with_chain(&chain);
+                let fitted = Fitted::new(&problem, &found.point, Effort::QUICK);
+                (direction.candidate, direction.gain, fitted)
+            })
             .collect();
         let mut rivals: Vec<Rival> = Vec::new();
         for (candidate, predicted, fitted) in fits {
@@ -185,61 +249,76 @@ impl Search<'_> {
         rivals
     }
 
-    /// The model with one more law, from what the screen foretells.
-    fn with(&self, from: &Fitted, direction: &Direction) -> Fitted {
+    /// A few steps with one more law, from what the screen foretells.
+    fn try_out(&self, from: &Fitted, direction: &Direction) -> (Chain, Solution) {
         let form = &self.candidates[direction.candidate].forms[direction.form];
         let chain = from.chain.with(form.applied.clone());
         let problem = self.problem.with_chain(&chain);
-        let shifted = from.point.iter().zip(&direction.shift).map(|(x, step)| x + step);
-        let shapes = direction.shapes.iter().copied();
-        let strengths = direction.strengths.iter().copied();
-        let start: Vec<f64> = shifted.chain(strengths.clone()).chain(shapes.clone()).collect();
-        let careful: Vec<f64> =
-            from.point.iter().copied().chain(strengths.map(|s| 0.5 * s)).chain(shapes).collect();
-        // A forecast beyond the reach of its straight line would start worse than no forecast.
-        use crate::fit::least_squares::LeastSquares;
-        let inside = |point: &[f64]| -> Vec<f64> {
-            point.iter().zip(problem.bounds()).map(|(x, (l, u))| x.clamp(*l, *u)).collect()
+        // A forecast beyond the reach of its straight line would start worse than half of it.
+        let part = |part: f64| -> Vec<f64> {
+            let model = from.point.iter().zip(&direction.shift).map(|(x, step)| x + part * step);
+            let strengths = direction.strengths.iter().map(|strength| part * strength);
+            let point = model.chain(strengths).chain(direction.shapes.iter().copied());
+            point.zip(problem.bounds()).map(|(x, (lower, upper))| x.clamp(*lower, *upper)).collect()
         };
-        let (start, careful) = (inside(&start), inside(&careful));
-        let start = if problem.cost(&start) <= problem.cost(&careful) { start } else { careful };
-        Fitted::new(&problem, &start, Effort::QUICK)
+        let (whole, half) = (part(1.0), part(0.5));
+        let start = if problem.cost(&whole) <= problem.cost(&half) { whole } else { half };
+        let found = minimise_with(&problem, &start, Effort::TRIAL);
+        (chain, found)
     }
 
     /// Asks of every effect whether another would do better in its place, and whether it is still
-    /// needed.
-    fn polish(&self, found: &mut Found) {
-        for _ in 0..2 {
-            let mut changed = false;
-            for index in (0..found.steps.len()).rev() {
-                if found.steps.len() < 2 {
-                    return;
-                }
-                let (without, screen) = self.without(found, index);
-                if without.bic() - found.model().bic() < DECISIVE {
-                    found.steps.remove(index);
-                    self.rebuild(found, without);
-                    changed = true;
-                    continue;
-                }
-                let rivals = self.refit(&without, &screen, &[]);
-                if let Some(best) = rivals.first()
-                    && best.fitted.bic() + 1e-6 < found.model().bic()
-                {
-                    changed |= best.effect != found.steps[index].effect;
-                    let mut step = found.steps.remove(index);
-                    step.effect.clone_from(&best.effect);
-                    step.p_value = screen.chance[best.candidate];
-                    let fitted = best.fitted.clone();
-                    step.rivals = rivals;
-                    found.steps.push(step);
-                    self.rebuild(found, fitted);
-                }
+    /// needed; true if the model has changed.
+    fn polish(&self, found: &mut Found) -> bool {
+        let mut changed = false;
+        let mut rounds = 0;
+        while let Some(index) = found.steps.iter().rposition(|step| !step.fresh) {
+            rounds += 1;
+            let (without, screen) = self.without(found, index);
+            if without.bic() - found.model().bic() < DECISIVE {
+                found.steps.remove(index);
+                self.rebuild(found, without);
+                changed = true;
+                continue;
             }
-            if !changed {
-                return;
+            let mut rivals = self.refit(&without, &screen);
+            let effect = found.steps[index].effect.clone();
+            let better = |best: &Rival| best.fitted.bic() + 1e-3 < found.model().bic();
+            match rivals.first() {
+                Some(best) if better(best) && rounds <= MOST_ROUNDS => {
+                    let other = best.effect != effect;
+                    let (fitted, effect) = (best.fitted.clone(), best.effect.clone());
+                    let p_value = screen.chance[best.candidate];
+                    found.steps.remove(index);
+                    found.steps.push(Step {
+                        effect,
+                        p_value,
+                        rivals,
+                        credible: Vec::new(),
+                        fresh: true,
+                    });
+                    self.rebuild(found, fitted);
+                    if other {
+                        changed = true;
+                        let last = found.steps.len() - 1;
+                        found.steps[..last].iter_mut().for_each(|step| step.fresh = false);
+                    }
+                }
+                _ => {
+                    // The model at hand may be the better fit with the same effect.
+                    if let Some(own) = rivals.iter_mut().find(|rival| rival.effect == effect) {
+                        own.fitted = found.model().clone();
+                    }
+                    rivals.sort_by(by_criterion);
+                    found.steps[index].rivals = rivals;
+                    found.steps[index].fresh = true;
+                }
             }
         }
+        if changed {
+            found.last = self.screen(found.model(), None);
+        }
+        changed && rounds <= MOST_ROUNDS
     }
 
     /// The model without one of its effects, refitted and screened.
@@ -252,7 +331,7 @@ impl Search<'_> {
         start.drain(range);
         let problem = self.problem.with_chain(&chain);
         let fitted = Fitted::new(&problem, &start, Effort::QUICK);
-        let screen = self.screen(&fitted);
+        let screen = self.screen(&fitted, Some(&found.last));
         (fitted, screen)
     }
 
@@ -269,31 +348,6 @@ impl Search<'_> {
             start.drain(range);
             let problem = self.problem.with_chain(&chain);
             found.models[step] = Fitted::new(&problem, &start, Effort::QUICK);
-        }
-    }
-
-    /// Weighs every effect found against its rivals beside the others.
-    fn weigh(&self, found: &mut Found) {
-        for index in 0..found.steps.len() {
-            let mut rivals = if found.steps.len() > 1 {
-                let (without, screen) = self.without(found, index);
-                let mut rivals = self.refit(&without, &screen, &[]);
-                let present = &found.steps[index].effect;
-                if let Some(own) = rivals.iter().position(|rival| rival.effect == *present) {
-                    let best = found.model().clone();
-                    if best.bic() <= rivals[own].fitted.bic() {
-                        rivals[own].fitted = best;
-                    }
-                }
-                rivals.sort_by(by_criterion);
-                rivals
-            } else {
-                std::mem::take(&mut found.steps[index].rivals)
-            };
-            resample(&mut rivals);
-            let step = &mut found.steps[index];
-            step.credible = credible(&step.effect, &rivals);
-            step.rivals = rivals;
         }
     }
 }

@@ -6,10 +6,10 @@ use crate::model::{Act, Branch, Stage};
 const SHARE: Strength = Strength {
     name: "share",
     unit: "",
-    meaning: "share of the elastic response that relaxes fast",
+    meaning: "force that relaxes fast, over the elastic response",
     sign: Sign::Positive,
     typical: |_| 0.03,
-    most: |_| 0.9,
+    most: |_| 5.0,
     count: Count::Fixed(&[]),
 };
 
@@ -33,18 +33,19 @@ pub const EFFECT: Effect = Effect {
     laws: &[
         Law {
             name: "reference",
-            formula: "g → g + c (e^(−t/τ) − 1)",
+            formula: "g → g + c e^(−t/τ)",
             strength: SHARE,
             shapes: &[TIME],
             act: Act::Relaxation(|_, parameters, _, _, relaxation| {
                 relaxation
                     .branches
                     .push(Branch { share: parameters[0], rate: 1.0 / parameters[1] });
+                relaxation.on_top += parameters[0];
             }),
         },
         Law {
             name: "band",
-            formula: "g → g + Σ c/4 (e^(−t/τ_i) − 1), τ_i = τ, τ/√10, τ/10, τ/√1000",
+            formula: "g → g + Σ c/4 e^(−t/τ_i), τ_i = τ, τ/√10, τ/10, τ/√1000",
             strength: SHARE,
             shapes: &[TIME],
             act: Act::Relaxation(|_, parameters, _, _, relaxation| {
@@ -52,6 +53,7 @@ pub const EFFECT: Effect = Effect {
                     share: parameters[0] / 4.0,
                     rate: 10f64.powf(0.5 * f64::from(k)) / parameters[1],
                 }));
+                relaxation.on_top += parameters[0];
             }),
         },
     ],

@@ -1,18 +1,24 @@
 //! `saturation`: the sensor cannot read more than so much.
 
-use super::shapes::FULL_FORCE;
 use super::{Count, Effect, Law, Needs, Role, Shape, Sign, Strength};
 use crate::model::{Act, Stage};
 
-/// The limit is stated as a ratio that is 0 where there is none.
-const RATIO: Strength = Strength {
-    name: "ratio",
+const LOSS: Strength = Strength {
+    name: "loss",
     unit: "",
-    meaning: "full force over the largest that the sensor reads; below 1 the data show nothing of it",
+    meaning: "part of what lies above the limit that is lost; 1 is a hard stop",
     sign: Sign::Positive,
-    typical: |_| 1.03,
-    most: |_| 3.0,
+    typical: |_| 1.0,
+    most: |_| 1.0,
     count: Count::Fixed(&[]),
+};
+
+const LIMIT: Shape = Shape {
+    name: "limit",
+    unit: "N",
+    meaning: "force above which the sensor loses",
+    grid: |scales| [0.97, 0.9, 0.8].map(|part| part * scales.force).to_vec(),
+    role: Role::Fitted(|scales| (0.2 * scales.force, 1.05 * scales.force)),
 };
 
 /// The effect.
@@ -27,34 +33,32 @@ pub const EFFECT: Effect = Effect {
     laws: &[
         Law {
             name: "reference",
-            formula: "F → min(F, F0/s)",
-            strength: RATIO,
-            shapes: &[FULL_FORCE],
+            formula: "F → F − s max(F − F_c, 0); s = 1: F → min(F, F_c)",
+            strength: LOSS,
+            shapes: &[LIMIT],
             act: Act::Force(|_, parameters, _, force| {
+                let (loss, limit) = (parameters[0], parameters[1]);
                 for force in force {
-                    *force = force.min(parameters[1] / parameters[0]);
+                    *force -= loss * (*force - limit).max(0.0);
                 }
             }),
         },
         Law {
             name: "soft",
-            formula: "F → F/(1 + (s |F|/F0)^n)^(1/n)",
-            strength: Strength { typical: |_| 0.9, ..RATIO },
-            shapes: &[
-                Shape {
-                    name: "sharpness",
-                    unit: "",
-                    meaning: "how sharply the range ends",
-                    grid: |_| vec![8.0],
-                    role: Role::Fitted(|_| (3.0, 40.0)),
-                },
-                FULL_FORCE,
-            ],
+            formula: "F → F − s w ln(1 + e^((F − F_c)/w)), w = F_c/20",
+            strength: LOSS,
+            shapes: &[Shape {
+                grid: |scales| [0.95, 0.85].map(|part| part * scales.force).to_vec(),
+                ..LIMIT
+            }],
             act: Act::Force(|_, parameters, _, force| {
-                let (ratio, sharpness, full) = (parameters[0], parameters[1], parameters[2]);
+                let (loss, limit) = (parameters[0], parameters[1]);
+                let width = 0.05 * limit;
                 for force in force {
-                    let part = ratio * force.abs() / full;
-                    *force /= (1.0 + part.powf(sharpness)).powf(1.0 / sharpness);
+                    // Far below the limit the logarithm is its exponential, far above its argument.
+                    let above = (*force - limit) / width;
+                    let soft = if above > 30.0 { above } else { above.exp().ln_1p() };
+                    *force -= loss * width * soft;
                 }
             }),
         },

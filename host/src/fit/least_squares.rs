@@ -100,6 +100,8 @@ pub struct Effort {
 impl Effort {
     /// To the last digits that mean something.
     pub const FULL: Self = Self { iterations: 200, cost: 1e-13 };
+    /// A few steps.
+    pub const TRIAL: Self = Self { iterations: 3, cost: 1e-6 };
     /// Enough to choose between models.
     pub const QUICK: Self = Self { iterations: 12, cost: 1e-6 };
 }

@@ -15,7 +15,7 @@ use nalgebra::{DMatrix, DVector};
 use super::data::{Data, Piece};
 use super::least_squares::{LeastSquares, Normal};
 use super::whitening::Whitening;
-use crate::model::{Chain, History, Scene};
+use crate::model::{Chain, Elasticity, History, Scene};
 
 /// Residuals of a chain over a data set.
 pub struct Problem<'a> {
@@ -123,12 +123,13 @@ impl<'a> Problem<'a> {
         let declared: Vec<Vec<f64>> = points.iter().map(|point| self.declared(point)).collect();
         let mut histories = vec![History::default(); points.len()];
         let mut forces = vec![Vec::new(); points.len()];
+        let mut elasticity = Elasticity::default();
         for (index, piece) in self.data.pieces.iter().enumerate() {
             let scene = self.scene(index);
             for ((parameters, history), force) in
                 declared.iter().zip(&mut histories).zip(&mut forces)
             {
-                self.chain.run(parameters, &scene, history, force);
+                self.chain.run(parameters, &scene, history, &mut elasticity, force);
             }
             sink(piece, &forces);
         }
@@ -289,12 +290,15 @@ fn bounds(chain: &Chain, data: &Data) -> Vec<(f64, f64)> {
 impl Normal {
     /// Adds a range of samples: derivatives column by column, and residuals.
     pub fn add(&mut self, columns: &[Vec<f64>], residual: &[f64], range: Range<usize>) {
-        let jacobian =
-            DMatrix::from_fn(range.len(), columns.len(), |i, j| columns[j][range.start + i]);
+        let mut entries = Vec::with_capacity(range.len() * columns.len());
+        for column in columns {
+            entries.extend_from_slice(&column[range.clone()]);
+        }
+        let jacobian = DMatrix::from_vec(range.len(), columns.len(), entries);
         let residual = DVector::from_column_slice(&residual[range]);
         self.cost += residual.norm_squared();
         self.gradient += jacobian.tr_mul(&residual);
-        self.curvature += jacobian.tr_mul(&jacobian);
+        self.curvature += jacobian.transpose() * &jacobian;
     }
 }
 

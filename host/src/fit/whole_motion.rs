@@ -11,7 +11,7 @@ use super::problem::Problem;
 use super::start::starts;
 use super::uncertainty::{Uncertainty, uncertainty};
 use super::whitening::Whitening;
-use crate::model::{Chain, Fung, History, Parameter};
+use crate::model::{Chain, Elasticity, Fung, History, Parameter};
 
 /// The outcome of a fit.
 #[derive(Clone, Debug)]
@@ -156,9 +156,9 @@ fn error_on(problem: &Problem, data: &Data, point: &[f64], trace: usize, tare: b
 #[must_use]
 pub fn predict(chain: &Chain, parameters: &[f64], data: &Data) -> Vec<Vec<f64>> {
     let mut history = History::default();
-    let mut force = Vec::new();
+    let (mut elasticity, mut force) = (Elasticity::default(), Vec::new());
     let stretch = |piece| {
-        chain.run(parameters, &data.scene(piece), &mut history, &mut force);
+        chain.run(parameters, &data.scene(piece), &mut history, &mut elasticity, &mut force);
         force.clone()
     };
     data.pieces.iter().map(stretch).collect()

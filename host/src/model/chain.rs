@@ -40,6 +40,29 @@ pub struct History {
     effects: Vec<Remembered>,
 }
 
+/// The elastic response of a unit stiffness at the compressions it was last asked for: most of the runs
+/// of a fit ask for the same.
+#[derive(Clone, Debug, Default)]
+pub struct Elasticity {
+    exponent: f64,
+    x: Vec<f64>,
+    unit: Vec<f64>,
+}
+
+impl Elasticity {
+    /// Elastic response N, N, at each compression x, mm.
+    fn response(&mut self, p: f64, q: f64, x: &[f64]) -> Vec<f64> {
+        if self.exponent.to_bits() != q.to_bits() || self.x != x {
+            self.exponent = q;
+            self.x.clear();
+            self.x.extend_from_slice(x);
+            self.unit.clear();
+            self.unit.extend(x.iter().map(|&x| elastic_response(1.0, q, x)));
+        }
+        self.unit.iter().map(|unit| p * unit).collect()
+    }
+}
+
 /// How often a force that changes the compression is followed back, at most.
 const FEEDBACKS: usize = 30;
 /// Change of the compression, mm, at which that has settled.
@@ -86,13 +109,14 @@ impl Chain {
     /// Predicts the signal over one stretch, sample by sample, into `force`.
     ///
     /// `parameters` are in the order of [`Chain::parameters`]. `history` is what specimen and sensor
-    /// remember; it is left as the stretch leaves it. A stretch that starts in contact counts as
-    /// having just arrived there.
+    /// remember; it is left as the stretch leaves it. `elasticity` spares work from run to run. A stretch
+    /// that starts in contact counts as having just arrived there.
     pub fn run(
         &self,
         parameters: &[f64],
         scene: &Scene,
         history: &mut History,
+        elasticity: &mut Elasticity,
         force: &mut Vec<f64>,
     ) {
         history.effects.resize(self.effects.len(), Remembered::new());
@@ -112,13 +136,13 @@ impl Chain {
             })
             .collect();
         if feedbacks.is_empty() {
-            self.contact(parameters, scene, history, &x, force);
+            self.contact(parameters, scene, (history, elasticity), &x, force);
         } else {
             let before = history.clone();
             let mut reached = x.clone();
             for _ in 0..FEEDBACKS {
                 history.clone_from(&before);
-                self.contact(parameters, scene, history, &reached, force);
+                self.contact(parameters, scene, (history, elasticity), &reached, force);
                 let mut next = x.clone();
                 for (law, own) in &feedbacks {
                     law(scene, own, force, &mut next);
@@ -167,12 +191,11 @@ impl Chain {
         &self,
         parameters: &[f64],
         scene: &Scene,
-        history: &mut History,
+        (history, elasticity): (&mut History, &mut Elasticity),
         x: &[f64],
         force: &mut Vec<f64>,
     ) {
-        let (p, q) = (parameters[0], parameters[1]);
-        let mut elastic: Vec<f64> = x.iter().map(|&x| elastic_response(p, q, x)).collect();
+        let mut elastic = elasticity.response(parameters[0], parameters[1], x);
         let mut hereditary =
             Hereditary::linear(self.base.relaxation(parameters).branches, self.base.separation);
         self.each(parameters, history, |act, own, remembered, stage| match act {

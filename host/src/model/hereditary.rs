@@ -1,7 +1,7 @@
 //! The hereditary integral over a whole stretch, with what effects can change in it.
 //!
-//! F = N + Σ ci si (xi − D), xi' = −vi ri |xi/X|^m xi + D', D = d N: with all factors at one and m = 0
-//! it is eq. 2.1 with the relaxation function of eq. 3.3. Steps are exact for N linear between samples
+//! F = N + s (Σ ci (xi − D) + c⁺ D), xi' = −vi r |xi/X|^m xi + D', D = d N: with all factors at one,
+//! m = 0 and c⁺ = 0 it is eq. 2.1 with the relaxation function of eq. 3.3. Steps are exact for N linear between samples
 //! where the rates are constant, and of second order where they vary.
 
 use super::relaxation::mean_decay;
@@ -12,11 +12,13 @@ use super::{Branch, Separation};
 pub struct Hereditary {
     /// Shares ci and rates vi, 1/s.
     pub branches: Vec<Branch>,
-    /// Factor si on all shares, sample by sample; one where absent.
+    /// Share c⁺ of branches whose force comes on top of the elastic response.
+    pub on_top: f64,
+    /// Factor s on all shares, sample by sample; one where absent.
     pub share_factor: Option<Vec<f64>>,
     /// Part d of the elastic response that drives the branches, sample by sample; one where absent.
     pub drive_factor: Option<Vec<f64>>,
-    /// Factor ri on all rates, sample by sample; one where absent.
+    /// Factor r on all rates, sample by sample; one where absent.
     pub rate_factor: Option<Vec<f64>>,
     /// Power m by which the rate grows with the state of a branch; 0 for a linear law.
     pub power: f64,
@@ -50,6 +52,7 @@ impl Hereditary {
     pub fn linear(branches: Vec<Branch>, separation: Separation) -> Self {
         Self {
             branches,
+            on_top: 0.0,
             share_factor: None,
             drive_factor: None,
             rate_factor: None,
@@ -102,7 +105,7 @@ impl Hereditary {
             .zip(&state.states)
             .map(|(branch, x)| branch.share * (x - state.driven))
             .sum();
-        elastic + at(&self.share_factor, k) * latent
+        elastic + at(&self.share_factor, k) * (latent + self.on_top * state.driven)
     }
 
     fn jump(&self, state: &mut HereditaryState, elastic: f64) -> f64 {
@@ -127,7 +130,7 @@ impl Hereditary {
     /// The elastic response that would leave the surface free of force at sample `k`, N.
     fn free(&self, state: &HereditaryState, k: usize) -> f64 {
         let (share, drive) = (at(&self.share_factor, k), at(&self.drive_factor, k));
-        let (mut held, mut immediate) = (0.0, 1.0);
+        let (mut held, mut immediate) = (0.0, 1.0 + self.on_top * share * drive);
         for ((branch, x), &(decay, gain)) in
             self.branches.iter().zip(&state.states).zip(&state.steps)
         {

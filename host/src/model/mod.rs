@@ -17,7 +17,7 @@ mod relaxation;
 mod scene;
 
 pub use act::{Act, Remembered, Stage};
-pub use chain::{Applied, Chain, History};
+pub use chain::{Applied, Chain, Elasticity, History};
 pub use elastic::elastic_response;
 pub use expression::{Expression, ExpressionError, VARIABLES};
 pub use file::{Base, FileError, FitRecord, Model, Rung, StoredEffect, StoredParameter, VERSION};

@@ -1,8 +1,10 @@
 //! What the library says of a data set, as the score takes it.
 
+use palpate::criticism::diagnose::diagnose;
+use palpate::criticism::search;
 use palpate::fit::data::Data;
 use palpate::fit::whole_motion::fit;
-use palpate::model::{Fung, Separation};
+use palpate::model::{Fung, Model, Separation};
 use palpate_tests::hidden::DataSet;
 
 /// A diagnosis.
@@ -30,11 +32,24 @@ pub struct Step {
 }
 
 /// Fits the base and asks what it lacks.
-///
-/// TEMPORARY: the diagnosis is not there yet; until it is, every answer is "adequate".
 pub fn answer(set: &DataSet) -> Result<Answer, String> {
-    let data = Data::of(&set.traces, set.truth.signal).map_err(|error| error.to_string())?;
+    let signal = set.truth.signal;
+    let data = Data::of(&set.traces, signal).map_err(|error| error.to_string())?;
     let law = Fung { terms: 2, separation: Separation::Clamp };
     let base = fit(law, &data).map_err(|error| error.to_string())?;
-    Ok(Answer { verdict: "adequate".into(), steps: Vec::new(), noise_rms: base.rms() })
+    let model = Model::of(&law, signal, &base.values, &base.standard_errors);
+    let diagnosis = diagnose(&model, &set.traces).map_err(|error| error.to_string())?;
+    let step = |(index, step): (usize, &search::Step)| Step {
+        effect: step.effect.clone(),
+        credible_set: step.credible.clone(),
+        ranking: step.rivals.iter().map(|rival| rival.effect.clone()).collect(),
+        heldout_rms_after: diagnosis.held_out[index + 1]
+            .as_ref()
+            .map_or(f64::NAN, |held_out| held_out.rms),
+    };
+    Ok(Answer {
+        verdict: diagnosis.verdict.word().into(),
+        steps: diagnosis.found.steps.iter().enumerate().map(step).collect(),
+        noise_rms: diagnosis.noise.whitening.standard_deviation(),
+    })
 }
