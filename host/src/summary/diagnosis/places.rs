@@ -117,7 +117,7 @@ impl DiagnosisSummary<'_> {
     ) -> Plot {
         let noise = self.noise();
         let axis = Axis::new("measured − model", self.unit()).range(-most, most);
-        let mut plot = Plot::new(name, Axis::new("time", "s"), axis).height(150.0);
+        let mut plot = Plot::new(name, Axis::new("time", "s"), axis).height(175.0);
         for stretch in comparison.stretches.iter().filter(|stretch| stretch.trace == trace) {
             plot = plot.series(
                 Series::line("residual", &stretch.time[..], stretch.residual())
