@@ -20,7 +20,7 @@ const LENGTH: Shape = Shape {
     unit: "mm",
     meaning: "distance from the touch at which the pull has faded",
     grid: |scales| [0.03, 0.15].map(|part| part * scales.compression).to_vec(),
-    role: Role::Fitted(|scales| (0.003 * scales.compression, scales.compression)),
+    role: Role::Fitted(|scales| (0.003 * scales.compression, 0.3 * scales.compression)),
 };
 
 /// Part of the length of the pull in which a motion turns from approaching to parting.
@@ -61,7 +61,7 @@ pub const EFFECT: Effect = Effect {
                     meaning: "compression at which the pull is largest",
                     grid: |scales| [0.0, 0.1].map(|part| part * scales.compression).to_vec(),
                     role: Role::Fitted(|scales| {
-                        (-0.1 * scales.compression, 0.5 * scales.compression)
+                        (-0.1 * scales.compression, 0.25 * scales.compression)
                     }),
                 },
             ],

@@ -37,13 +37,19 @@ pub const EFFECT: Effect = Effect {
         Law {
             name: "toe",
             formula: "x → x − δ (1 − e^(−x/ℓ)) for x > 0",
-            strength: OFFSET,
+            strength: Strength {
+                meaning: "how far an uneven surface is flattened before all of it is met",
+                sign: Sign::Positive,
+                ..OFFSET
+            },
             shapes: &[Shape {
                 name: "length",
                 unit: "mm",
-                meaning: "compression over which an uneven surface is flattened",
+                meaning: "compression in which that happens",
                 grid: |scales| vec![0.05 * scales.compression],
-                role: Role::Fitted(|scales| (0.005 * scales.compression, scales.compression)),
+                role: Role::Fitted(|scales| {
+                    (0.005 * scales.compression, 0.15 * scales.compression)
+                }),
             }],
             act: Act::Compression(|_, parameters, _, x| {
                 let (offset, length) = (parameters[0], parameters[1]);

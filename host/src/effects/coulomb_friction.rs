@@ -20,7 +20,7 @@ pub(super) const SLIDING_SPEED: Shape = Shape {
     unit: "mm/s",
     meaning: "speed at which sliding is complete",
     grid: |scales| [0.002, 0.02].map(|part| part * scales.speed).to_vec(),
-    role: Role::Fitted(|scales| (1e-4 * scales.speed, 0.5 * scales.speed)),
+    role: Role::Fitted(|scales| (1e-4 * scales.speed, 0.1 * scales.speed)),
 };
 
 /// Way after a reversal in which sliding sets in.
@@ -88,7 +88,7 @@ pub const EFFECT: Effect = Effect {
                 unit: "mm/s",
                 meaning: "speed at which the friction has fallen from half as much again to that of sliding",
                 grid: |scales| vec![0.1 * scales.speed],
-                role: Role::Fitted(|scales| (0.005 * scales.speed, 2.0 * scales.speed)),
+                role: Role::Fitted(|scales| (0.005 * scales.speed, 0.5 * scales.speed)),
             }],
             act: Act::Force(|scene, parameters, _, force| {
                 for (force, velocity) in force.iter_mut().zip(&scene.velocity) {

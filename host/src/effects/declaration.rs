@@ -140,6 +140,8 @@ pub struct Scales {
     pub set_duration: f64,
     /// Shortest interval between samples, s.
     pub interval: f64,
+    /// Strongest line near 50 Hz and near 60 Hz, Hz; none where it has not been looked for.
+    pub mains: Option<[f64; 2]>,
 }
 
 /// What effects need to know of a data set.

@@ -18,7 +18,7 @@ const TIME: Shape = Shape {
     unit: "s",
     meaning: "its time constant, the longest where there are several",
     grid: |scales| [1.0, 4.0, 16.0].map(|times| times * scales.interval.max(0.005)).to_vec(),
-    role: Role::Fitted(|scales| (0.3 * scales.interval, 0.2 * scales.duration)),
+    role: Role::Fitted(|scales| (0.3 * scales.interval, (20.0 * scales.interval).max(0.15))),
 };
 
 /// The effect.

@@ -54,7 +54,7 @@ pub const EFFECT: Effect = Effect {
                     unit: "",
                     meaning: "how the yielding grows with the force; below 1 for a joint that closes",
                     grid: |_| vec![0.5, 2.0],
-                    role: Role::Fitted(|_| (0.3, 3.0)),
+                    role: Role::Fitted(|_| (0.4, 2.5)),
                 },
                 FULL_FORCE,
             ],

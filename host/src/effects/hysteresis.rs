@@ -19,7 +19,7 @@ const WIDTH: Shape = Shape {
     unit: "N",
     meaning: "change of the force in which the loop opens",
     grid: |scales| [0.05, 0.25].map(|part| part * scales.force).to_vec(),
-    role: Role::Fitted(|scales| (0.005 * scales.force, 2.0 * scales.force)),
+    role: Role::Fitted(|scales| (0.005 * scales.force, scales.force)),
 };
 
 /// The effect.

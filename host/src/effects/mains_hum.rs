@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::{Count, Effect, Law, Needs, Role, Scales, Shape, Sign, Strength};
+use super::{Count, Effect, Law, Needs, Role, Shape, Sign, Strength};
 use crate::model::{Act, Remembered, Scene, Stage};
 
 const AMPLITUDE: Strength = Strength {
@@ -19,8 +19,8 @@ const FREQUENCY: Shape = Shape {
     name: "frequency",
     unit: "Hz",
     meaning: "frequency of the mains; the samples may show its alias",
-    grid: |scales| [50.0, 60.0].iter().flat_map(|&mains| around(mains, scales)).collect(),
-    role: Role::Fitted(|_| (49.0, 61.0)),
+    grid: |scales| scales.mains.unwrap_or([50.0, 60.0]).to_vec(),
+    role: Role::Fitted(|_| (48.5, 61.5)),
 };
 
 /// The effect.
@@ -62,14 +62,6 @@ pub const EFFECT: Effect = Effect {
         },
     ],
 };
-
-/// Frequencies about that of the mains that the longest stretch can tell apart, Hz.
-fn around(mains: f64, scales: &Scales) -> Vec<f64> {
-    const WITHIN: f64 = 0.5;
-    let step = (0.5 / scales.duration).max(WITHIN / 20.0);
-    let steps = (WITHIN / step).floor() as i32;
-    (-steps..=steps).map(|k| mains + step * f64::from(k)).collect()
-}
 
 /// Adds a hum of this sine and cosine, `turns` at each sample.
 fn hum(force: &mut [f64], amplitudes: &[f64], turns: impl Fn(usize) -> f64) {

@@ -35,7 +35,7 @@ pub const EFFECT: Effect = Effect {
                 unit: "s",
                 meaning: "time at which the tail sets in",
                 grid: |_| vec![1.0],
-                role: Role::Fitted(|_| (0.05, 50.0)),
+                role: Role::Fitted(|_| (0.2, 50.0)),
             }],
             act: Act::Relaxation(|_, parameters, _, _, relaxation| {
                 tail(relaxation, parameters[0], 0.0, parameters[1]);
@@ -70,7 +70,7 @@ pub const EFFECT: Effect = Effect {
                 unit: "s",
                 meaning: "its time constant",
                 grid: |scales| [0.7, 5.0].map(|times| times * scales.duration).to_vec(),
-                role: Role::Fitted(|scales| (0.2 * scales.duration, 100.0 * scales.duration)),
+                role: Role::Fitted(|scales| (0.5 * scales.duration, 100.0 * scales.duration)),
             }],
             act: Act::Relaxation(|_, parameters, _, _, relaxation| {
                 relaxation

@@ -9,6 +9,7 @@ pub mod elastic_law;
 pub mod exponentials;
 pub mod hold;
 pub mod least_squares;
+pub mod line;
 pub mod problem;
 pub mod slope;
 mod start;
