@@ -250,7 +250,8 @@ impl Search<'_> {
     }
 
     /// A few steps with one more law, from what the screen foretells.
-    fn try_out(&self, from: &Fitted, direction: &Direction) -> (Chain, Solution) {
+    #[must_use]
+    pub fn try_out(&self, from: &Fitted, direction: &Direction) -> (Chain, Solution) {
         let form = &self.candidates[direction.candidate].forms[direction.form];
         let chain = from.chain.with(form.applied.clone());
         let problem = self.problem.with_chain(&chain);

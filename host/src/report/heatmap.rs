@@ -97,7 +97,7 @@ impl HeatMap {
                 self.cell(&mut svg, (row, column), (left + cell * column as f64, y), cell);
             }
         }
-        Drawing { svg: svg.finish(), data: None, note: None }
+        Drawing { svg: svg.finish(), height, data: None, note: None }
     }
 
     fn cell(&self, svg: &mut Svg, (row, column): (usize, usize), (x, y): (f64, f64), width: f64) {

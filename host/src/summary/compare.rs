@@ -209,7 +209,8 @@ fn dependence_plot(comparison: &Comparison, dependence: &Dependence) -> Plot {
 }
 
 /// Measurement and model of every trace with what is left, regions shaded.
-fn overlays(comparison: &Comparison) -> Section {
+#[must_use]
+pub fn overlays(comparison: &Comparison) -> Section {
     let mut section = Section::new("Each trace");
     for stretch in comparison.stretches.iter().take(MOST_DRAWN) {
         let (name, unit) = (name_of(&comparison.signal), unit_of(&comparison.signal));
