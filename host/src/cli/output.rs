@@ -50,9 +50,11 @@ pub fn print_sections(sections: &[Section]) -> Result<(), Failure> {
 
 fn plain(block: &Block, terminal: &Terminal) -> Option<String> {
     match block {
-        Block::Heading(text) | Block::Paragraph(text) => Some(format!("{}\n\n", strip(text))),
+        Block::Heading(text) | Block::Paragraph(text) => {
+            Some(terminal.text("", &strip(text)) + "\n")
+        }
         Block::List(points) => {
-            let lines = points.iter().map(|point| format!("- {}\n", strip(point)));
+            let lines = points.iter().map(|point| terminal.text("- ", &strip(point)));
             Some(lines.collect::<String>() + "\n")
         }
         Block::Table(table) => {
@@ -62,10 +64,10 @@ fn plain(block: &Block, terminal: &Terminal) -> Option<String> {
         }
         Block::Callout { kind, text, .. } => {
             let mark = match kind {
-                Callout::Finding => "=>",
-                Callout::Warning => "!",
+                Callout::Finding => "=> ",
+                Callout::Warning => "! ",
             };
-            Some(format!("{mark} {}\n\n", strip(text)))
+            Some(terminal.text(mark, &strip(text)) + "\n")
         }
         Block::Definitions(terms) => {
             let lines = terms.iter().map(|(term, meaning)| format!("{term}: {}\n", strip(meaning)));
