@@ -7,6 +7,7 @@
 //! - [`model`]: base laws and the model file.
 //! - [`fit`]: exponential sums, bounded least squares, uncertainty.
 //! - [`dissertation`]: the figures that the dissertation prints.
+//! - [`practice`]: data sets with a hidden effect.
 //! - [`report`]: vector plots and self-contained HTML.
 //! - [`cli`]: one file for each subcommand: parse, call, print.
 #![forbid(unsafe_code)]
@@ -19,6 +20,7 @@ pub mod effects;
 pub mod files;
 pub mod fit;
 pub mod model;
+pub mod practice;
 pub mod press;
 pub mod regions;
 pub mod report;

@@ -1,6 +1,7 @@
-//! Set-up, the whole check, generated recordings: `cargo xtask --help`.
+//! Set-up, the whole check, generated recordings and pages: `cargo xtask --help`.
 
 mod check;
+mod effects;
 mod traces;
 
 use std::process::ExitCode;
@@ -8,7 +9,10 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 
 #[derive(Parser)]
-#[command(about = "Set-up, the whole check, generated recordings", bin_name = "cargo xtask")]
+#[command(
+    about = "Set-up, the whole check, generated recordings and pages",
+    bin_name = "cargo xtask"
+)]
 struct Arguments {
     #[command(subcommand)]
     task: Task,
@@ -20,11 +24,14 @@ enum Task {
     Test,
     /// Write the bundled recordings of tests/traces/ anew; the same bytes on every run.
     Traces,
+    /// Write the pages of docs/effects/ anew, from the library's own declarations.
+    Effects,
 }
 
 fn main() -> ExitCode {
     let outcome = match Arguments::parse().task {
         Task::Test => check::run(),
+        Task::Effects => effects::write_all(),
         Task::Traces => traces::write_all(),
     };
     match outcome {

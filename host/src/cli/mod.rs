@@ -3,12 +3,17 @@
 //! Results go to standard output, words about the work to standard error. Exit status 0, 1 when the
 //! work failed, 2 when the input or the call was wrong.
 
+mod add;
 mod compare;
 mod completions;
 mod decompose;
 mod demo;
 mod diagnose;
+mod drop;
+mod effects;
+mod explore;
 mod fit;
+mod hide;
 pub mod import;
 mod output;
 mod plan;
@@ -41,6 +46,9 @@ Examples:
   palpate decompose press.csv -o split/            FA, SA, regions of every gauge
   palpate fit fung traces/ -o model.toml           one model for a whole data set
   palpate compare model.toml traces/               where the model fails
+  palpate add mullins model.toml traces/           what an effect explains
+  palpate effects mullins                          one effect of the library, in depth
+  palpate hide -o practice/                        an exercise: which effect is in it?
   palpate simulate model.toml --motion press.csv   what the model says of another motion
   palpate import lab.txt --map lab.map.toml        a foreign recording";
 
@@ -56,6 +64,16 @@ enum Command {
     Compare(compare::Args),
     /// Say which physical effect a model lacks, with the evidence
     Diagnose(diagnose::Args),
+    /// Add an effect to a model, refit, and see the error fall
+    Add(add::Args),
+    /// Take an effect out of a model, refit, and see the error rise
+    Drop(drop::Args),
+    /// Add what is missing until only noise is left, or say that it does not know
+    Explore(explore::Args),
+    /// Show the library of effects, or one effect in depth
+    Effects(effects::Args),
+    /// Make a practice data set with a hidden effect, or open one
+    Hide(hide::Args),
     /// Predict the force of a motion
     Simulate(simulate::Args),
     /// Turn a foreign recording into a trace
@@ -107,6 +125,11 @@ pub fn run() -> ExitCode {
         Command::Fit(args) => fit::run(args),
         Command::Compare(args) => compare::run(args),
         Command::Diagnose(args) => diagnose::run(args),
+        Command::Add(args) => add::run(args),
+        Command::Drop(args) => drop::run(args),
+        Command::Explore(args) => explore::run(args),
+        Command::Effects(args) => effects::run(args),
+        Command::Hide(args) => hide::run(args),
         Command::Simulate(args) => simulate::run(args),
         Command::Import(args) => import::run(args),
         Command::Plot(args) => plot::run(args),

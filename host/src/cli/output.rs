@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::Failure;
 use crate::files::write_whole;
-use crate::report::{Block, Callout, Origin, Page, Section, Terminal};
+use crate::report::{Block, Callout, Origin, Page, Section, Table, Terminal};
 
 /// How a subcommand gives its result.
 #[derive(Clone, Debug, Default, clap::Args)]
@@ -50,18 +50,24 @@ pub fn print_sections(sections: &[Section]) -> Result<(), Failure> {
 
 fn plain(block: &Block, terminal: &Terminal) -> Option<String> {
     match block {
-        Block::Heading(text) | Block::Paragraph(text) => Some(format!("{}\n\n", strip(text))),
+        Block::Heading(text) | Block::Paragraph(text) => {
+            Some(terminal.text("", &strip(text)) + "\n")
+        }
         Block::List(points) => {
-            let lines = points.iter().map(|point| format!("- {}\n", strip(point)));
+            let lines = points.iter().map(|point| terminal.text("- ", &strip(point)));
             Some(lines.collect::<String>() + "\n")
         }
-        Block::Table(table) => Some(terminal.table(table) + "\n"),
+        Block::Table(table) => {
+            let rows = table.rows.iter().map(|row| row.iter().map(|cell| strip(cell)).collect());
+            let plain = Table { rows: rows.collect(), ..table.clone() };
+            Some(terminal.table(&plain) + "\n")
+        }
         Block::Callout { kind, text, .. } => {
             let mark = match kind {
-                Callout::Finding => "=>",
-                Callout::Warning => "!",
+                Callout::Finding => "=> ",
+                Callout::Warning => "! ",
             };
-            Some(format!("{mark} {}\n\n", strip(text)))
+            Some(terminal.text(mark, &strip(text)) + "\n")
         }
         Block::Definitions(terms) => {
             let lines = terms.iter().map(|(term, meaning)| format!("{term}: {}\n", strip(meaning)));

@@ -4,16 +4,24 @@
 //! - [`region`]: the regions in which errors are counted.
 //! - [`dependence`]: how much of the residual a quantity explains, and whether that is chance.
 //! - [`compare`]: all of it for one model and one data set.
+//! - [`signature`]: what an effect leaves of a base law that lacks it.
+//! - [`change`]: an effect added or taken out, everything refitted.
 
 pub mod adequacy;
+pub mod change;
 pub mod compare;
-pub mod covariate;
 pub mod dependence;
 pub mod diagnose;
+pub mod experiment;
+pub mod explore;
 pub mod fitted;
+pub mod leftover;
 pub mod noise;
 pub mod region;
 pub mod residuals;
 pub mod screen;
 pub mod search;
+pub mod signature;
 mod tail;
+
+pub use crate::model::covariate;

@@ -1,6 +1,6 @@
 //! `saturation`: the sensor cannot read more than so much.
 
-use super::{Count, Effect, Law, Needs, Role, Shape, Sign, Strength};
+use super::{Count, Covariate, Effect, Law, Needs, Role, Shape, Sign, Strength};
 use crate::model::{Act, Stage};
 
 const LOSS: Strength = Strength {
@@ -8,7 +8,7 @@ const LOSS: Strength = Strength {
     unit: "",
     meaning: "part of what lies above the limit that is lost; 1 is a hard stop",
     sign: Sign::Positive,
-    typical: |_| 1.0,
+    typical: |_| 0.5,
     most: |_| 1.0,
     count: Count::Fixed(&[]),
 };
@@ -27,6 +27,7 @@ pub const EFFECT: Effect = Effect {
     stage: Stage::Sensor,
     meaning: "Amplifier, converter or a stop that protects the load cell cuts off what is larger than its range.",
     signature: "Flat tops, all at the same force.",
+    against: Covariate::Force,
     confused_with: &["gauge-nonlinearity"],
     experiment: "Hang a dead weight heavier than the largest force, or press at a lower gain.",
     needs: Needs::Nothing,
@@ -45,7 +46,7 @@ pub const EFFECT: Effect = Effect {
         },
         Law {
             name: "soft",
-            formula: "F → F − s w ln(1 + e^((F − F_c)/w)), w = F_c/20",
+            formula: "F → F − s w ln(1 + e^((F − F_c)/w)), w = u F_c",
             strength: LOSS,
             shapes: &[Shape {
                 grid: |scales| [0.85, 0.95].map(|part| part * scales.force).to_vec(),
@@ -53,7 +54,7 @@ pub const EFFECT: Effect = Effect {
             }],
             act: Act::Force(|_, parameters, _, force| {
                 let (loss, limit) = (parameters[0], parameters[1]);
-                let width = 0.05 * limit;
+                let width = parameters[2] * limit;
                 for force in force {
                     // Far below the limit the logarithm is its exponential, far above its argument.
                     let above = (*force - limit) / width;

@@ -5,13 +5,14 @@
 
 use nalgebra::DMatrix;
 
-use super::data::{Data, DataError};
+use super::data::{Data, DataError, Piece};
 use super::least_squares::{LeastSquares, Solution, Stop, minimise};
 use super::problem::Problem;
 use super::start::starts;
 use super::uncertainty::{Uncertainty, uncertainty};
 use super::whitening::Whitening;
-use crate::model::{Chain, Elasticity, Fung, History, Parameter};
+use crate::model::{Chain, Elasticity, FitRecord, Fung, History, Parameter};
+use crate::trace::units;
 
 /// The outcome of a fit.
 #[derive(Clone, Debug)]
@@ -53,6 +54,21 @@ impl MotionFit {
     #[must_use]
     pub fn parameters(&self) -> Vec<Parameter> {
         self.chain.parameters()
+    }
+
+    /// How the parameters were found, for the model file; with the noise of one sample where it is known.
+    #[must_use]
+    pub fn record(&self, data: &Data, noise: Option<f64>) -> FitRecord {
+        FitRecord {
+            traces: data.labels.clone(),
+            samples: self.samples,
+            unit: units::printed(&data.signal).into(),
+            residual_rms: self.rms(),
+            noise_rms: noise,
+            r_squared: self.r_squared,
+            largest_compression_mm: Some(data.largest_compression()),
+            stop: self.stop.to_string(),
+        }
     }
 
     /// Bayesian information criterion up to a constant, with the number of samples reduced to the
@@ -128,6 +144,16 @@ pub fn held_out(fit: &MotionFit, data: &Data) -> Vec<f64> {
             error_on(&problem, data, &found.point, trace, !own.is_empty())
         })
         .collect()
+}
+
+/// Root mean square error over all traces from that on each; none where there is none.
+#[must_use]
+pub fn over_traces(trace_rms: &[f64], data: &Data) -> Option<f64> {
+    let squares = |piece: &Piece| {
+        trace_rms.get(piece.trace).map(|rms| rms * rms * piece.measured.len() as f64)
+    };
+    let sum = data.pieces.iter().map(squares).sum::<Option<f64>>()?;
+    Some((sum / data.samples() as f64).sqrt())
 }
 
 /// Root mean square error on one trace, its own zero taken from before its touch where asked.

@@ -124,7 +124,7 @@ impl Bars {
             }
         }
         self.level_lines(&mut svg, &map, (top, bottom));
-        Drawing { svg: svg.finish(), data: None, note: None }
+        Drawing { svg: svg.finish(), height, data: None, note: None }
     }
 
     fn axis_lines(&self, svg: &mut Svg, map: &Map, exponent: i32, (top, bottom): (f64, f64)) {

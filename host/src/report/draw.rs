@@ -22,6 +22,8 @@ pub(super) enum Place {
 pub(super) struct Drawing {
     /// The picture.
     pub svg: String,
+    /// Its height, user units.
+    pub height: f64,
     /// Data for the page's script, JSON; `None` for a picture that cannot be zoomed.
     pub data: Option<String>,
     /// What was left out of the picture, in words.
@@ -130,7 +132,7 @@ fn draw(heading: &Heading<'_>, plots: &[Plot], titled: bool, place: Place) -> Dr
             s.x.len()
         )
     });
-    Drawing { svg: svg.finish(), data: Some(embed::json(&axis, x_exponent, &frames)), note }
+    Drawing { svg: svg.finish(), height, data: Some(embed::json(&axis, x_exponent, &frames)), note }
 }
 
 fn only_markers(plot: &Plot) -> bool {

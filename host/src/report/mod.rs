@@ -3,6 +3,7 @@
 //!
 //! - [`Plot`], [`Panels`], [`HeatMap`], [`Bars`]: figures as plain data; each has `to_svg()`.
 //! - [`Page`]: sections of text, figures and [`Table`]s as one HTML file.
+//! - [`markdown()`]: sections for a document.
 //! - [`Terminal`]: tables and small line plots for the terminal.
 //! - [`number`]: numbers as text, with standard errors.
 
@@ -16,9 +17,11 @@ mod embed;
 mod figure;
 mod heatmap;
 mod layout;
+mod markdown;
 pub mod number;
 mod page;
 mod plot;
+mod stack;
 mod svg;
 mod table;
 mod terminal;
@@ -28,7 +31,9 @@ pub use bars::{BarSeries, Bars};
 pub use colour::Colour;
 pub use figure::Figure;
 pub use heatmap::{CellFormat, HeatMap};
+pub use markdown::markdown;
 pub use page::{Block, Callout, Origin, Page, Section};
 pub use plot::{Annotation, Dash, Legend, Level, Mark, Panels, Plot, Series, Span, Style};
+pub use stack::stacked;
 pub use table::{Align, Column, Table};
 pub use terminal::Terminal;

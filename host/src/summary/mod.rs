@@ -1,25 +1,37 @@
 //! Results in words, tables and plots: the same sections go to the terminal and into a report.
 
+mod change;
 mod compare;
 mod decomposition;
 mod diagnosis;
+mod effects;
 mod holds;
+mod ladder;
 mod plan;
+mod practice;
 mod press;
 mod recording;
 mod whole_motion;
 
-pub use compare::{compare_json, compare_sections, ladder};
+pub use change::{change_json, change_sections};
+pub use compare::{compare_json, compare_sections, overlays};
 pub use decomposition::{
     decomposed_trace, decomposition_json, decomposition_sections, part_panels, region_spans,
     region_table, shaded,
 };
-pub use diagnosis::{diagnosis_json, diagnosis_sections};
+pub use diagnosis::{DiagnosisSummary, NextCommand};
+pub use effects::{
+    effect_figures, effect_json, effect_pages, effect_section, library_json, library_section,
+};
 pub use holds::{hold_json, hold_sections};
+pub use ladder::ladder;
 pub use plan::plan_section;
+pub use practice::{practice_json, practice_sections, truth_json, truth_sections};
 pub use press::press_sections;
 pub use recording::{loops, overview, trace_panels};
 pub use whole_motion::FitSummary;
+
+pub use crate::trace::units::printed as unit_of;
 
 use crate::report::number::{significant, with_error};
 use crate::trace::units;
@@ -49,17 +61,6 @@ fn concise(value: f64, standard_error: Option<f64>) -> String {
 
 /// The note below a table of concise values.
 const CONCISE: &str = "In parentheses: the standard error in units of the last digits.";
-
-/// The unit of a column, as its name gives it, in print.
-#[must_use]
-pub fn unit_of(column: &str) -> &str {
-    match units::of_column(column).map(|unit| unit.name) {
-        Some("ustrain") => "µε",
-        Some("C") => "°C",
-        Some(unit) => unit.strip_prefix("per_").map_or(unit, |_| "1/Pa"),
-        None => "",
-    }
-}
 
 /// A column's name in words: `gauge1_ustrain` is gauge 1.
 #[must_use]

@@ -5,8 +5,8 @@ use serde_json::{Value, json};
 use super::{estimate, name_of, unit_of};
 use crate::fit::data::Data;
 use crate::fit::warning::warnings;
-use crate::fit::whole_motion::{MotionFit, predict};
-use crate::model::{FitRecord, Fung, Model, Rung};
+use crate::fit::whole_motion::{MotionFit, over_traces, predict};
+use crate::model::{Fung, Model, Rung};
 use crate::report::number::significant;
 use crate::report::{Axis, Block, Callout, Colour, Column, Panels, Plot, Section, Series, Table};
 use crate::trace::{Noise, Source};
@@ -34,14 +34,7 @@ impl FitSummary<'_> {
     /// Root mean square error over all traces left out in turn.
     #[must_use]
     pub fn held_out_rms(&self) -> Option<f64> {
-        if self.held_out.is_empty() {
-            return None;
-        }
-        let mut squares = 0.0;
-        for piece in &self.data.pieces {
-            squares += self.held_out[piece.trace].powi(2) * piece.measured.len() as f64;
-        }
-        Some((squares / self.data.samples() as f64).sqrt())
+        over_traces(self.held_out, self.data)
     }
 
     /// The model file of this fit.
@@ -49,16 +42,8 @@ impl FitSummary<'_> {
     pub fn model(&self) -> Model {
         let fit = self.fit;
         let mut model = Model::of(&fit.chain.base, self.signal, &fit.values, &fit.standard_errors);
-        model.fit = Some(FitRecord {
-            traces: self.data.labels.clone(),
-            samples: fit.samples,
-            unit: unit_of(self.signal).into(),
-            residual_rms: fit.rms(),
-            noise_rms: self.noise.map(|noise| noise.standard_deviation),
-            r_squared: fit.r_squared,
-            largest_compression_mm: Some(self.data.largest_compression()),
-            stop: fit.stop.to_string(),
-        });
+        let noise = self.noise.map(|noise| noise.standard_deviation);
+        model.fit = Some(fit.record(self.data, noise));
         model.ladder.push(Rung {
             add: Fung::NAME.into(),
             fitted_rms: fit.rms(),

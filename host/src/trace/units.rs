@@ -120,6 +120,17 @@ pub fn of_column(column: &str) -> Option<&'static Unit> {
         .max_by_key(|unit| unit.name.len())
 }
 
+/// The unit of a column, as its name gives it, in print.
+#[must_use]
+pub fn printed(column: &str) -> &str {
+    match of_column(column).map(|unit| unit.name) {
+        Some("ustrain") => "µε",
+        Some("C") => "°C",
+        Some(unit) => unit.strip_prefix("per_").map_or(unit, |_| "1/Pa"),
+        None => "",
+    }
+}
+
 /// From one unit to another: `value * multiply / divide + add`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Conversion {

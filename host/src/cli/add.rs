@@ -1,0 +1,82 @@
+//! `palpate add`.
+
+use std::path::{Path, PathBuf};
+
+use super::output::{Output, print_json, print_sections, write_report};
+use super::{Failure, progress};
+use crate::criticism::change::{self, Change};
+use crate::criticism::compare::compare;
+use crate::model::Model;
+use crate::summary::{change_json, change_sections, ladder, overlays};
+use crate::trace::{Trace, read_set};
+
+/// Add an effect to a model, refit, and see the error fall.
+#[derive(clap::Args)]
+#[command(after_help = "\
+NAME is an effect of the library (`palpate effects` lists them), or a law of your own that stands as
+`[[candidate]]` in the model file. Everything is refitted, and the ladder in the model file gains a
+rung: the error on the traces fitted and on each trace left out in turn. Where an effect has several
+laws, the one with the least BIC is taken.
+
+Examples:
+  palpate add mullins model.toml traces/ -o better.toml
+  palpate add coulomb-friction model.toml traces/ --law presliding
+  palpate add cogging model.toml traces/ -o better.toml --report ladder.html")]
+pub struct Args {
+    /// The effect
+    name: String,
+    /// The model
+    model: PathBuf,
+    /// Traces, or folders of traces: one data set
+    #[arg(required = true, value_name = "TRACE")]
+    traces: Vec<PathBuf>,
+    /// Take this law of the effect
+    #[arg(long, value_name = "LAW")]
+    law: Option<String>,
+    /// Write the model with the effect
+    #[arg(short, long, value_name = "BETTER.toml")]
+    output: Option<PathBuf>,
+    #[command(flatten)]
+    result: Output,
+}
+
+/// Adds, refits and prints.
+pub fn run(args: &Args) -> Result<(), Failure> {
+    let model = Model::read(&args.model).map_err(Failure::input)?;
+    let traces = read_set(&args.traces).map_err(Failure::input)?;
+    let wait = progress::spinner("refitting");
+    let change = change::add(&model, &args.name, args.law.as_deref(), &traces);
+    wait.finish_and_clear();
+    give(&change.map_err(Failure::input)?, &traces, args.output.as_deref(), &args.result)
+}
+
+/// Writes the changed model, the report and the result.
+pub fn give(
+    change: &Change,
+    traces: &[Trace],
+    output: Option<&Path>,
+    result: &Output,
+) -> Result<(), Failure> {
+    if let Some(path) = output {
+        change.model.write(path).map_err(Failure::work)?;
+    }
+    let sections = change_sections(change);
+    if let Some(path) = &result.report {
+        let comparison = compare(&change.model, traces).map_err(Failure::input)?;
+        let mut all = sections.clone();
+        all.extend(ladder(&change.model));
+        all.push(overlays(&comparison));
+        let names = traces.iter().map(Trace::label).collect();
+        write_report(path, "A changed model", &change.model.base.signal, names, all)?;
+    }
+    if result.json {
+        print_json(&change_json(change))?;
+    } else {
+        print_sections(&sections)?;
+    }
+    if change.fit.stop.converged() {
+        Ok(())
+    } else {
+        Err(Failure::Work(miette::miette!("{}", change.fit.stop)))
+    }
+}

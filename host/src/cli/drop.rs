@@ -1,0 +1,43 @@
+//! `palpate drop`.
+
+use std::path::PathBuf;
+
+use super::add::give;
+use super::output::Output;
+use super::{Failure, progress};
+use crate::criticism::change;
+use crate::model::Model;
+use crate::trace::read_set;
+
+/// Take an effect out of a model, refit, and see the error rise.
+#[derive(clap::Args)]
+#[command(after_help = "\
+What remains is refitted rung by rung, in the order in which it was added. A law of your own stays in
+the model file as `[[candidate]]`.
+
+Examples:
+  palpate drop mullins better.toml traces/ -o other.toml")]
+pub struct Args {
+    /// The effect
+    name: String,
+    /// The model
+    model: PathBuf,
+    /// Traces, or folders of traces: one data set
+    #[arg(required = true, value_name = "TRACE")]
+    traces: Vec<PathBuf>,
+    /// Write the model without the effect
+    #[arg(short, long, value_name = "OTHER.toml")]
+    output: Option<PathBuf>,
+    #[command(flatten)]
+    result: Output,
+}
+
+/// Takes the effect out, refits and prints.
+pub fn run(args: &Args) -> Result<(), Failure> {
+    let model = Model::read(&args.model).map_err(Failure::input)?;
+    let traces = read_set(&args.traces).map_err(Failure::input)?;
+    let wait = progress::spinner("refitting");
+    let change = change::drop(&model, &args.name, &traces);
+    wait.finish_and_clear();
+    give(&change.map_err(Failure::input)?, &traces, args.output.as_deref(), &args.result)
+}

@@ -1,0 +1,94 @@
+//! What the base law cannot make up for by other values of its own parameters.
+
+use crate::fit::data::Data;
+use crate::fit::problem::Problem;
+use crate::fit::whitening::Whitening;
+use crate::fit::whole_motion::predict;
+use crate::model::{Chain, Elasticity, History, Scene};
+
+/// A base law at its parameters over a data set, with the directions in which it can move.
+pub struct Ground<'a> {
+    chain: &'a Chain,
+    values: &'a [f64],
+    scenes: Vec<Scene<'a>>,
+    predicted: Vec<f64>,
+    /// Orthonormal: the derivatives to the parameters, all samples of the set one after the other.
+    own: Vec<Vec<f64>>,
+}
+
+/// What an effect does to the prediction of a set.
+#[derive(Clone, Copy, Debug)]
+pub struct Misfit {
+    /// Root mean square of the whole change.
+    pub whole: f64,
+    /// Root mean square that remains when the base law is refitted.
+    pub left: f64,
+}
+
+impl<'a> Ground<'a> {
+    /// The base law at these values.
+    #[must_use]
+    pub fn new(chain: &'a Chain, values: &'a [f64], data: &'a Data<'a>) -> Self {
+        let white = Whitening::none();
+        let problem = Problem::new(chain, data, &white, None);
+        let mut own: Vec<Vec<f64>> = vec![Vec::new(); values.len()];
+        problem.derivatives(&problem.point(values), |_, _, columns| {
+            for (all, column) in own.iter_mut().zip(columns) {
+                all.extend(column);
+            }
+        });
+        for index in 0..own.len() {
+            let (before, rest) = own.split_at_mut(index);
+            let column = &mut rest[0];
+            // Twice, so that rounding leaves nothing of the others.
+            for other in before.iter().chain(before.iter()) {
+                take_off(column, other);
+            }
+            let size = dot(column, column).sqrt();
+            let scale = if size > 0.0 { 1.0 / size } else { 0.0 };
+            column.iter_mut().for_each(|value| *value *= scale);
+        }
+        Self {
+            chain,
+            values,
+            scenes: data.pieces.iter().map(|piece| data.scene(piece)).collect(),
+            predicted: predict(chain, values, data).concat(),
+            own,
+        }
+    }
+
+    /// What the chain with these effects' parameters leaves.
+    #[must_use]
+    pub fn misfit(&self, chain: &Chain, effects: &[f64]) -> Misfit {
+        debug_assert_eq!(chain.base, self.chain.base);
+        let parameters = [self.values, effects].concat();
+        let (mut history, mut elasticity) = (History::default(), Elasticity::default());
+        let mut change = Vec::with_capacity(self.predicted.len());
+        let mut force = Vec::new();
+        for scene in &self.scenes {
+            chain.run(&parameters, scene, &mut history, &mut elasticity, &mut force);
+            change.extend_from_slice(&force);
+        }
+        for (change, predicted) in change.iter_mut().zip(&self.predicted) {
+            *change -= predicted;
+        }
+        let count = change.len() as f64;
+        let whole = (dot(&change, &change) / count).sqrt();
+        for own in &self.own {
+            take_off(&mut change, own);
+        }
+        Misfit { whole, left: (dot(&change, &change) / count).sqrt() }
+    }
+}
+
+/// Takes off `column` what lies along `other`, which has length one.
+fn take_off(column: &mut [f64], other: &[f64]) {
+    let along = dot(column, other);
+    for (value, other) in column.iter_mut().zip(other) {
+        *value -= along * other;
+    }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}

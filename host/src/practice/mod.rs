@@ -1,0 +1,14 @@
+//! Practice: data sets with a hidden effect, made with the library's own laws, and their sealed truth.
+//!
+//! - [`session`]: which traces are taken, in which order, and the air around them.
+//! - [`hidden`]: a specimen, what its model lacks, and noise.
+//! - [`sealed`]: the truth, readable only on purpose.
+
+pub mod hidden;
+mod left;
+pub mod sealed;
+pub mod session;
+
+pub use hidden::{Choice, HideError, Practice, hide};
+pub use left::Ground;
+pub use sealed::{SEALED, SealError, Truth, open, seal};
