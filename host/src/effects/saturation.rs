@@ -48,10 +48,19 @@ pub const EFFECT: Effect = Effect {
             name: "soft",
             formula: "F → F − s w ln(1 + e^((F − F_c)/w)), w = u F_c",
             strength: LOSS,
-            shapes: &[Shape {
-                grid: |scales| [0.85, 0.95].map(|part| part * scales.force).to_vec(),
-                ..LIMIT
-            }],
+            shapes: &[
+                Shape {
+                    grid: |scales| [0.85, 0.95].map(|part| part * scales.force).to_vec(),
+                    ..LIMIT
+                },
+                Shape {
+                    name: "width",
+                    unit: "",
+                    meaning: "part of the limit over which it sets in",
+                    grid: |_| vec![0.04],
+                    role: Role::Fitted(|_| (0.002, 0.3)),
+                },
+            ],
             act: Act::Force(|_, parameters, _, force| {
                 let (loss, limit) = (parameters[0], parameters[1]);
                 let width = parameters[2] * limit;
