@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::Failure;
 use crate::files::write_whole;
-use crate::report::{Block, Callout, Origin, Page, Section, Terminal};
+use crate::report::{Block, Callout, Origin, Page, Section, Table, Terminal};
 
 /// How a subcommand gives its result.
 #[derive(Clone, Debug, Default, clap::Args)]
@@ -59,7 +59,11 @@ fn plain(block: &Block, terminal: &Terminal) -> Option<String> {
             let lines = points.iter().map(|point| terminal.text("- ", &strip(point)));
             Some(lines.collect::<String>() + "\n")
         }
-        Block::Table(table) => Some(terminal.table(table) + "\n"),
+        Block::Table(table) => {
+            let rows = table.rows.iter().map(|row| row.iter().map(|cell| strip(cell)).collect());
+            let plain = Table { rows: rows.collect(), ..table.clone() };
+            Some(terminal.table(&plain) + "\n")
+        }
         Block::Callout { kind, text, .. } => {
             let mark = match kind {
                 Callout::Finding => "=> ",

@@ -10,9 +10,9 @@
 pub mod adequacy;
 pub mod change;
 pub mod compare;
-pub mod covariate;
 pub mod dependence;
 pub mod diagnose;
+pub mod experiment;
 pub mod explore;
 pub mod fitted;
 pub mod leftover;
@@ -23,3 +23,5 @@ pub mod screen;
 pub mod search;
 pub mod signature;
 mod tail;
+
+pub use crate::model::covariate;

@@ -21,9 +21,9 @@ pub const FALSE_ALARMS: f64 = 0.01;
 /// Fall of the information criterion that decides between models.
 pub const DECISIVE: f64 = 10.0;
 /// Most effects added.
-const MOST_STEPS: usize = 4;
+const MOST_STEPS: usize = 3;
 /// Most laws refitted in a step.
-const MOST_REFITS: usize = 16;
+const MOST_REFITS: usize = 12;
 /// A law whose predicted gain is below this part of the best is not refitted.
 const WORTH: f64 = 0.25;
 /// Part of all that was explained so far that a further effect must explain: less is how a law's form
@@ -31,11 +31,11 @@ const WORTH: f64 = 0.25;
 const MINOR: f64 = 0.04;
 /// A law whose gain after a few steps is below this part of the best is given up, but not among the
 /// first few.
-const CLOSE: f64 = 0.6;
+const CLOSE: f64 = 0.5;
 /// Effects that are always refitted.
 const FEWEST: usize = 3;
 /// Most replacements of effects already found.
-const MOST_ROUNDS: usize = 8;
+const MOST_ROUNDS: usize = 5;
 /// Resamplings of the blocks.
 pub const RESAMPLES: usize = 200;
 /// Seed of the resamplings.
@@ -114,7 +114,7 @@ impl Search<'_> {
     /// Adds effects to the base for as long as they are missed.
     #[must_use]
     pub fn run(&self, base: Fitted) -> Found {
-        let first = self.screen(&base, None);
+        let first = self.screen(&base);
         let mut found =
             Found { base, steps: Vec::new(), models: Vec::new(), last: first.clone(), first };
         let mut budget = 0.5 * FALSE_ALARMS;
@@ -156,13 +156,13 @@ impl Search<'_> {
         let p_value = found.last.chance[winner.candidate];
         found.models.push(model);
         found.steps.push(Step { effect, p_value, rivals, credible: Vec::new(), fresh: true });
-        found.last = self.screen(found.model(), None);
+        found.last = self.screen(found.model());
         true
     }
 
-    fn screen(&self, fitted: &Fitted, before: Option<&Screen>) -> Screen {
+    fn screen(&self, fitted: &Fitted) -> Screen {
         let problem = self.problem.with_chain(&fitted.chain);
-        screen(&problem, self.data, &fitted.point, self.whitening, self.candidates, before)
+        screen(&problem, self.data, &fitted.point, self.whitening, self.candidates)
     }
 
     /// Refits the laws that the screen foretells the most for, and names their effects, best first.
@@ -232,6 +232,11 @@ impl Search<'_> {
                 (direction.candidate, direction.gain, fitted)
             })
             .collect();
+        self.by_effect(fits)
+    }
+
+    /// The best law of each effect, best effect first.
+    fn by_effect(&self, fits: Vec<(usize, f64, Fitted)>) -> Vec<Rival> {
         let mut rivals: Vec<Rival> = Vec::new();
         for (candidate, predicted, fitted) in fits {
             match rivals.iter_mut().find(|rival| rival.candidate == candidate) {
@@ -271,7 +276,7 @@ impl Search<'_> {
     /// Asks of every effect whether another would do better in its place, and whether it is still
     /// needed; true if the model has changed.
     fn polish(&self, found: &mut Found) -> bool {
-        let mut changed = false;
+        let mut changed = self.collapse(found);
         let mut rounds = 0;
         while let Some(index) = found.steps.iter().rposition(|step| !step.fresh) {
             rounds += 1;
@@ -317,9 +322,42 @@ impl Search<'_> {
             }
         }
         if changed {
-            found.last = self.screen(found.model(), None);
+            found.last = self.screen(found.model());
         }
         changed && rounds <= MOST_ROUNDS
+    }
+
+    /// Puts one effect in the place of several where it alone does as well: a first step that was wrong
+    /// can hide in what came after it.
+    fn collapse(&self, found: &mut Found) -> bool {
+        if found.steps.len() < 2 || found.steps.iter().all(|step| step.fresh) {
+            return false;
+        }
+        let names: Vec<&str> = found.steps.iter().map(|step| step.effect.as_str()).collect();
+        let named = |direction: &&Direction| {
+            names.contains(&self.candidates[direction.candidate].name.as_str())
+        };
+        let directions: Vec<&Direction> = found.first.directions.iter().filter(named).collect();
+        let fits: Vec<(usize, f64, Fitted)> = directions
+            .par_iter()
+            .map(|direction| {
+                let (chain, trial) = self.try_out(&found.base, direction);
+                let problem = self.problem.with_chain(&chain);
+                let fitted = Fitted::new(&problem, &trial.point, Effort::LONG);
+                (direction.candidate, direction.gain, fitted)
+            })
+            .collect();
+        let rivals = self.by_effect(fits);
+        let Some(best) = rivals.first() else { return false };
+        if best.fitted.bic() > found.model().bic() + DECISIVE {
+            return false;
+        }
+        let effect = best.effect.clone();
+        let p_value = found.first.chance[best.candidate];
+        found.models = vec![best.fitted.clone()];
+        found.steps = vec![Step { effect, p_value, rivals, credible: Vec::new(), fresh: true }];
+        found.last = self.screen(found.model());
+        true
     }
 
     /// The model without one of its effects, refitted and screened.
@@ -332,7 +370,7 @@ impl Search<'_> {
         start.drain(range);
         let problem = self.problem.with_chain(&chain);
         let fitted = Fitted::new(&problem, &start, Effort::QUICK);
-        let screen = self.screen(&fitted, Some(&found.last));
+        let screen = self.screen(&fitted);
         (fitted, screen)
     }
 

@@ -1,11 +1,9 @@
 //! What an effect leaves in the residual of a base law that lacks it: a press and a few cycles, made up
 //! with the effect at its typical size, and the base law refitted to them.
 
-use super::covariate::Covariate;
-use super::dependence::{Dependence, dependences};
 use super::residuals::{Stretch, stretches};
 use super::screen::ABSORBED;
-use crate::effects::{Count, Effect, Shape};
+use crate::effects::{Count, Effect, Scales, Shape};
 use crate::fit::data::{Data, DataError};
 use crate::fit::whole_motion::{predict, refit};
 use crate::model::{Chain, Fung, Parameter, Separation};
@@ -23,8 +21,8 @@ pub struct Signature {
     pub effect: &'static Effect,
     /// Parameters of its reference law, with the values they were given.
     pub parameters: Vec<(Parameter, f64)>,
-    /// Names of the traces.
-    pub labels: Vec<String>,
+    /// The sizes of what happens in the traces.
+    pub scales: Scales,
     /// The force with the effect against the base law refitted to it.
     pub stretches: Vec<Stretch>,
     /// Largest force, N.
@@ -33,8 +31,6 @@ pub struct Signature {
     pub whole: f64,
     /// Root mean square of what is left of it when the base law is refitted, N.
     pub left: f64,
-    /// What is left, against the quantity that explains most of it.
-    pub dependence: Option<Dependence>,
 }
 
 impl Signature {
@@ -81,27 +77,15 @@ pub fn signature(effect: &'static Effect) -> Result<Signature, DataError> {
     let data = Data::of(&traces, FORCE)?;
     let found = refit(&base, values, &data)?;
     let stretches = stretches(&base, &found.values, &data);
-    let dependence = strongest(&stretches);
     Ok(Signature {
         effect,
         parameters: applied.parameters.into_iter().zip(own).collect(),
-        labels: data.labels.clone(),
+        scales: data.scales(),
         force: force.iter().flatten().fold(0.0, |most: f64, force| most.max(force.abs())),
         whole,
         left: found.rms(),
-        dependence,
         stretches,
     })
-}
-
-/// The quantity that explains most; time only where nothing else explains half as much, since every
-/// course can be drawn over time.
-fn strongest(stretches: &[Stretch]) -> Option<Dependence> {
-    let time = |d: &Dependence| matches!(d.covariate, Covariate::Time | Covariate::SetTime);
-    let all = dependences(stretches);
-    let first = all.first()?.explained;
-    let other = all.iter().find(|d| !time(d) && d.explained > 0.5 * first);
-    other.or(all.first()).cloned()
 }
 
 /// Gives every trace its force.

@@ -1,7 +1,7 @@
 //! `amplitude-dependent-relaxation`: how much relaxes, or how fast, depends on the compression.
 
 use super::shapes::FULL_COMPRESSION;
-use super::{Count, Effect, Law, Needs, Sign, Strength};
+use super::{Count, Covariate, Effect, Law, Needs, Sign, Strength};
 use crate::model::{Act, Stage};
 
 const GROWTH: Strength = Strength {
@@ -20,6 +20,7 @@ pub const EFFECT: Effect = Effect {
     stage: Stage::Relaxation,
     meaning: "Relaxation is not a function of time alone: the deeper the press, the larger or smaller the part that relaxes.",
     signature: "In the hold; its sign flips from small to large amplitude.",
+    against: Covariate::Time,
     confused_with: &["latency-law"],
     experiment: "Step and hold at five amplitudes, reached in the same time.",
     needs: Needs::Nothing,

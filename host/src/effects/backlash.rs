@@ -1,6 +1,6 @@
 //! `backlash`: the drive has play, and its first way after a reversal moves nothing.
 
-use super::{Count, Effect, Law, Needs, Sign, Strength};
+use super::{Count, Covariate, Effect, Law, Needs, Sign, Strength};
 use crate::model::{Act, Remembered, Stage};
 
 const WIDTH: Strength = Strength {
@@ -19,6 +19,7 @@ pub const EFFECT: Effect = Effect {
     stage: Stage::Motion,
     meaning: "Play in spindle, gears or guide: after each reversal the drive turns before the indenter moves.",
     signature: "Starts at each reversal and is like the stiffness times a constant until the next; nothing before the first.",
+    against: Covariate::Displacement,
     confused_with: &["coulomb-friction", "permanent-set", "contact-offset"],
     experiment: "Small cycles about a mean compression, slow and fast, with a displacement sensor at the indenter itself.",
     needs: Needs::Nothing,

@@ -1,6 +1,6 @@
 //! `contact-offset`: the true touch is not where displacement is zero.
 
-use super::{Count, Effect, Law, Needs, Role, Shape, Sign, Strength};
+use super::{Count, Covariate, Effect, Law, Needs, Role, Shape, Sign, Strength};
 use crate::model::{Act, Stage};
 
 const OFFSET: Strength = Strength {
@@ -19,6 +19,7 @@ pub const EFFECT: Effect = Effect {
     stage: Stage::Motion,
     meaning: "The indenter meets the specimen a little before or after the nominal touch.",
     signature: "At touch-on and touch-off; like the stiffness times a constant in between.",
+    against: Covariate::Displacement,
     confused_with: &["adhesion", "elastic-stiffening"],
     experiment: "Approach slowly and press lightly, so that the touch itself is well sampled.",
     needs: Needs::Nothing,

@@ -1,7 +1,7 @@
 //! `coulomb-friction`: a force against the motion that does not depend on its speed.
 
 use super::memory::direction;
-use super::{Count, Effect, Law, Needs, Role, Shape, Sign, Strength};
+use super::{Count, Covariate, Effect, Law, Needs, Role, Shape, Sign, Strength};
 use crate::model::{Act, Stage};
 
 const FRICTION: Strength = Strength {
@@ -38,6 +38,7 @@ pub const EFFECT: Effect = Effect {
     stage: Stage::Contact,
     meaning: "Guides, seals or the rim of the indenter rub with a constant force against the motion.",
     signature: "Flips with the direction, the same at every speed and depth; gone in the hold, or frozen there.",
+    against: Covariate::Velocity,
     confused_with: &["rate-drag", "backlash", "load-friction", "viscous-drag"],
     experiment: "Small cycles about a mean compression, slow and fast.",
     needs: Needs::Nothing,

@@ -1,6 +1,6 @@
 //! `crosstalk`: other channels leak into the signal.
 
-use super::{Count, Effect, Law, Needs, Sign, Strength};
+use super::{Count, Covariate, Effect, Law, Needs, Sign, Strength};
 use crate::model::{Act, Stage};
 
 const LEAK: Strength = Strength {
@@ -19,6 +19,7 @@ pub const EFFECT: Effect = Effect {
     stage: Stage::Sensor,
     meaning: "Channels leak into each other, or a gauge is strained by a load that another one is meant for.",
     signature: "Copies of another channel, at every phase.",
+    against: Covariate::Displacement,
     confused_with: &[],
     experiment: "Load so that one channel answers alone, and watch the others.",
     needs: Needs::Channels,
@@ -50,6 +51,27 @@ pub const EFFECT: Effect = Effect {
                 for ((leak, first), channel) in leaks.zip(scene.channels) {
                     for (force, value) in force.iter_mut().zip(*channel) {
                         *force += leak * (value - first);
+                    }
+                }
+            }),
+        },
+        Law {
+            name: "capacitive",
+            formula: "F → F + Σ k_j dchannel_j/dt",
+            strength: Strength {
+                unit: "s",
+                meaning: "part of the other channel's slope that leaks in",
+                typical: |scales| scales.interval,
+                most: |scales| 100.0 * scales.interval,
+                ..LEAK
+            },
+            shapes: &[],
+            act: Act::Force(|scene, parameters, _, force| {
+                let time = &scene.motion.time;
+                for (leak, channel) in parameters.iter().zip(scene.channels) {
+                    for k in 1..force.len() {
+                        let slope = (channel[k] - channel[k - 1]) / (time[k] - time[k - 1]);
+                        force[k] += leak * slope;
                     }
                 }
             }),

@@ -1,6 +1,6 @@
 //! `cyclic-softening`: every loading leaves the specimen a little softer.
 
-use super::{Count, Effect, Law, Needs, Role, Shape, Sign, Strength};
+use super::{Count, Covariate, Effect, Law, Needs, Role, Shape, Sign, Strength};
 use crate::model::{Act, Stage};
 
 /// The effect.
@@ -9,6 +9,7 @@ pub const EFFECT: Effect = Effect {
     stage: Stage::Elasticity,
     meaning: "Each loading breaks or rearranges some of the network, fewer with every repetition, whatever the amplitude.",
     signature: "A step at every cycle, in proportion to the force, largest between the first and the second.",
+    against: Covariate::Cycle,
     confused_with: &["mullins", "thermal-stiffness"],
     experiment: "Repeat one amplitude, then a smaller one, then rest ten minutes and repeat.",
     needs: Needs::Loadings,

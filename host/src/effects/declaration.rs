@@ -1,5 +1,6 @@
 //! What an effect declares.
 
+use crate::model::covariate::Covariate;
 use crate::model::{Act, Applied, Parameter, Stage};
 
 /// One physical or measuring effect that a base law can lack.
@@ -12,6 +13,8 @@ pub struct Effect {
     pub meaning: &'static str,
     /// What it leaves in the residual of a model that lacks it.
     pub signature: &'static str,
+    /// The quantity against which that is best looked at.
+    pub against: Covariate,
     /// Names of the effects it can be mistaken for.
     pub confused_with: &'static [&'static str],
     /// The experiment that separates it from those.

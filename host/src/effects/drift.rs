@@ -1,6 +1,6 @@
 //! `drift`: the zero of the sensor wanders steadily.
 
-use super::{Count, Effect, Law, Needs, Sign, Strength};
+use super::{Count, Covariate, Effect, Law, Needs, Sign, Strength};
 use crate::model::{Act, Scene, Stage};
 
 const RATE: Strength = Strength {
@@ -22,6 +22,7 @@ pub const EFFECT: Effect = Effect {
     stage: Stage::Sensor,
     meaning: "The zero of the force channel wanders steadily, loaded or not.",
     signature: "A ramp through every phase, also off the specimen, and on from trace to trace.",
+    against: Covariate::SetTime,
     confused_with: &["slow-relaxation", "warm-up", "thermal-output", "zero-shift"],
     experiment: "Record an hour with no load.",
     needs: Needs::Nothing,

@@ -1,7 +1,7 @@
 //! `elastic-stiffening`: the elastic response grows faster at the top than the base law allows.
 
 use super::shapes::FULL_COMPRESSION;
-use super::{Count, Effect, Law, Needs, Role, Shape, Sign, Strength};
+use super::{Count, Covariate, Effect, Law, Needs, Role, Shape, Sign, Strength};
 use crate::model::{Act, Remembered, Scene, Stage};
 
 const FORCE: Strength = Strength {
@@ -20,6 +20,7 @@ pub const EFFECT: Effect = Effect {
     stage: Stage::Elasticity,
     meaning: "Chains stretched to their limit, closing pores, or a stiff layer below add to the elastic response at large compression.",
     signature: "At the top of loading and unloading, at any rate; it relaxes in the hold as the rest does.",
+    against: Covariate::Displacement,
     confused_with: &["contact-offset"],
     experiment: "Press in steps to ever larger compression, each from a touch that is well sampled.",
     needs: Needs::Nothing,

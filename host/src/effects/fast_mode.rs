@@ -1,6 +1,6 @@
 //! `fast-mode`: a relaxation faster than those of the base law.
 
-use super::{Count, Effect, Law, Needs, Role, Shape, Sign, Strength};
+use super::{Count, Covariate, Effect, Law, Needs, Role, Shape, Sign, Strength};
 use crate::model::{Act, Branch, Stage};
 
 const SHARE: Strength = Strength {
@@ -27,6 +27,7 @@ pub const EFFECT: Effect = Effect {
     stage: Stage::Relaxation,
     meaning: "A part of the elastic response relaxes within milliseconds, faster than the exponentials of the base law.",
     signature: "On ramps, growing with the rate, and at the corners.",
+    against: Covariate::Velocity,
     confused_with: &["viscous-drag", "sensor-lag", "sync-delay"],
     experiment: "Press a rigid block at fifty times the rate: a sensor still lags there, the specimen is gone.",
     needs: Needs::Nothing,

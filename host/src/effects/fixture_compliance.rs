@@ -1,7 +1,7 @@
 //! `fixture-compliance`: the set-up yields under the force, and the specimen is pressed less.
 
 use super::shapes::FULL_FORCE;
-use super::{Count, Effect, Law, Needs, Role, Shape, Sign, Strength};
+use super::{Count, Covariate, Effect, Law, Needs, Role, Shape, Sign, Strength};
 use crate::model::{Act, Stage};
 
 /// What a joint yields at full force.
@@ -21,6 +21,7 @@ pub const EFFECT: Effect = Effect {
     stage: Stage::Motion,
     meaning: "Frame, grip or load cell bend under the force, so that less than the commanded motion reaches the specimen.",
     signature: "Grows with the force times the stiffness, the same at every rate; it follows the force through the hold.",
+    against: Covariate::Force,
     confused_with: &["gauge-nonlinearity"],
     experiment: "Hang a known dead weight: a nonlinear gauge reads it wrong, a compliant fixture does not. Or press a rigid block: what moves is the fixture.",
     needs: Needs::Nothing,

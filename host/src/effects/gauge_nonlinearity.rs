@@ -1,7 +1,7 @@
 //! `gauge-nonlinearity`: the signal is not in proportion to the force.
 
 use super::shapes::FULL_FORCE;
-use super::{Count, Effect, Law, Needs, Sign, Strength};
+use super::{Count, Covariate, Effect, Law, Needs, Sign, Strength};
 use crate::model::{Act, Stage};
 
 const DEVIATION: Strength = Strength {
@@ -20,6 +20,7 @@ pub const EFFECT: Effect = Effect {
     stage: Stage::Sensor,
     meaning: "Bridge, gauge or the body it is bonded to answer the force along a slightly curved line.",
     signature: "At the peak force, at any rate; a function of the force alone.",
+    against: Covariate::Force,
     confused_with: &["fixture-compliance", "saturation", "elastic-stiffening"],
     experiment: "Hang known dead weights: a nonlinear gauge reads them wrong, a compliant fixture does not.",
     needs: Needs::Nothing,

@@ -1,7 +1,7 @@
 //! `hysteresis`: the signal depends on where the force came from.
 
 use super::shapes::FULL_FORCE;
-use super::{Count, Effect, Law, Needs, Role, Shape, Sign, Strength};
+use super::{Count, Covariate, Effect, Law, Needs, Role, Shape, Sign, Strength};
 use crate::model::{Act, Remembered, Scene, Stage};
 
 const HEIGHT: Strength = Strength {
@@ -28,6 +28,7 @@ pub const EFFECT: Effect = Effect {
     stage: Stage::Sensor,
     meaning: "Glue, backing and the metal under a bonded gauge slip a little, so that the signal depends on where the force came from.",
     signature: "A loop over the force that is the same at every rate, and an offset in the hold that turns with the force.",
+    against: Covariate::Force,
     confused_with: &["load-friction", "coulomb-friction"],
     experiment: "Hang dead weights one after the other and take them off again, with a rest at each.",
     needs: Needs::Nothing,

@@ -1,6 +1,6 @@
 //! `inertia`: the sensor feels the mass that it moves.
 
-use super::{Count, Effect, Law, Needs, Sign, Strength};
+use super::{Count, Covariate, Effect, Law, Needs, Sign, Strength};
 use crate::model::{Act, Stage};
 
 /// Newtons for each kg mm/s².
@@ -12,6 +12,7 @@ pub const EFFECT: Effect = Effect {
     stage: Stage::Contact,
     meaning: "The force sensor accelerates the mass between it and the specimen.",
     signature: "Spikes at the corners of the motion, also off the specimen, and nothing at steady speed.",
+    against: Covariate::Acceleration,
     confused_with: &["viscous-drag", "sync-delay", "sensor-lag"],
     experiment: "The same motion off the specimen: the spikes stay.",
     needs: Needs::Nothing,

@@ -2,7 +2,7 @@
 
 use super::coulomb_friction::{PRESLIDING, SLIDING_SPEED};
 use super::memory::direction;
-use super::{Count, Effect, Law, Needs, Sign, Strength};
+use super::{Count, Covariate, Effect, Law, Needs, Sign, Strength};
 use crate::model::{Act, Stage};
 
 const COEFFICIENT: Strength = Strength {
@@ -21,6 +21,7 @@ pub const EFFECT: Effect = Effect {
     stage: Stage::Contact,
     meaning: "The specimen spreads under the indenter and on its base and rubs there, the more the harder it is pressed.",
     signature: "A loop that grows with the force, the same at every speed, and nothing off the specimen.",
+    against: Covariate::Force,
     confused_with: &["coulomb-friction", "mullins", "hysteresis"],
     experiment: "Small cycles about several mean compressions; then the same with the contact lubricated.",
     needs: Needs::Nothing,

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::{Count, Effect, Law, Needs, Role, Shape, Sign, Strength};
+use super::{Count, Covariate, Effect, Law, Needs, Role, Shape, Sign, Strength};
 use crate::model::{Act, Remembered, Scene, Stage};
 
 const AMPLITUDE: Strength = Strength {
@@ -29,6 +29,7 @@ pub const EFFECT: Effect = Effect {
     stage: Stage::Sensor,
     meaning: "Mains couple into cables or amplifier; where sampling is slow, their alias shows.",
     signature: "One line in the spectrum, the same loaded and unloaded, in motion and at rest.",
+    against: Covariate::Time,
     confused_with: &[],
     experiment: "Record a minute with no load, then with the drive switched off; and at another sampling rate, where an alias moves.",
     needs: Needs::Nothing,

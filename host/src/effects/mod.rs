@@ -49,5 +49,7 @@ pub use declaration::{
 pub use library::{LIBRARY, find};
 pub use stored::{EffectError, applied, chain_of, store};
 
+use crate::model::covariate::Covariate;
+
 #[cfg(test)]
 mod tests;

@@ -1,7 +1,7 @@
 //! `mullins`: the specimen is softer where it has been before.
 
 use super::memory::largest;
-use super::{Count, Effect, Law, Needs, Role, Shape, Sign, Strength};
+use super::{Count, Covariate, Effect, Law, Needs, Role, Shape, Sign, Strength};
 use crate::model::{Act, Remembered, Scene, Stage};
 
 const DEPTH: Strength = Strength {
@@ -20,6 +20,7 @@ pub const EFFECT: Effect = Effect {
     stage: Stage::Elasticity,
     meaning: "Chains and filler bonds that the largest stretch broke no longer carry load below it.",
     signature: "In unloading, and in reloading below the largest compression so far; absent in first loadings.",
+    against: Covariate::Displacement,
     confused_with: &["cyclic-softening"],
     experiment: "Repeat one amplitude, then a smaller one, then rest ten minutes and repeat.",
     needs: Needs::Nothing,

@@ -2,7 +2,7 @@
 
 use super::memory::largest;
 use super::shapes::FULL_COMPRESSION;
-use super::{Count, Effect, Law, Needs, Role, Shape, Sign, Strength};
+use super::{Count, Covariate, Effect, Law, Needs, Role, Shape, Sign, Strength};
 use crate::model::{Act, Stage};
 
 const SET: Strength = Strength {
@@ -21,6 +21,7 @@ pub const EFFECT: Effect = Effect {
     stage: Stage::Elasticity,
     meaning: "The specimen does not come back to its height: part of the largest compression so far stays.",
     signature: "At the end of unloading and at the next touch, which comes later; it grows with the largest loading only.",
+    against: Covariate::Displacement,
     confused_with: &["backlash", "contact-offset", "mullins"],
     experiment: "Repeat one amplitude, then a smaller one, then rest ten minutes and look where the touch is.",
     needs: Needs::Nothing,

@@ -1,7 +1,7 @@
 //! `rate-drag`: a force against the motion that grows weakly with its speed.
 
 use super::shapes::FULL_SPEED;
-use super::{Count, Effect, Law, Needs, Role, Shape, Sign, Strength};
+use super::{Count, Covariate, Effect, Law, Needs, Role, Shape, Sign, Strength};
 use crate::model::{Act, Remembered, Scene, Stage};
 
 const DRAG: Strength = Strength {
@@ -24,6 +24,7 @@ pub const EFFECT: Effect = Effect {
     stage: Stage::Contact,
     meaning: "A tacky or shear-thinning surface or film resists the motion, only a little more when it is fast.",
     signature: "Loading against unloading, weak in the rate, and gone in the hold.",
+    against: Covariate::Velocity,
     confused_with: &["coulomb-friction", "viscous-drag"],
     experiment: "Small cycles about a mean compression, at speeds over three decades.",
     needs: Needs::Nothing,

@@ -1,7 +1,7 @@
 //! `sensor-lag`: the signal follows the force with a delay and rounds its corners.
 
 use super::memory::low_pass;
-use super::{Count, Effect, Law, Needs, Role, Shape, Sign, Strength};
+use super::{Count, Covariate, Effect, Law, Needs, Role, Shape, Sign, Strength};
 use crate::model::{Act, Remembered, Scene, Stage};
 
 const TIME: Strength = Strength {
@@ -23,6 +23,7 @@ pub const EFFECT: Effect = Effect {
     stage: Stage::Sensor,
     meaning: "A filter in the amplifier, or the sensor itself, takes milliseconds to follow the force.",
     signature: "Grows with the slope of the force over time; corners are rounded.",
+    against: Covariate::Velocity,
     confused_with: &["sync-delay", "fast-mode"],
     experiment: "Press a rigid block at fifty times the rate: a sensor still lags there, the specimen is gone.",
     needs: Needs::Nothing,

@@ -1,6 +1,6 @@
 //! `slow-relaxation`: a tail slower than the exponentials of the base law.
 
-use super::{Count, Effect, Law, Needs, Role, Shape, Sign, Strength};
+use super::{Count, Covariate, Effect, Law, Needs, Role, Shape, Sign, Strength};
 use crate::model::{Act, Branch, Hereditary, Stage};
 
 const SHARE: Strength = Strength {
@@ -22,6 +22,7 @@ pub const EFFECT: Effect = Effect {
     stage: Stage::Relaxation,
     meaning: "The specimen goes on relaxing over minutes and hours, about as much in each decade of time.",
     signature: "Late in the hold, where the force still falls, and from trace to trace while the specimen recovers.",
+    against: Covariate::Time,
     confused_with: &["drift", "latency-law", "zero-shift"],
     experiment: "Record an hour with no load: a sensor still drifts there. Then hold for an hour.",
     needs: Needs::Nothing,

@@ -2,7 +2,7 @@
 
 use super::memory::body_warmth;
 use super::shapes::BODY_TIME;
-use super::{Count, Effect, Law, Needs, Sign, Strength};
+use super::{Count, Covariate, Effect, Law, Needs, Sign, Strength};
 use crate::model::{Act, Stage};
 
 const OUTPUT: Strength = Strength {
@@ -21,6 +21,7 @@ pub const EFFECT: Effect = Effect {
     stage: Stage::Sensor,
     meaning: "A gauge and what it is bonded to expand differently, which reads as load.",
     signature: "Follows the temperature, the same under load and off the specimen.",
+    against: Covariate::Temperature,
     confused_with: &["warm-up", "drift", "zero-shift"],
     experiment: "Step the temperature by 5 K with no load.",
     needs: Needs::Temperature,

@@ -2,7 +2,7 @@
 
 use super::memory::body_warmth;
 use super::shapes::BODY_TIME;
-use super::{Count, Effect, Law, Needs, Sign, Strength};
+use super::{Count, Covariate, Effect, Law, Needs, Sign, Strength};
 use crate::model::{Act, Stage};
 
 const COEFFICIENT: Strength = Strength {
@@ -21,6 +21,7 @@ pub const EFFECT: Effect = Effect {
     stage: Stage::Elasticity,
     meaning: "The elastic response changes with the temperature of the specimen.",
     signature: "In proportion to the force, and from trace to trace as the temperature.",
+    against: Covariate::Temperature,
     confused_with: &["cyclic-softening", "time-temperature"],
     experiment: "Step the temperature by 5 K, wait until the specimen has it, and press and hold as before.",
     needs: Needs::Temperature,

@@ -2,7 +2,7 @@
 
 use super::memory::body_warmth;
 use super::shapes::BODY_TIME;
-use super::{Count, Effect, Law, Needs, Sign, Strength};
+use super::{Count, Covariate, Effect, Law, Needs, Sign, Strength};
 use crate::model::{Act, Hereditary, Stage};
 
 const COEFFICIENT: Strength = Strength {
@@ -21,6 +21,7 @@ pub const EFFECT: Effect = Effect {
     stage: Stage::Relaxation,
     meaning: "Warmth speeds up all relaxation by the same factor, as time-temperature superposition has it.",
     signature: "Early in the hold and on fast ramps, and from trace to trace as the temperature.",
+    against: Covariate::Temperature,
     confused_with: &["thermal-stiffness"],
     experiment: "Step the temperature by 5 K, wait until the specimen has it, and press and hold as before.",
     needs: Needs::Temperature,

@@ -1,7 +1,7 @@
 //! `viscous-drag`: a force against the motion in proportion to its speed.
 
 use super::shapes::FULL_COMPRESSION;
-use super::{Count, Effect, Law, Needs, Sign, Strength};
+use super::{Count, Covariate, Effect, Law, Needs, Sign, Strength};
 use crate::model::{Act, Stage};
 
 const VISCOSITY: Strength = Strength {
@@ -20,6 +20,7 @@ pub const EFFECT: Effect = Effect {
     stage: Stage::Contact,
     meaning: "Grease, air or a wet surface resist the motion in proportion to the speed.",
     signature: "In proportion to the speed, of either sign, and gone in the hold.",
+    against: Covariate::Velocity,
     confused_with: &["fast-mode", "rate-drag", "coulomb-friction", "inertia"],
     experiment: "Small cycles about a mean compression, slow and fast; and strokes off the specimen.",
     needs: Needs::Nothing,

@@ -1,6 +1,6 @@
 //! `warm-up`: the zero of the sensor moves until the electronics are warm.
 
-use super::{Count, Effect, Law, Needs, Role, Shape, Sign, Strength};
+use super::{Count, Covariate, Effect, Law, Needs, Role, Shape, Sign, Strength};
 use crate::model::{Act, Stage};
 
 const ZERO: Strength = Strength {
@@ -27,6 +27,7 @@ pub const EFFECT: Effect = Effect {
     stage: Stage::Sensor,
     meaning: "Gauges and amplifier heat themselves after they are switched on, and the zero moves until they are warm.",
     signature: "A zero that moves in the first traces, also off the specimen, and then stays.",
+    against: Covariate::SetTime,
     confused_with: &["drift", "thermal-output", "zero-shift"],
     experiment: "Switch on, and record half an hour with no load at steady temperature.",
     needs: Needs::Nothing,

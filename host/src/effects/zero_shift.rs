@@ -1,6 +1,6 @@
 //! `zero-shift`: the zero of the sensor is another in every trace.
 
-use super::{Count, Effect, Law, Needs, Sign, Strength};
+use super::{Count, Covariate, Effect, Law, Needs, Sign, Strength};
 use crate::model::{Act, Stage};
 
 /// The effect.
@@ -9,6 +9,7 @@ pub const EFFECT: Effect = Effect {
     stage: Stage::Sensor,
     meaning: "The zero of the force channel was set anew, or wandered, between traces.",
     signature: "A constant in each trace, also before the touch.",
+    against: Covariate::SetTime,
     confused_with: &["drift", "warm-up", "thermal-output"],
     experiment: "Record a second of rest before every touch, and tare there.",
     needs: Needs::Nothing,

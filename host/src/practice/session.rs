@@ -71,8 +71,8 @@ pub fn two_traces() -> Vec<Trace> {
         file: "press.csv".into(),
         profile: profile(-0.5, 20.0, steps),
     };
-    let around = Around { mean: 23.0, waves: [(1.5, 60.0, 0.0), (0.0, 60.0, 0.0)], sway: 0.0 };
-    record(vec![press, cycles(4, 6.0, 20.0, 0.5)], &around, &[10.0; 2])
+    let around = Around { mean: 23.0, waves: [(1.5, 5.0, 0.0), (0.0, 60.0, 0.0)], sway: 0.0 };
+    record(vec![press, cycles(4, 6.0, 60.0, 0.5)], &around, &[10.0; 2])
 }
 
 fn cycles(count: usize, amplitude: f64, speed: f64, off: f64) -> Plan {

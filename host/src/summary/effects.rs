@@ -72,6 +72,7 @@ pub fn effect_json(effect: &Effect) -> Value {
         "signature": effect.signature,
         "confused_with": effect.confused_with,
         "experiment": effect.experiment,
+        "against": effect.against.symbol(),
         "needs": needs(effect.needs),
         "laws": laws,
     })
@@ -103,7 +104,7 @@ pub fn effect_section(signature: &Signature) -> Section {
         .paragraph(effect.meaning)
         .block(Block::Definitions(about))
         .table(laws)
-        .table(parameters(effect))
+        .table(parameters(signature))
         .block(Block::Heading("The picture".into()))
         .paragraph(picture_in_words(signature))
 }
@@ -140,37 +141,36 @@ fn how_many(law: &Law) -> String {
     }
 }
 
-fn parameters(effect: &Effect) -> Table {
+fn parameters(signature: &Signature) -> Table {
     let columns = ["law", "parameter", "unit", "meaning", "values"].map(Column::text).to_vec();
     let mut table = Table::new("Parameters", columns);
-    for law in effect.laws {
+    let scales = &signature.scales;
+    for law in signature.effect.laws {
         let strength = &law.strength;
-        let sign = match strength.sign {
-            Sign::Positive => "0 or more",
-            Sign::Either => "of either sign",
+        let most = significant((strength.most)(scales), 2);
+        let range = match strength.sign {
+            Sign::Positive => format!("0 (absent) to {most}"),
+            Sign::Either => format!("0 (absent), of either sign up to {most}"),
         };
-        let values = match law.strength.count {
-            Count::Fixed([]) => format!("{sign}; 0 is without the effect"),
-            _ => format!("{sign}, {}; 0 is without the effect", how_many(law)),
+        let values = match strength.count {
+            Count::Fixed([]) => range,
+            _ => format!("{}; {range}", how_many(law)),
         };
-        let unit = strength.unit;
-        table =
-            table.row([law.name, &format!("`{}`", strength.name), unit, strength.meaning, &values]);
+        let name = format!("`{}`", strength.name);
+        table = table.row([law.name, &name, strength.unit, strength.meaning, &values]);
         for shape in law.shapes {
             let values = match shape.role {
-                Role::Fitted(_) => "fitted",
-                Role::Given => "taken from the data, not fitted",
+                Role::Fitted(bounds) => {
+                    let (lower, upper) = bounds(scales);
+                    format!("{} to {}", significant(lower, 2), significant(upper, 2))
+                }
+                Role::Given => "taken from the data, not fitted".into(),
             };
-            table = table.row([
-                law.name,
-                &format!("`{}`", shape.name),
-                shape.unit,
-                shape.meaning,
-                values,
-            ]);
+            let name = format!("`{}`", shape.name);
+            table = table.row([law.name, &name, shape.unit, shape.meaning, &values]);
         }
     }
-    table
+    table.note("The first of each law is its strength. Where the ranges follow the data, they are those of the traces in the picture.")
 }
 
 fn picture_in_words(signature: &Signature) -> String {
@@ -194,7 +194,7 @@ fn picture_in_words(signature: &Signature) -> String {
         .map(|(parameter, value)| named((&parameter.name, *value, &parameter.unit)))
         .collect();
     let mut text = format!(
-        "A made-up press to 8 mm with a hold of 4 s, and four cycles to 6 mm, both at 20 mm/s: the base law `fung` with {}, \
+        "A made-up press to 8 mm at 20 mm/s with a hold of 4 s, and four cycles to 6 mm at 60 mm/s: the base law `fung` with {}, \
          and the reference law of the effect with {}. Then the base law alone is refitted to both. The effect changes the force by {} of its largest, {} N; \
          what the refitted law leaves of that is {}",
         base.join(", "),
@@ -206,16 +206,10 @@ fn picture_in_words(signature: &Signature) -> String {
     if signature.absorbed() {
         text += ": the base law takes the effect up, and two traces like these cannot show it";
     }
-    match &signature.dependence {
-        Some(dependence) if !signature.absorbed() => {
-            text + &format!(
-                ", and the {} explains most of it ({}).",
-                dependence.covariate.name(),
-                percent(dependence.explained, 2)
-            )
-        }
-        _ => text + ".",
-    }
+    text + &format!(
+        ". The plots: the force of the press, what is left of both over time, and what is left against the {}.",
+        signature.effect.against.name()
+    )
 }
 
 /// The residual over time with its regions, and against what it depends on most.
@@ -244,17 +238,13 @@ pub fn effect_figures(signature: &Signature) -> Vec<Figure> {
         let mut left = Plot::new("", seconds(), Axis::new(what, "mN"))
             .series(Series::line("", time, thousand(&residual)).colour(Colour::RESIDUAL))
             .level(0.0, "")
-            .height(110.0);
+            .height(130.0);
         for (from, to, _) in spans(&stretch.time, &stretch.regions) {
             left = left.span(from, to, "");
         }
         panels = panels.plot(left);
     }
-    let mut figures = vec![panels.into()];
-    if let Some(dependence) = &signature.dependence {
-        figures.push(against(signature, dependence.covariate).into());
-    }
-    figures
+    vec![panels.into(), against(signature, signature.effect.against).into()]
 }
 
 /// Fewest samples from one point drawn to the next.

@@ -4,7 +4,6 @@ use super::{DiagnosisSummary, listed};
 use crate::criticism::adequacy::LEVEL;
 use crate::criticism::diagnose::Verdict;
 use crate::criticism::search::{DECISIVE, FALSE_ALARMS, Step};
-use crate::effects::find;
 use crate::report::number::{percent, significant};
 
 /// An error this many times the noise is not called noise, however white.
@@ -174,14 +173,9 @@ impl DiagnosisSummary<'_> {
         format!("Beyond the noise, {}", self.after.in_words())
     }
 
-    /// What would tell the members of a credible set apart.
+    /// The experiment that would decide, or show more.
     pub(super) fn next_experiment(&self) -> Option<String> {
-        if self.diagnosis.verdict != Verdict::Ambiguous {
-            return None;
-        }
-        let undecided = |step: &&Step| step.credible.len() > 1;
-        let step = self.diagnosis.found.steps.iter().find(undecided)?;
-        find(&step.effect).map(|effect| effect.experiment.to_owned())
+        self.diagnosis.next_experiment.clone()
     }
 
     /// What to do next: a sentence, and the command where there is one.
