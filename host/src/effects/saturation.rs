@@ -18,7 +18,7 @@ const LIMIT: Shape = Shape {
     unit: "N",
     meaning: "force above which the sensor loses",
     grid: |scales| [0.8, 0.9, 0.97].map(|part| part * scales.force).to_vec(),
-    role: Role::Fitted(|scales| (0.2 * scales.force, 1.05 * scales.force)),
+    role: Role::Fitted(|scales| (0.7 * scales.force, 1.05 * scales.force)),
 };
 
 /// The effect.
@@ -48,19 +48,10 @@ pub const EFFECT: Effect = Effect {
             name: "soft",
             formula: "F → F − s w ln(1 + e^((F − F_c)/w)), w = u F_c",
             strength: LOSS,
-            shapes: &[
-                Shape {
-                    grid: |scales| [0.85, 0.95].map(|part| part * scales.force).to_vec(),
-                    ..LIMIT
-                },
-                Shape {
-                    name: "width",
-                    unit: "",
-                    meaning: "part of the limit over which it sets in",
-                    grid: |_| vec![0.04],
-                    role: Role::Fitted(|_| (0.002, 0.3)),
-                },
-            ],
+            shapes: &[Shape {
+                grid: |scales| [0.85, 0.95].map(|part| part * scales.force).to_vec(),
+                ..LIMIT
+            }],
             act: Act::Force(|_, parameters, _, force| {
                 let (loss, limit) = (parameters[0], parameters[1]);
                 let width = parameters[2] * limit;
