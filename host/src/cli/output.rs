@@ -32,10 +32,12 @@ pub fn print_json(value: &serde_json::Value) -> Result<(), Failure> {
     print(&format!("{value:#}\n"))
 }
 
-/// What standard output can show.
+/// What standard output can show. Where it is no terminal, `COLUMNS` says how wide.
 pub fn terminal() -> Terminal {
     let shown = io::stdout().is_terminal();
-    let width = console::Term::stdout().size_checked().map_or(160, |(_, width)| width.into());
+    let told = || std::env::var("COLUMNS").ok()?.parse().ok().filter(|width| *width >= 20);
+    let size = console::Term::stdout().size_checked();
+    let width = size.map(|(_, width)| width.into()).or_else(told).unwrap_or(160);
     let colour = shown && std::env::var_os("NO_COLOR").is_none();
     Terminal { width, unicode: true, colour }
 }

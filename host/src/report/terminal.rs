@@ -1,6 +1,6 @@
 //! Tables and small line plots for the terminal.
 
-use comfy_table::{CellAlignment, ContentArrangement, LineStyle, TableStyle};
+use comfy_table::{CellAlignment, ColumnConstraint, ContentArrangement, LineStyle, TableStyle};
 
 use super::number::significant;
 use super::table::{Align, Table, split_decimal};
@@ -45,6 +45,13 @@ impl Terminal {
             if let (Some(set), true) = (grid.column_mut(index), column.align != Align::Left) {
                 set.set_cell_alignment(CellAlignment::Right);
             }
+        }
+        // The names of the rows stay whole where there is room.
+        let names = (0..table.rows.len()).map(|row| table.cell(row, 0).chars().count());
+        if let (Some(first), true) =
+            (grid.column_mut(0), names.max().unwrap_or(0) <= self.width * 2 / 5)
+        {
+            first.set_constraint(ColumnConstraint::ContentWidth);
         }
         let mut out = String::new();
         if !table.caption.is_empty() {

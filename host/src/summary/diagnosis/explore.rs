@@ -3,7 +3,6 @@
 use std::path::Path;
 
 use super::{DiagnosisSummary, listed, rung_name};
-use crate::criticism::adequacy::LEVEL;
 use crate::criticism::diagnose::Verdict;
 use crate::criticism::search::Step;
 use crate::report::{Block, Callout, Section};
@@ -59,15 +58,9 @@ impl DiagnosisSummary<'_> {
     /// Why the ladder ends here.
     fn end(&self) -> (Callout, String) {
         let steps = &self.diagnosis.found.steps;
-        let noise = if self.diagnosis.after.p_value >= LEVEL {
-            "Only noise is left.".to_owned()
-        } else {
-            self.rest_in_words()
-        };
+        let noise = self.rest_in_words().replace("What remains is noise.", "Only noise is left.");
         match self.diagnosis.verdict {
-            Verdict::Adequate => {
-                (Callout::Finding, "Only noise is left: nothing needs to be added.".into())
-            }
+            Verdict::Adequate => (Callout::Finding, format!("{noise} Nothing needs to be added.")),
             Verdict::Named => (Callout::Finding, noise),
             Verdict::Ambiguous => {
                 let undecided = steps.iter().filter(|step| step.credible.len() > 1);

@@ -6,6 +6,9 @@ use crate::criticism::diagnose::Verdict;
 use crate::criticism::search::{DECISIVE, FALSE_ALARMS, Step};
 use crate::report::number::{percent, significant};
 
+/// An error this many times the noise is not called noise, however white.
+const SUSPECT: f64 = 1.15;
+
 impl DiagnosisSummary<'_> {
     /// What is missing, how sure that is, and what it does to the error.
     pub(super) fn verdict_in_words(&self) -> String {
@@ -142,6 +145,13 @@ impl DiagnosisSummary<'_> {
     /// Whether what remains is noise.
     pub(super) fn rest_in_words(&self) -> String {
         let diagnosis = self.diagnosis;
+        let times = diagnosis.found.model().rms() / self.noise();
+        if diagnosis.after.p_value >= LEVEL && times > SUSPECT {
+            return format!(
+                "What remains does not wander more than noise, but it is {times:.2} times as large: \
+                 something fast may be left, such as hum."
+            );
+        }
         if diagnosis.after.p_value >= LEVEL {
             return "What remains is noise.".into();
         }
