@@ -94,9 +94,7 @@ impl DiagnosisSummary<'_> {
             }
             None => {}
         }
-        if let Some(experiment) = self.next_experiment() {
-            next.push((format!("To tell them apart, the next experiment: {experiment}"), None));
-        }
+        next.extend(self.experiment_in_words());
         if self.diagnosis.verdict == Verdict::Unknown {
             next.push(self.law_of_ones_own());
         }
