@@ -60,6 +60,7 @@ impl DiagnosisSummary<'_> {
         let steps = &self.diagnosis.found.steps;
         let noise = self.rest_in_words().replace("What remains is noise.", "Only noise is left.");
         match self.diagnosis.verdict {
+            Verdict::Adequate | Verdict::Named if self.suspect_rest() => (Callout::Warning, noise),
             Verdict::Adequate => (Callout::Finding, format!("{noise} Nothing needs to be added.")),
             Verdict::Named => (Callout::Finding, noise),
             Verdict::Ambiguous => {

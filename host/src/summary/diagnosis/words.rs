@@ -6,7 +6,7 @@ use crate::criticism::diagnose::Verdict;
 use crate::criticism::search::{DECISIVE, FALSE_ALARMS, Step};
 use crate::report::number::{percent, significant};
 
-/// An error this many times the noise is not called noise, however white.
+/// An error this many times the noise is not called noise.
 const SUSPECT: f64 = 1.15;
 
 impl DiagnosisSummary<'_> {
@@ -142,10 +142,14 @@ impl DiagnosisSummary<'_> {
         text + "."
     }
 
+    /// Whether what remains is larger than noise, however white.
+    pub(super) fn suspect_rest(&self) -> bool {
+        self.diagnosis.found.model().rms() > SUSPECT * self.noise()
+    }
+
     /// Whether what remains is noise.
     pub(super) fn rest_in_words(&self) -> String {
         let diagnosis = self.diagnosis;
-        let times = diagnosis.found.model().rms() / self.noise();
         let part = percent(diagnosis.unexplained, 2);
         if diagnosis.verdict == Verdict::Unknown {
             return format!(
@@ -159,7 +163,8 @@ impl DiagnosisSummary<'_> {
                  of a law may differ from the specimen's."
             );
         }
-        if times > SUSPECT {
+        if self.suspect_rest() {
+            let times = diagnosis.found.model().rms() / self.noise();
             return format!(
                 "What remains does not wander more than noise, but it is {times:.2} times as large: \
                  something fast may be left, such as hum."
