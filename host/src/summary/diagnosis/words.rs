@@ -13,6 +13,9 @@ impl DiagnosisSummary<'_> {
     /// What is missing, how sure that is, and what it does to the error.
     pub(super) fn verdict_in_words(&self) -> String {
         match self.diagnosis.verdict {
+            Verdict::Adequate if self.suspect_rest() => {
+                format!("{} {}", self.adequate(), self.rest_in_words())
+            }
             Verdict::Adequate => self.adequate(),
             Verdict::Named | Verdict::Ambiguous => {
                 format!(
