@@ -205,7 +205,7 @@ fn try_laws(chain: &Chain, values: &[f64], data: &Data, candidate: &Candidate) -
     let candidates = std::slice::from_ref(candidate);
     let search = Search { data, candidates, whitening: &whitening, problem: &problem };
     let from = Fitted::new(&problem, &problem.point(values), Effort::QUICK);
-    let directions = screen(&problem, data, &from.point, &whitening, candidates, None).directions;
+    let directions = screen(&problem, data, &from.point, &whitening, candidates).directions;
     let absorbed = directions.iter().all(|direction| direction.left < ABSORBED);
     let start = |direction: &Direction| {
         let mut start = direction.clone();

@@ -90,6 +90,9 @@ pub enum DiagnoseError {
 /// specimen's by as much.
 const FORM: f64 = 0.2;
 
+/// An error on traces left out within this many times the noise is at the noise.
+const AT_THE_NOISE: f64 = 1.1;
+
 /// Says what a model lacks on the traces of a data set, in order of recording.
 ///
 /// # Errors
@@ -159,6 +162,7 @@ pub fn diagnose(model: &Model, traces: &[Trace]) -> Result<Diagnosis, DiagnoseEr
     let leftover = after.excess.max(0.0);
     let unexplained =
         if explained + leftover > 0.0 { leftover / (explained + leftover) } else { 0.0 };
+    let unexplained = unexplained.max(beyond(&held_out, noise.whitening.standard_deviation()));
     let verdict = verdict(&found, &before, &after, unexplained, &sure);
     let places =
         cells_of(&final_problem, &data, &found.model().point, noise.whitening.standard_deviation());
@@ -202,6 +206,18 @@ fn is_sure(before: &Option<HeldOut>, after: &Option<HeldOut>) -> bool {
     mean > 2.0 * (variance / count).sqrt()
 }
 
+/// Part of the misfit on traces left out that the last model leaves there; 0 where it is at the noise.
+fn beyond(held_out: &[Option<HeldOut>], noise: f64) -> f64 {
+    let (Some(Some(first)), Some(Some(last))) = (held_out.first(), held_out.last()) else {
+        return 0.0;
+    };
+    let excess = |held_out: &HeldOut| held_out.rms.powi(2) - noise * noise;
+    if last.rms < AT_THE_NOISE * noise || excess(first) <= 0.0 {
+        return 0.0;
+    }
+    excess(last) / excess(first)
+}
+
 fn verdict(
     found: &Found,
     before: &Adequacy,
@@ -217,7 +233,7 @@ fn verdict(
             Verdict::Adequate
         };
     }
-    if after.p_value < LEVEL && unexplained > FORM {
+    if unexplained > FORM && (after.p_value < LEVEL || !sure.iter().all(|sure| *sure)) {
         return Verdict::Unknown;
     }
     let _ = sure;

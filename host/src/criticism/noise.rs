@@ -27,6 +27,10 @@ pub enum Seen {
 
 /// Samples of rest that are enough to see noise in.
 const ENOUGH: usize = 60;
+/// Samples of rest before the touch that are enough by themselves.
+const PLENTY: usize = 300;
+/// Variance after the touch over that before it above which the rest after it is not quiet.
+const LOUDER: f64 = 1.4;
 /// A stretch of rest has at least this many samples.
 const SHORTEST: usize = 16;
 /// Highest order of the autoregression.
@@ -39,8 +43,12 @@ const SLOW: f64 = 1.3;
 /// The noise, from rest off the specimen; none where the recordings have too little of it.
 #[must_use]
 pub fn noise_model(data: &Data) -> Option<NoiseModel> {
-    let quiet = quiet(data);
-    let samples = quiet.iter().map(Vec::len).sum();
+    let [before, after] = quiet(data);
+    let count = |stretches: &[Vec<f64>]| stretches.iter().map(Vec::len).sum::<usize>();
+    // What the touch has set swinging, or has not recovered yet, is no noise.
+    let alone = count(&before) >= PLENTY && spread(&after) > LOUDER * spread(&before);
+    let quiet = if alone { before } else { [before, after].concat() };
+    let samples = count(&quiet);
     if samples < ENOUGH {
         return None;
     }
@@ -64,9 +72,21 @@ pub fn residual_noise(residuals: &[Vec<f64>]) -> NoiseModel {
     NoiseModel { whitening, seen: Seen::Residual, samples }
 }
 
-/// The signal at rest off the specimen, stretch by stretch.
-fn quiet(data: &Data) -> Vec<Vec<f64>> {
-    let mut found = Vec::new();
+/// Variance within stretches.
+fn spread(stretches: &[Vec<f64>]) -> f64 {
+    let (mut squares, mut count) = (0.0, 0.0);
+    for stretch in stretches {
+        let centred = centred(stretch.clone());
+        squares += centred.iter().map(|value| value * value).sum::<f64>();
+        count += stretch.len() as f64 - 1.0;
+    }
+    if count > 0.0 { squares / count } else { 0.0 }
+}
+
+/// The signal at rest off the specimen, stretch by stretch: before the first touch of each recording,
+/// and after a touch.
+fn quiet(data: &Data) -> [Vec<Vec<f64>>; 2] {
+    let mut found = [Vec::new(), Vec::new()];
     for piece in &data.pieces {
         let scene = data.scene(piece);
         let (time, x) = (&piece.motion.time, &piece.motion.displacement);
@@ -81,12 +101,15 @@ fn quiet(data: &Data) -> Vec<Vec<f64>> {
             if rests && time[k] >= released + RECOVERY {
                 stretch.push(piece.measured[k]);
             } else if !stretch.is_empty() {
-                found.push(std::mem::take(&mut stretch));
+                let touched = usize::from(released.is_finite());
+                found[touched].push(std::mem::take(&mut stretch));
             }
         }
-        found.push(stretch);
+        found[usize::from(released.is_finite())].push(stretch);
     }
-    found.retain(|stretch: &Vec<f64>| stretch.len() >= SHORTEST);
+    for stretches in &mut found {
+        stretches.retain(|stretch: &Vec<f64>| stretch.len() >= SHORTEST);
+    }
     found
 }
 

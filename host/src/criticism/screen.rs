@@ -12,7 +12,7 @@ use rayon::prelude::*;
 
 use super::tail::log_tail;
 use crate::effects::{Candidate, Form};
-use crate::fit::data::{Data, Piece};
+use crate::fit::data::Data;
 use crate::fit::problem::Problem;
 use crate::fit::whitening::Whitening;
 use crate::model::{Act, Chain, Elasticity, History, Scene, Stage};
@@ -28,8 +28,6 @@ pub struct Direction {
     pub shapes: Vec<f64>,
     /// Its columns among all sensitivities, one for each strength.
     pub columns: std::ops::Range<usize>,
-    /// How many points of the grid it was chosen from beforehand.
-    pub looks: usize,
     /// Part of its size that the projection leaves, 0 to 1.
     pub left: f64,
     /// Logarithm of the chance of such a score under noise alone.
@@ -60,11 +58,8 @@ const DRAWS: usize = 4000;
 pub const SEED: u64 = 11;
 /// Part of a sensitivity below which the model's own parameters have absorbed it.
 pub const ABSORBED: f64 = 0.02;
-/// Grids longer than this are searched beforehand, and their best point alone is kept.
-const LONG_GRID: usize = 12;
 
-/// Screens the candidates against what the problem leaves at `point`. Long grids are not searched again
-/// where a screen of the same data has chosen from them `before`.
+/// Screens the candidates against what the problem leaves at `point`.
 #[must_use]
 pub fn screen(
     problem: &Problem,
@@ -72,9 +67,8 @@ pub fn screen(
     point: &[f64],
     whitening: &Whitening,
     candidates: &[Candidate],
-    before: Option<&Screen>,
 ) -> Screen {
-    let mut directions = directions(problem, data, point, whitening, candidates, before);
+    let mut directions = directions(candidates);
     let base = point.len();
     let size = base + directions.last().map_or(0, |d| d.columns.end);
     let gram = gram(problem, data, point, whitening, candidates, &directions, size);
@@ -102,14 +96,7 @@ pub fn screen(
 }
 
 /// Every law at every point of its grid that these data can show.
-fn directions(
-    problem: &Problem,
-    data: &Data,
-    point: &[f64],
-    whitening: &Whitening,
-    candidates: &[Candidate],
-    before: Option<&Screen>,
-) -> Vec<Direction> {
+fn directions(candidates: &[Candidate]) -> Vec<Direction> {
     let mut found = Vec::new();
     let mut next = 0;
     for (index, candidate) in candidates.iter().enumerate() {
@@ -117,15 +104,7 @@ fn directions(
             continue;
         }
         for (number, form) in candidate.forms.iter().enumerate() {
-            let looks = if form.grid.len() > LONG_GRID { form.grid.len() } else { 1 };
-            let same = |d: &&Direction| (d.candidate, d.form) == (index, number);
-            let chosen = before.and_then(|before| before.directions.iter().find(same));
-            let grid = match chosen {
-                Some(chosen) if looks > 1 => vec![chosen.shapes.clone()],
-                None if looks > 1 => vec![best_of_grid(problem, data, point, whitening, form)],
-                _ => form.grid.clone(),
-            };
-            for shapes in grid {
+            for shapes in form.grid.clone() {
                 let columns = next..next + form.applied.strengths;
                 next = columns.end;
                 found.push(Direction {
@@ -133,7 +112,6 @@ fn directions(
                     form: number,
                     shapes,
                     columns,
-                    looks,
                     left: 0.0,
                     log_chance: 0.0,
                     gain: 0.0,
@@ -144,43 +122,6 @@ fn directions(
         }
     }
     found
-}
-
-/// The point of a long grid whose sensitivities follow the residual most, each by itself.
-fn best_of_grid(
-    problem: &Problem,
-    data: &Data,
-    point: &[f64],
-    whitening: &Whitening,
-    form: &Form,
-) -> Vec<f64> {
-    let parameters = problem.declared(point);
-    let strengths = form.applied.strengths;
-    let mut residuals = Vec::new();
-    let mut bases = Vec::new();
-    problem.each_piece(&[point.to_vec()], |piece, forces| {
-        let mut residual = misfit(piece, &forces[0]);
-        whitening.apply(&mut residual);
-        residuals.push(residual);
-        bases.push(forces[0].clone());
-    });
-    let scenes: Vec<Scene> = data.pieces.iter().map(|piece| data.scene(piece)).collect();
-    let power = |shapes: &Vec<f64>| {
-        let mut probe = Probe::new(problem.chain, form, shapes, &parameters);
-        let mut power = vec![(0.0, 0.0); strengths];
-        for (k, piece) in data.pieces.iter().enumerate() {
-            let columns = probe.sensitivities(&scenes[k], piece.trace, &bases[k]);
-            for (place, mut column) in columns {
-                whitening.apply(&mut column);
-                power[place].0 += dot(&column, &residuals[k]);
-                power[place].1 += dot(&column, &column);
-            }
-        }
-        power.iter().map(|(along, size)| along * along / size.max(f64::MIN_POSITIVE)).sum::<f64>()
-    };
-    let powers: Vec<f64> = form.grid.par_iter().map(power).collect();
-    let best = (0..powers.len()).max_by(|&a, &b| powers[a].total_cmp(&powers[b])).unwrap_or(0);
-    form.grid.get(best).cloned().unwrap_or_default()
 }
 
 /// Inner products of the model's derivatives, all sensitivities and the residual, whitened.
@@ -369,8 +310,7 @@ impl Projected {
         }
         let gain = strengths.dot(&along) / self.dispersion;
         direction.gain = gain;
-        direction.log_chance =
-            log_tail(gain, count, positive && count == 1) + (direction.looks as f64).ln();
+        direction.log_chance = log_tail(gain, count, positive && count == 1);
         let answer = self.answers.columns(columns.start, count);
         let shift = &self.rest - answer * &strengths;
         direction.strengths = strengths.as_slice().to_vec();
@@ -414,7 +354,7 @@ fn chances(directions: &[Direction], candidates: &[Candidate], cosines: &DMatrix
     });
     // Where each direction's columns stand among the tested, and how to weigh several strengths.
     let mut first = 0;
-    let places: Vec<(usize, usize, bool, f64, Option<DMatrix<f64>>)> = tested
+    let places: Vec<(usize, usize, bool, Option<DMatrix<f64>>)> = tested
         .iter()
         .map(|direction| {
             let count = direction.columns.len();
@@ -425,7 +365,7 @@ fn chances(directions: &[Direction], candidates: &[Candidate], cosines: &DMatrix
                 let start = direction.columns.start;
                 cosines.view((start, start), (count, count)).into_owned().pseudo_inverse(1e-9).ok()
             });
-            (place, count, positive && count == 1, (direction.looks as f64).ln(), inverse.flatten())
+            (place, count, positive && count == 1, inverse.flatten())
         })
         .collect();
     let mut random = ChaCha8Rng::seed_from_u64(SEED);
@@ -434,23 +374,18 @@ fn chances(directions: &[Direction], candidates: &[Candidate], cosines: &DMatrix
         .collect();
     let most_extreme = |normal: &DVector<f64>| {
         let scores = &root * normal;
-        let chance = |(place, count, positive, looks, inverse): &(
-            usize,
-            usize,
-            bool,
-            f64,
-            Option<DMatrix<f64>>,
-        )| {
-            let gain = match inverse {
-                Some(inverse) => {
-                    let own = scores.rows(*place, *count).into_owned();
-                    own.dot(&(inverse * &own))
-                }
-                None if *positive && scores[*place] <= 0.0 => return 0.0,
-                None => scores[*place].powi(2),
+        let chance =
+            |(place, count, positive, inverse): &(usize, usize, bool, Option<DMatrix<f64>>)| {
+                let gain = match inverse {
+                    Some(inverse) => {
+                        let own = scores.rows(*place, *count).into_owned();
+                        own.dot(&(inverse * &own))
+                    }
+                    None if *positive && scores[*place] <= 0.0 => return 0.0,
+                    None => scores[*place].powi(2),
+                };
+                log_tail(gain, *count, *positive).min(0.0)
             };
-            (log_tail(gain, *count, *positive) + looks).min(0.0)
-        };
         places.iter().map(chance).fold(0.0, f64::min)
     };
     let null: Vec<f64> = normals.par_iter().map(most_extreme).collect();
@@ -462,12 +397,4 @@ fn chances(directions: &[Direction], candidates: &[Candidate], cosines: &DMatrix
         (as_extreme + 1) as f64 / (DRAWS + 1) as f64
     };
     least.iter().map(chance).collect()
-}
-
-fn misfit(piece: &Piece, predicted: &[f64]) -> Vec<f64> {
-    piece.measured.iter().zip(predicted).map(|(y, f)| y - f).collect()
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }

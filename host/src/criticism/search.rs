@@ -21,9 +21,9 @@ pub const FALSE_ALARMS: f64 = 0.01;
 /// Fall of the information criterion that decides between models.
 pub const DECISIVE: f64 = 10.0;
 /// Most effects added.
-const MOST_STEPS: usize = 4;
+const MOST_STEPS: usize = 3;
 /// Most laws refitted in a step.
-const MOST_REFITS: usize = 16;
+const MOST_REFITS: usize = 12;
 /// A law whose predicted gain is below this part of the best is not refitted.
 const WORTH: f64 = 0.25;
 /// Part of all that was explained so far that a further effect must explain: less is how a law's form
@@ -35,7 +35,7 @@ const CLOSE: f64 = 0.6;
 /// Effects that are always refitted.
 const FEWEST: usize = 3;
 /// Most replacements of effects already found.
-const MOST_ROUNDS: usize = 8;
+const MOST_ROUNDS: usize = 5;
 /// Resamplings of the blocks.
 const RESAMPLES: usize = 200;
 /// Seed of the resamplings.
@@ -114,7 +114,7 @@ impl Search<'_> {
     /// Adds effects to the base for as long as they are missed.
     #[must_use]
     pub fn run(&self, base: Fitted) -> Found {
-        let first = self.screen(&base, None);
+        let first = self.screen(&base);
         let mut found =
             Found { base, steps: Vec::new(), models: Vec::new(), last: first.clone(), first };
         let mut budget = 0.5 * FALSE_ALARMS;
@@ -156,13 +156,13 @@ impl Search<'_> {
         let p_value = found.last.chance[winner.candidate];
         found.models.push(model);
         found.steps.push(Step { effect, p_value, rivals, credible: Vec::new(), fresh: true });
-        found.last = self.screen(found.model(), None);
+        found.last = self.screen(found.model());
         true
     }
 
-    fn screen(&self, fitted: &Fitted, before: Option<&Screen>) -> Screen {
+    fn screen(&self, fitted: &Fitted) -> Screen {
         let problem = self.problem.with_chain(&fitted.chain);
-        screen(&problem, self.data, &fitted.point, self.whitening, self.candidates, before)
+        screen(&problem, self.data, &fitted.point, self.whitening, self.candidates)
     }
 
     /// Refits the laws that the screen foretells the most for, and names their effects, best first.
@@ -317,7 +317,7 @@ impl Search<'_> {
             }
         }
         if changed {
-            found.last = self.screen(found.model(), None);
+            found.last = self.screen(found.model());
         }
         changed && rounds <= MOST_ROUNDS
     }
@@ -332,7 +332,7 @@ impl Search<'_> {
         start.drain(range);
         let problem = self.problem.with_chain(&chain);
         let fitted = Fitted::new(&problem, &start, Effort::QUICK);
-        let screen = self.screen(&fitted, Some(&found.last));
+        let screen = self.screen(&fitted);
         (fitted, screen)
     }
 

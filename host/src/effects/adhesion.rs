@@ -91,6 +91,13 @@ pub const EFFECT: Effect = Effect {
             ],
             act: Act::Force(by_rate),
         },
+        Law {
+            name: "cohesive",
+            formula: "F → F − w (s/ℓ) e^(1 − s/ℓ), s the way since the force had gone",
+            strength: PULL,
+            shapes: &[LENGTH],
+            act: Act::Force(cohesive),
+        },
     ],
 };
 
@@ -109,5 +116,27 @@ fn by_rate(scene: &Scene, parameters: &[f64], remembered: &mut Remembered, force
         let x = scene.motion.displacement[k];
         let fast = (scene.velocity[k] / full).abs().powf(exponent);
         force[k] -= pull * parting * fast * (-x.abs() / length).exp();
+    }
+}
+
+/// Traction that grows and fades with the way of parting from where the contact force had gone. The
+/// memory is that place, mm, and the last one.
+fn cohesive(scene: &Scene, parameters: &[f64], remembered: &mut Remembered, force: &mut [f64]) {
+    let (pull, length) = (parameters[0], parameters[1]);
+    if remembered.is_empty() {
+        *remembered = vec![f64::NEG_INFINITY, f64::NEG_INFINITY];
+    }
+    for (force, &x) in force.iter_mut().zip(scene.motion.displacement.iter()) {
+        if *force > 0.0 {
+            remembered[0] = x;
+        } else if x > remembered[1] {
+            // On the way back in, the surfaces are apart.
+            remembered[0] = f64::NEG_INFINITY;
+        }
+        let way = (remembered[0] - x) / length;
+        if way > 0.0 {
+            *force -= pull * way * (1.0 - way).exp();
+        }
+        remembered[1] = x;
     }
 }

@@ -55,5 +55,26 @@ pub const EFFECT: Effect = Effect {
                 }
             }),
         },
+        Law {
+            name: "capacitive",
+            formula: "F → F + Σ k_j dchannel_j/dt",
+            strength: Strength {
+                unit: "s",
+                meaning: "part of the other channel's slope that leaks in",
+                typical: |scales| scales.interval,
+                most: |scales| 100.0 * scales.interval,
+                ..LEAK
+            },
+            shapes: &[],
+            act: Act::Force(|scene, parameters, _, force| {
+                let time = &scene.motion.time;
+                for (leak, channel) in parameters.iter().zip(scene.channels) {
+                    for k in 1..force.len() {
+                        let slope = (channel[k] - channel[k - 1]) / (time[k] - time[k - 1]);
+                        force[k] += leak * slope;
+                    }
+                }
+            }),
+        },
     ],
 };

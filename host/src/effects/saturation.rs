@@ -8,7 +8,7 @@ const LOSS: Strength = Strength {
     unit: "",
     meaning: "part of what lies above the limit that is lost; 1 is a hard stop",
     sign: Sign::Positive,
-    typical: |_| 1.0,
+    typical: |_| 0.5,
     most: |_| 1.0,
     count: Count::Fixed(&[]),
 };
@@ -17,7 +17,7 @@ const LIMIT: Shape = Shape {
     name: "limit",
     unit: "N",
     meaning: "force above which the sensor loses",
-    grid: |scales| [0.97, 0.9, 0.8].map(|part| part * scales.force).to_vec(),
+    grid: |scales| [0.8, 0.9, 0.97].map(|part| part * scales.force).to_vec(),
     role: Role::Fitted(|scales| (0.2 * scales.force, 1.05 * scales.force)),
 };
 
@@ -46,15 +46,24 @@ pub const EFFECT: Effect = Effect {
         },
         Law {
             name: "soft",
-            formula: "F → F − s w ln(1 + e^((F − F_c)/w)), w = F_c/20",
+            formula: "F → F − s w ln(1 + e^((F − F_c)/w)), w = u F_c",
             strength: LOSS,
-            shapes: &[Shape {
-                grid: |scales| [0.95, 0.85].map(|part| part * scales.force).to_vec(),
-                ..LIMIT
-            }],
+            shapes: &[
+                Shape {
+                    grid: |scales| [0.85, 0.95].map(|part| part * scales.force).to_vec(),
+                    ..LIMIT
+                },
+                Shape {
+                    name: "width",
+                    unit: "",
+                    meaning: "part of the limit over which it sets in",
+                    grid: |_| vec![0.04],
+                    role: Role::Fitted(|_| (0.002, 0.3)),
+                },
+            ],
             act: Act::Force(|_, parameters, _, force| {
                 let (loss, limit) = (parameters[0], parameters[1]);
-                let width = 0.05 * limit;
+                let width = parameters[2] * limit;
                 for force in force {
                     // Far below the limit the logarithm is its exponential, far above its argument.
                     let above = (*force - limit) / width;

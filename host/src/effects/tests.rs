@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use super::{Count, Effect, LIBRARY, Law, Role, Setting, Sign};
 use crate::fit::data::Data;
-use crate::model::{Applied, Chain, Fung, History, Separation};
+use crate::model::{Applied, Chain, Elasticity, Fung, History, Separation};
 use crate::trace::{Column, DISPLACEMENT, FORCE, TANGENTIAL, TEMPERATURE, Trace};
 
 const BASE: [f64; 6] = [0.28, 0.45, 0.26, 0.24, 4.2, 0.55];
@@ -83,7 +83,13 @@ fn run(data: &Data, chain: &Chain, parameters: &[f64]) -> Vec<f64> {
     let mut all = Vec::new();
     for piece in &data.pieces {
         let mut force = Vec::new();
-        chain.run(parameters, &data.scene(piece), &mut history, &mut force);
+        chain.run(
+            parameters,
+            &data.scene(piece),
+            &mut history,
+            &mut Elasticity::default(),
+            &mut force,
+        );
         all.extend(force);
     }
     all

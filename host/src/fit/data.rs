@@ -4,6 +4,7 @@ use crate::effects::{Scales, Setting};
 use crate::model::{Motion, MotionError, Past, Scene};
 use crate::trace::{FORCE, GAUGES, SignalError, TANGENTIAL, TEMPERATURE, Trace, runs};
 
+use super::line::line_near;
 use super::slope::{acceleration, velocity};
 
 /// One stretch of recording without a gap, with its motion.
@@ -44,6 +45,9 @@ pub struct Data<'a> {
     /// Columns of the other channels that every trace has: what could leak into the signal.
     pub channels: Vec<&'static str>,
 }
+
+/// Samples in which a hum is looked for.
+const HEARD: usize = 200_000;
 
 /// A trace on its way into a data set.
 struct Part<'a> {
@@ -192,7 +196,26 @@ impl<'a> Data<'a> {
     #[must_use]
     pub fn setting(&self) -> Setting {
         let (traces, channels) = (self.labels.clone(), self.channels.clone());
-        Setting { scales: self.scales(), traces, channels }
+        let mut scales = self.scales();
+        let lines = [50.0, 60.0].map(|mains| (mains, line_near(&self.heard(), mains)));
+        if lines.iter().any(|(_, line)| line.is_some()) {
+            scales.mains = Some(lines.map(|(mains, line)| line.unwrap_or(mains)));
+        }
+        Setting { scales, traces, channels }
+    }
+
+    /// Time since the data set began, s, and the signal, as much as it takes to find a hum.
+    fn heard(&self) -> Vec<(Vec<f64>, &[f64])> {
+        let mut samples = 0;
+        let enough = |piece: &&Piece| {
+            samples += piece.measured.len();
+            samples <= HEARD.max(piece.measured.len())
+        };
+        let timed = |piece: &Piece<'a>| {
+            let time = piece.motion.time.iter().map(|t| piece.begin + t - piece.first).collect();
+            (time, piece.measured)
+        };
+        self.pieces.iter().take_while(enough).map(timed).collect()
     }
 
     /// Everything that is known at every sample of a stretch without a model.

@@ -1,8 +1,9 @@
-//! The strongest line of a spectrum near a frequency.
+//! A line of a spectrum near a frequency.
 
 use std::f64::consts::TAU;
 
 use nalgebra::Complex;
+use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 /// How far from the frequency a line is looked for, Hz.
 const WITHIN: f64 = 1.0;
@@ -12,45 +13,54 @@ const BLOCK: f64 = 20.0;
 const STEP: f64 = 0.25;
 /// Most frequencies at which the clock of the whole set is followed.
 const FINEST: f64 = 4000.0;
+/// Chance, anywhere near the frequency, of a line as strong in noise.
+const CHANCE: f64 = 1e-4;
 /// Two intervals closer than this, relatively, are the same: times are printed with few digits.
 const SAME_INTERVAL: f64 = 1e-7;
 
-/// Frequency, Hz, of the strongest line within 1 Hz of `near` in stretches of (time since the set began,
-/// s; value), or of the line whose alias they show. First it is found block by block, then as precisely
-/// as the clock of the whole set tells.
+/// Frequency, Hz, of a line within 1 Hz of `near` in stretches of (time since the set began, s; value),
+/// or of the line whose alias they show; none where no line stands out. First it is found block by
+/// block, then as precisely as the clock of the whole set tells.
 ///
 /// Second differences stand in for the values, so that slow changes do not count.
 #[must_use]
-pub fn strongest_line(stretches: &[(&[f64], &[f64])], near: f64) -> f64 {
+pub fn line_near(stretches: &[(Vec<f64>, &[f64])], near: f64) -> Option<f64> {
     let blocks: Vec<(Vec<f64>, Vec<f64>)> =
         stretches.iter().flat_map(|(time, values)| blocks(time, values)).collect();
     let duration = |(time, _): &(Vec<f64>, Vec<f64>)| time[time.len() - 1] - time[0];
     let longest = blocks.iter().map(duration).fold(0.0, f64::max);
     if longest == 0.0 {
-        return near;
+        return None;
     }
-    let coarse = strongest(near, WITHIN, STEP / longest, |frequency| {
+    let mut powers = powers(near, WITHIN, STEP / longest, |frequency| {
         blocks.iter().map(|block| transform(block, frequency).norm_sqr()).sum()
     });
+    powers.sort_by(|a, b| a.1.total_cmp(&b.1));
+    let (middle, (coarse, highest)) = (powers[powers.len() / 2].1, powers[powers.len() - 1]);
+    let spread = ChiSquared::new(2.0 * blocks.len() as f64).ok()?;
+    let chance = spread.sf(highest / middle * spread.inverse_cdf(0.5)) * powers.len() as f64;
+    if chance.is_nan() || chance > CHANCE {
+        return None;
+    }
     let first = blocks.iter().map(|(time, _)| time[0]).fold(f64::INFINITY, f64::min);
     let last = blocks.iter().map(|(time, _)| time[time.len() - 1]).fold(first, f64::max);
     let (within, step) = (0.5 / longest, STEP / (last - first));
     if within > FINEST * step {
-        return coarse;
+        return Some(coarse);
     }
-    strongest(coarse, within, step, |frequency| {
+    let fine = self::powers(coarse, within, step, |frequency| {
         blocks.iter().map(|block| transform(block, frequency)).sum::<Complex<f64>>().norm_sqr()
-    })
+    });
+    fine.into_iter().max_by(|a, b| a.1.total_cmp(&b.1)).map(|(frequency, _)| frequency)
 }
 
-/// The frequency about `middle` with the greatest power.
-fn strongest(middle: f64, within: f64, step: f64, power: impl Fn(f64) -> f64) -> f64 {
+/// The power at frequencies about `middle`.
+fn powers(middle: f64, within: f64, step: f64, power: impl Fn(f64) -> f64) -> Vec<(f64, f64)> {
     let steps = (within / step).ceil() as i32;
     (-steps..=steps)
         .map(|k| middle + step * f64::from(k))
         .map(|frequency| (frequency, power(frequency)))
-        .max_by(|a, b| a.1.total_cmp(&b.1))
-        .map_or(middle, |(frequency, _)| frequency)
+        .collect()
 }
 
 /// Second differences of a stretch, cut into blocks.
@@ -91,35 +101,44 @@ fn transform((time, values): &(Vec<f64>, Vec<f64>), frequency: f64) -> Complex<f
 #[cfg(test)]
 mod tests {
     use super::*;
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, StandardNormal};
 
     /// A hum under slow presses, in stretches of 8 s with pauses of 21 s, and in samples of 5 ms.
-    fn found(frequency: f64, near: f64) -> f64 {
+    fn found(amplitude: f64, frequency: f64, near: f64) -> Option<f64> {
+        let mut random = ChaCha8Rng::seed_from_u64(3);
         let stretches: Vec<(Vec<f64>, Vec<f64>)> = (0..6)
             .map(|j| {
                 let time: Vec<f64> =
                     (0..1600).map(|k| 29.0 * f64::from(j) + 0.005 * f64::from(k)).collect();
-                let value =
-                    |t: &f64| 5.0 * (0.8 * t).sin().max(0.0) + 0.01 * (TAU * frequency * t).sin();
+                let value = |t: &f64| {
+                    let noise: f64 = StandardNormal.sample(&mut random);
+                    5.0 * (0.8 * t).sin().max(0.0)
+                        + amplitude * (TAU * frequency * t).sin()
+                        + 0.003 * noise
+                };
                 let values = time.iter().map(value).collect();
                 (time, values)
             })
             .collect();
-        let stretches: Vec<(&[f64], &[f64])> =
-            stretches.iter().map(|(time, values)| (&time[..], &values[..])).collect();
-        strongest_line(&stretches, near)
+        let stretches: Vec<(Vec<f64>, &[f64])> =
+            stretches.iter().map(|(time, values)| (time.clone(), &values[..])).collect();
+        line_near(&stretches, near)
     }
 
     #[test]
     fn a_hum_is_found_within_what_the_set_tells_apart() {
         for (frequency, near) in [(50.0, 50.0), (49.71, 50.0), (60.083, 60.0), (150.02, 150.0)] {
-            let found = found(frequency, near);
+            let found = found(0.01, frequency, near).unwrap();
             assert!((found - frequency).abs() <= 0.3 / 153.0, "{found} for {frequency}");
         }
     }
 
     #[test]
-    fn without_samples_it_is_where_it_was_looked_for() {
-        assert_eq!(strongest_line(&[], 50.0), 50.0);
-        assert_eq!(strongest_line(&[(&[0.0, 1.0], &[0.0, 1.0])], 60.0), 60.0);
+    fn noise_has_no_line() {
+        assert_eq!(found(0.0, 50.0, 50.0), None);
+        assert_eq!(line_near(&[], 50.0), None);
+        assert_eq!(line_near(&[(vec![0.0, 1.0], &[0.0, 1.0])], 60.0), None);
     }
 }

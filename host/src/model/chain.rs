@@ -63,8 +63,8 @@ impl Elasticity {
     }
 }
 
-/// How often a force that changes the compression is followed back, at most.
-const FEEDBACKS: usize = 30;
+/// How often a force that changes the compression is followed back, at most: twice in each round.
+const FEEDBACKS: usize = 12;
 /// Change of the compression, mm, at which that has settled.
 const SETTLED: f64 = 1e-10;
 
@@ -139,19 +139,26 @@ impl Chain {
             self.contact(parameters, scene, (history, elasticity), &x, force);
         } else {
             let before = history.clone();
-            let mut reached = x.clone();
-            for _ in 0..FEEDBACKS {
+            let mut follow = |reached: &[f64], history: &mut History, force: &mut Vec<f64>| {
                 history.clone_from(&before);
-                self.contact(parameters, scene, (history, elasticity), &reached, force);
+                self.contact(parameters, scene, (history, elasticity), reached, force);
                 let mut next = x.clone();
                 for (law, own) in &feedbacks {
                     law(scene, own, force, &mut next);
                 }
-                let change = next
-                    .iter()
-                    .zip(&reached)
-                    .fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
-                reached = next;
+                next
+            };
+            let mut reached = x.clone();
+            for _ in 0..FEEDBACKS {
+                let first = follow(&reached, history, force);
+                let second = follow(&first, history, force);
+                let change = largest_difference(&second, &first);
+                // Each sample answers mostly to itself: its own geometric series is summed (Aitken).
+                for ((x, first), second) in reached.iter_mut().zip(&first).zip(&second) {
+                    let (step, next) = (first - *x, second - first);
+                    let ratio = if step == 0.0 { 0.0 } else { next / step };
+                    *x = if ratio.abs() < 0.9 { first + next / (1.0 - ratio) } else { *second };
+                }
                 if change < SETTLED || !change.is_finite() {
                     break;
                 }
@@ -250,4 +257,8 @@ impl Chain {
         };
         (0..self.effects.len()).flat_map(own).collect()
     }
+}
+
+fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()))
 }

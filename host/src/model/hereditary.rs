@@ -1,7 +1,7 @@
 //! The hereditary integral over a whole stretch, with what effects can change in it.
 //!
-//! F = N + s (Σ ci (xi − D) + c⁺ D), xi' = −vi r |xi/X|^m xi + D', D = d N: with all factors at one,
-//! m = 0 and c⁺ = 0 it is eq. 2.1 with the relaxation function of eq. 3.3. Steps are exact for N linear between samples
+//! F = N + s (Σ ci (xi − D) + c⁺ D), xi' = −vi r h(xi) xi + D', D = d N: with all factors at one,
+//! h = 1 and c⁺ = 0 it is eq. 2.1 with the relaxation function of eq. 3.3. Steps are exact for N linear between samples
 //! where the rates are constant, and of second order where they vary.
 
 use super::relaxation::mean_decay;
@@ -20,12 +20,40 @@ pub struct Hereditary {
     pub drive_factor: Option<Vec<f64>>,
     /// Factor r on all rates, sample by sample; one where absent.
     pub rate_factor: Option<Vec<f64>>,
-    /// Power m by which the rate grows with the state of a branch; 0 for a linear law.
-    pub power: f64,
-    /// State X at which the rates are stated, N; matters where the power is not 0.
-    pub reference: f64,
+    /// How the rate of a branch grows with its state.
+    pub growth: Growth,
     /// What happens when contact breaks.
     pub separation: Separation,
+}
+
+/// How the rate of a branch grows with its state x: a factor h(x).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Growth {
+    /// h = 1: a linear law.
+    None,
+    /// h = |x/X|^m: power m, and state X, N, at which the rates are stated.
+    Power(f64, f64),
+    /// h = sinh(s y)/(s y), y = x/X: strength s and state X, N (Eyring).
+    Sinh(f64, f64),
+}
+
+impl Growth {
+    /// Whether the rate stays what it is.
+    fn is_none(self) -> bool {
+        matches!(self, Self::None | Self::Power(0.0, _) | Self::Sinh(0.0, _))
+    }
+
+    fn at(self, x: f64) -> f64 {
+        let factor = match self {
+            Self::None => return 1.0,
+            Self::Power(power, full) => (x / full).abs().powf(power),
+            Self::Sinh(strength, full) => {
+                let y = (strength * x / full).abs().min(30.0);
+                if y < 1e-4 { 1.0 + y * y / 6.0 } else { y.sinh() / y }
+            }
+        };
+        factor.clamp(RATE_RANGE.0, RATE_RANGE.1)
+    }
 }
 
 /// State of the hereditary integral between samples and traces.
@@ -56,8 +84,7 @@ impl Hereditary {
             share_factor: None,
             drive_factor: None,
             rate_factor: None,
-            power: 0.0,
-            reference: 1.0,
+            growth: Growth::None,
             separation,
         }
     }
@@ -142,7 +169,7 @@ impl Hereditary {
 
     /// Decay and gain of every branch from sample `k` − 1 to `k`, towards the drive `ahead`.
     fn prepare(&self, state: &mut HereditaryState, k: usize, interval: f64, ahead: f64) {
-        let steady = self.rate_factor.is_none() && self.power == 0.0;
+        let steady = self.rate_factor.is_none() && self.growth.is_none();
         if steady && (interval - state.interval).abs() <= SAME_INTERVAL * interval {
             return;
         }
@@ -150,17 +177,9 @@ impl Hereditary {
         let factor = at(&self.rate_factor, k);
         let half = 0.5 * (ahead - state.driven);
         for ((step, branch), x) in state.steps.iter_mut().zip(&self.branches).zip(&state.states) {
-            let exponent = branch.rate * factor * self.growth(x + half) * interval;
+            let exponent = branch.rate * factor * self.growth.at(x + half) * interval;
             *step = ((-exponent).exp(), mean_decay(exponent));
         }
-    }
-
-    /// Factor on the rate of a branch whose state is `x`.
-    fn growth(&self, x: f64) -> f64 {
-        if self.power == 0.0 {
-            return 1.0;
-        }
-        (x / self.reference).abs().powf(self.power).clamp(RATE_RANGE.0, RATE_RANGE.1)
     }
 
     /// Lets the specimen rest between two stretches.
@@ -168,13 +187,7 @@ impl Hereditary {
         let factor = at(&self.rate_factor, 0);
         if self.separation != Separation::Free {
             for (x, branch) in state.states.iter_mut().zip(&self.branches) {
-                let turns = branch.rate * factor * self.growth(*x) * seconds;
-                // dx/dt = −v x |x/X|^m in closed form.
-                *x *= if self.power.abs() < 1e-9 {
-                    (-turns).exp()
-                } else {
-                    (1.0 + self.power * turns).max(0.0).powf(-1.0 / self.power)
-                };
+                *x = self.rested(*x, branch.rate * factor, seconds);
             }
             return;
         }
@@ -199,6 +212,24 @@ impl HereditaryState {
     fn forget(&mut self) {
         self.states.fill(0.0);
         self.driven = 0.0;
+    }
+}
+
+impl Hereditary {
+    /// The state x of a branch after a rest, at a rate stated for the linear law, in closed form.
+    fn rested(&self, x: f64, rate: f64, seconds: f64) -> f64 {
+        match self.growth {
+            // tanh(s y/2) decays exponentially.
+            Growth::Sinh(strength, full) if strength.abs() > 1e-6 => {
+                let half = (0.5 * strength * x / full).tanh() * (-rate * seconds).exp();
+                half.atanh() * 2.0 * full / strength
+            }
+            Growth::Power(power, _) if power.abs() > 1e-9 => {
+                let turns = rate * self.growth.at(x) * seconds;
+                x * (1.0 + power * turns).max(0.0).powf(-1.0 / power)
+            }
+            _ => x * (-rate * seconds).exp(),
+        }
     }
 }
 

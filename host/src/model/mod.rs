@@ -23,7 +23,7 @@ pub use elastic::elastic_response;
 pub use expression::{Expression, ExpressionError, VARIABLES};
 pub use file::{Base, FileError, FitRecord, Model, Rung, StoredEffect, StoredParameter, VERSION};
 pub use fung::{Fung, MAX_TERMS, Separation, TERMS};
-pub use hereditary::{Hereditary, HereditaryState};
+pub use hereditary::{Growth, Hereditary, HereditaryState};
 pub use motion::{Motion, MotionError};
 pub use parameter::Parameter;
 pub use profile::{Hold, Move, Profile, ProfileError, Step};
