@@ -257,6 +257,7 @@ fn share() -> HeatMap {
             vec![0.11, f64::NAN, 0.18, f64::NAN, 0.22, 0.01],
         ],
         format: CellFormat::Percent,
+        strongest: None,
     }
 }
 

@@ -2,6 +2,7 @@
 #![cfg(unix)]
 
 use std::fs;
+use std::ops::Range;
 use std::path::Path;
 use std::process::Command;
 
@@ -9,19 +10,34 @@ use palpate::effects::{Setting, applied};
 use palpate::model::{Expression, Model, VARIABLES};
 use palpate_tests::{palpate, workspace};
 
-/// The commands of a document: the lines of its blocks of kind `sh`.
-fn commands(document: &Path) -> Vec<String> {
-    let text = fs::read_to_string(document).unwrap();
-    let mut inside = false;
+/// Commands of a document: a block of kind `sh`, and the lines of the block of kind `text` that
+/// follows it, if one does, with their range in the document.
+struct Block {
+    commands: Vec<String>,
+    printed: Option<Range<usize>>,
+}
+
+/// The blocks of commands among the lines of a document.
+fn blocks(lines: &[&str]) -> Vec<Block> {
     let mut found = Vec::new();
-    for line in text.lines() {
-        if line.starts_with("```") {
-            inside = line == "```sh";
-        } else if inside && !line.trim().is_empty() && !line.starts_with('#') {
-            found.push(line.to_owned());
-        }
+    let mut next = 0;
+    while let Some(begin) = (next..lines.len()).find(|&k| lines[k] == "```sh") {
+        let end = end_of_block(lines, begin);
+        let told = |line: &&&str| !line.trim().is_empty() && !line.starts_with('#');
+        let commands = lines[begin + 1..end].iter().filter(told).map(|line| (*line).into());
+        let follows = (end + 1..lines.len()).find(|&k| !lines[k].is_empty());
+        let printed = follows.filter(|&k| lines[k] == "```text");
+        let printed = printed.map(|begin| begin + 1..end_of_block(lines, begin));
+        found.push(Block { commands: commands.collect(), printed });
+        next = end + 1;
     }
     found
+}
+
+/// The line that ends the block that begins in line `begin`.
+fn end_of_block(lines: &[&str], begin: usize) -> usize {
+    let rest = begin + 1..lines.len();
+    rest.clone().find(|&k| lines[k] == "```").unwrap_or(rest.end)
 }
 
 /// A folder with what the documents assume: the bundled recordings, and `palpate` on the path.
@@ -34,27 +50,57 @@ fn place() -> tempfile::TempDir {
     folder
 }
 
+/// Runs every command of a document; what the last one of a block prints is what the document says.
+/// With `INSTA_UPDATE=always` the document is made to say it.
 fn run_all(document: &str) {
     let path = workspace().join(document);
     let folder = place();
-    let found = commands(&path);
+    let text = fs::read_to_string(&path).unwrap();
+    let lines: Vec<&str> = text.lines().collect();
+    let found = blocks(&lines);
     assert!(!found.is_empty(), "{document} has no commands");
-    for command in found {
-        // `cargo run` and the installed command are one; other cargo commands are tests of their own.
-        let command = command.replace("cargo run --release -- ", "palpate ");
-        if command.starts_with("cargo ") {
-            continue;
+    let mut updated: Vec<String> = Vec::new();
+    let mut copied = 0;
+    for block in found {
+        let mut last = String::new();
+        for command in &block.commands {
+            // `cargo run` and the installed command are one; other cargo commands are tests of their own.
+            let command = command.replace("cargo run --release -- ", "palpate ");
+            if !command.starts_with("cargo ") {
+                last = run(document, &command, folder.path());
+            }
         }
-        let search = format!("{}:{}", folder.path().join("bin").display(), env!("PATH"));
-        let output = Command::new("sh")
-            .args(["-c", &command])
-            .current_dir(folder.path())
-            .env("PATH", search)
-            .output()
-            .unwrap();
-        let said = String::from_utf8_lossy(&output.stderr);
-        assert!(output.status.success(), "{document}: {command}\n{said}");
+        if let Some(printed) = block.printed {
+            let now: Vec<&str> = last.trim_end().lines().map(str::trim_end).collect();
+            if std::env::var("INSTA_UPDATE").is_ok_and(|update| update == "always") {
+                updated.extend(lines[copied..printed.start].iter().map(|&line| line.into()));
+                updated.extend(now.iter().map(|&line| line.into()));
+                copied = printed.end;
+            } else {
+                assert_eq!(now, lines[printed], "{document}: {:?}", block.commands.last());
+            }
+        }
     }
+    if copied > 0 {
+        updated.extend(lines[copied..].iter().map(|&line| line.into()));
+        fs::write(&path, updated.join("\n") + "\n").unwrap();
+    }
+}
+
+/// What a command prints in a folder.
+fn run(document: &str, command: &str, folder: &Path) -> String {
+    let search = format!("{}:{}", folder.join("bin").display(), env!("PATH"));
+    let output = Command::new("sh")
+        .args(["-c", command])
+        .current_dir(folder)
+        .env("PATH", search)
+        .env("NO_COLOR", "1")
+        .env("COLUMNS", "100")
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{document}: {command}\n{said}");
+    String::from_utf8(output.stdout).unwrap()
 }
 
 #[test]
@@ -68,6 +114,11 @@ fn the_commands_of_the_format_description_run() {
 }
 
 #[test]
+fn the_walk_from_the_first_comparison_to_the_last_rung_runs_as_printed() {
+    run_all("docs/missing-effect.md");
+}
+
+#[test]
 fn every_link_to_a_file_leads_somewhere() {
     for document in [
         "README.md",
@@ -75,6 +126,7 @@ fn every_link_to_a_file_leads_somewhere() {
         "docs/dependencies.md",
         "docs/measured.md",
         "docs/effects/README.md",
+        "docs/missing-effect.md",
     ] {
         let path = workspace().join(document);
         let text = fs::read_to_string(&path).unwrap();

@@ -1,12 +1,13 @@
 //! `palpate diagnose`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use super::output::{Output, print_json, print_sections, write_report};
 use super::{Failure, progress};
 use crate::criticism::diagnose::diagnose;
+use crate::fit::data::Data;
 use crate::model::Model;
-use crate::summary::{diagnosis_json, diagnosis_sections};
+use crate::summary::{DiagnosisSummary, NextCommand};
 use crate::trace::{Trace, read_set};
 
 /// Say which physical effect a model lacks, with the evidence.
@@ -37,15 +38,25 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let traces = read_set(&args.traces).map_err(Failure::input)?;
     let wait = progress::spinner("looking for what is missing");
     let diagnosis = diagnose(&model, &traces).map_err(Failure::input)?;
+    let data = data(&model, &traces)?;
+    let summary = DiagnosisSummary::new(&diagnosis, &data, next(&args.model, &args.traces));
+    wait.finish_and_clear();
     wait.finish_and_clear();
     if let Some(path) = &args.result.report {
-        let names = traces.iter().map(Trace::label).collect();
-        let sections = diagnosis_sections(&diagnosis);
-        write_report(path, "What the model lacks", &diagnosis.signal, names, sections)?;
+        let title = "What the model lacks";
+        write_report(path, title, &diagnosis.signal, data.labels.clone(), summary.sections())?;
     }
-    if args.result.json {
-        print_json(&diagnosis_json(&diagnosis))
-    } else {
-        print_sections(&diagnosis_sections(&diagnosis))
-    }
+    if args.result.json { print_json(&summary.json()) } else { print_sections(&summary.in_short()) }
+}
+
+/// The data set as a model sees it.
+pub fn data<'a>(model: &Model, traces: &'a [Trace]) -> Result<Data<'a>, Failure> {
+    let data = Data::of(traces, &model.base.signal).map_err(Failure::input)?;
+    Ok(data.with_reference(model.reference_temperature))
+}
+
+/// Model and traces as they were named.
+pub fn next(model: &Path, traces: &[PathBuf]) -> NextCommand {
+    let names: Vec<String> = traces.iter().map(|path| path.display().to_string()).collect();
+    NextCommand { model: model.display().to_string(), traces: names.join(" ") }
 }

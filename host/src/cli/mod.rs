@@ -11,6 +11,7 @@ mod demo;
 mod diagnose;
 mod drop;
 mod effects;
+mod explore;
 mod fit;
 mod hide;
 pub mod import;
@@ -67,6 +68,8 @@ enum Command {
     Add(add::Args),
     /// Take an effect out of a model, refit, and see the error rise
     Drop(drop::Args),
+    /// Add what is missing until only noise is left, or say that it does not know
+    Explore(explore::Args),
     /// Show the library of effects, or one effect in depth
     Effects(effects::Args),
     /// Make a practice data set with a hidden effect, or open one
@@ -124,6 +127,7 @@ pub fn run() -> ExitCode {
         Command::Diagnose(args) => diagnose::run(args),
         Command::Add(args) => add::run(args),
         Command::Drop(args) => drop::run(args),
+        Command::Explore(args) => explore::run(args),
         Command::Effects(args) => effects::run(args),
         Command::Hide(args) => hide::run(args),
         Command::Simulate(args) => simulate::run(args),

@@ -32,10 +32,12 @@ pub fn print_json(value: &serde_json::Value) -> Result<(), Failure> {
     print(&format!("{value:#}\n"))
 }
 
-/// What standard output can show.
+/// What standard output can show. Where it is no terminal, `COLUMNS` says how wide.
 pub fn terminal() -> Terminal {
     let shown = io::stdout().is_terminal();
-    let width = console::Term::stdout().size_checked().map_or(160, |(_, width)| width.into());
+    let told = || std::env::var("COLUMNS").ok()?.parse().ok().filter(|width| *width >= 20);
+    let size = console::Term::stdout().size_checked();
+    let width = size.map(|(_, width)| width.into()).or_else(told).unwrap_or(160);
     let colour = shown && std::env::var_os("NO_COLOR").is_none();
     Terminal { width, unicode: true, colour }
 }
@@ -50,9 +52,11 @@ pub fn print_sections(sections: &[Section]) -> Result<(), Failure> {
 
 fn plain(block: &Block, terminal: &Terminal) -> Option<String> {
     match block {
-        Block::Heading(text) | Block::Paragraph(text) => Some(format!("{}\n\n", strip(text))),
+        Block::Heading(text) | Block::Paragraph(text) => {
+            Some(terminal.text("", &strip(text)) + "\n")
+        }
         Block::List(points) => {
-            let lines = points.iter().map(|point| format!("- {}\n", strip(point)));
+            let lines = points.iter().map(|point| terminal.text("- ", &strip(point)));
             Some(lines.collect::<String>() + "\n")
         }
         Block::Table(table) => {
@@ -62,10 +66,10 @@ fn plain(block: &Block, terminal: &Terminal) -> Option<String> {
         }
         Block::Callout { kind, text, .. } => {
             let mark = match kind {
-                Callout::Finding => "=>",
-                Callout::Warning => "!",
+                Callout::Finding => "=> ",
+                Callout::Warning => "! ",
             };
-            Some(format!("{mark} {}\n\n", strip(text)))
+            Some(terminal.text(mark, &strip(text)) + "\n")
         }
         Block::Definitions(terms) => {
             let lines = terms.iter().map(|(term, meaning)| format!("{term}: {}\n", strip(meaning)));

@@ -2,10 +2,11 @@
 
 use super::adequacy::{Adequacy, LEVEL, adequacy};
 use super::compare::{Cell, cells_of};
+use super::experiment::next_experiment;
 use super::fitted::{Fitted, HeldOut};
 use super::noise::{NoiseModel, noise_model, residual_noise};
 use super::search::{FALSE_ALARMS, Found, Search, Step};
-use crate::effects::{Candidate, EffectError, candidates, chain_of};
+use crate::effects::{Candidate, EffectError, candidates, chain_of, find};
 use crate::fit::data::{Data, DataError};
 use crate::fit::least_squares::Effort;
 use crate::fit::problem::Problem;
@@ -46,6 +47,8 @@ pub struct Diagnosis {
     pub untestable: Vec<(String, String)>,
     /// What could be tried.
     pub candidates: Vec<Candidate>,
+    /// The experiment that would decide, or show more.
+    pub next_experiment: Option<String>,
     /// What was done that a reader should know.
     pub notes: Vec<String>,
 }
@@ -167,7 +170,13 @@ pub fn diagnose(model: &Model, traces: &[Trace]) -> Result<Diagnosis, DiagnoseEr
     let places =
         cells_of(&final_problem, &data, &found.model().point, noise.whitening.standard_deviation());
     let untestable = untestable(&candidates, &found);
+    let next_experiment = match verdict {
+        Verdict::Adequate | Verdict::Named => None,
+        Verdict::Ambiguous => deciding(&found, &data, traces, &noise.whitening),
+        Verdict::Unknown => repeating(&places, &data.labels),
+    };
     Ok(Diagnosis {
+        next_experiment,
         verdict,
         labels: data.labels.clone(),
         signal: signal.clone(),
@@ -239,6 +248,30 @@ fn verdict(
     let _ = sure;
     let single = |step: &Step| step.credible.len() == 1;
     if found.steps.iter().all(single) { Verdict::Named } else { Verdict::Ambiguous }
+}
+
+/// The experiment that would decide between the members of the first credible set with several.
+fn deciding(found: &Found, data: &Data, traces: &[Trace], whitening: &Whitening) -> Option<String> {
+    let step = found.steps.iter().find(|step| step.credible.len() > 1)?;
+    let member = |name: &String| {
+        let rival = step.rivals.iter().find(|rival| rival.effect == *name);
+        rival.map(|rival| &rival.fitted)
+    };
+    let members: Vec<&Fitted> = step.credible.iter().filter_map(member).collect();
+    let proposal = next_experiment(&members, data, traces, whitening);
+    // Where no simulation tells them apart, the effect's own declaration may know a way.
+    let declared = || find(&step.effect).map(|effect| effect.experiment.to_owned());
+    proposal.map(|proposal| proposal.text).or_else(declared)
+}
+
+/// A repetition of the recording in which most is left: what repeats is no accident.
+fn repeating(places: &[Cell], labels: &[String]) -> Option<String> {
+    let most = places.iter().max_by(|a, b| a.share_of_excess.total_cmp(&b.share_of_excess))?;
+    Some(format!(
+        "repeat {} twice: what comes back in the {} is the specimen's or the sensor's, what does not was an accident",
+        labels[most.trace],
+        most.region.name()
+    ))
 }
 
 /// Effects that the first screen could not test.

@@ -53,7 +53,7 @@ pub struct Screen {
 }
 
 /// Draws of the null distribution.
-const DRAWS: usize = 4000;
+pub const DRAWS: usize = 4000;
 /// Seed of the draws.
 pub const SEED: u64 = 11;
 /// Part of a sensitivity below which the model's own parameters have absorbed it.

@@ -31,13 +31,13 @@ const WORTH: f64 = 0.25;
 const MINOR: f64 = 0.04;
 /// A law whose gain after a few steps is below this part of the best is given up, but not among the
 /// first few.
-const CLOSE: f64 = 0.6;
+const CLOSE: f64 = 0.5;
 /// Effects that are always refitted.
 const FEWEST: usize = 3;
 /// Most replacements of effects already found.
 const MOST_ROUNDS: usize = 5;
 /// Resamplings of the blocks.
-const RESAMPLES: usize = 200;
+pub const RESAMPLES: usize = 200;
 /// Seed of the resamplings.
 pub const SEED: u64 = 13;
 /// Part of the resamplings that a single name must win.
@@ -232,6 +232,11 @@ impl Search<'_> {
                 (direction.candidate, direction.gain, fitted)
             })
             .collect();
+        self.by_effect(fits)
+    }
+
+    /// The best law of each effect, best effect first.
+    fn by_effect(&self, fits: Vec<(usize, f64, Fitted)>) -> Vec<Rival> {
         let mut rivals: Vec<Rival> = Vec::new();
         for (candidate, predicted, fitted) in fits {
             match rivals.iter_mut().find(|rival| rival.candidate == candidate) {
@@ -271,7 +276,7 @@ impl Search<'_> {
     /// Asks of every effect whether another would do better in its place, and whether it is still
     /// needed; true if the model has changed.
     fn polish(&self, found: &mut Found) -> bool {
-        let mut changed = false;
+        let mut changed = self.collapse(found);
         let mut rounds = 0;
         while let Some(index) = found.steps.iter().rposition(|step| !step.fresh) {
             rounds += 1;
@@ -320,6 +325,39 @@ impl Search<'_> {
             found.last = self.screen(found.model());
         }
         changed && rounds <= MOST_ROUNDS
+    }
+
+    /// Puts one effect in the place of several where it alone does as well: a first step that was wrong
+    /// can hide in what came after it.
+    fn collapse(&self, found: &mut Found) -> bool {
+        if found.steps.len() < 2 || found.steps.iter().all(|step| step.fresh) {
+            return false;
+        }
+        let names: Vec<&str> = found.steps.iter().map(|step| step.effect.as_str()).collect();
+        let named = |direction: &&Direction| {
+            names.contains(&self.candidates[direction.candidate].name.as_str())
+        };
+        let directions: Vec<&Direction> = found.first.directions.iter().filter(named).collect();
+        let fits: Vec<(usize, f64, Fitted)> = directions
+            .par_iter()
+            .map(|direction| {
+                let (chain, trial) = self.try_out(&found.base, direction);
+                let problem = self.problem.with_chain(&chain);
+                let fitted = Fitted::new(&problem, &trial.point, Effort::LONG);
+                (direction.candidate, direction.gain, fitted)
+            })
+            .collect();
+        let rivals = self.by_effect(fits);
+        let Some(best) = rivals.first() else { return false };
+        if best.fitted.bic() > found.model().bic() + DECISIVE {
+            return false;
+        }
+        let effect = best.effect.clone();
+        let p_value = found.first.chance[best.candidate];
+        found.models = vec![best.fitted.clone()];
+        found.steps = vec![Step { effect, p_value, rivals, credible: Vec::new(), fresh: true }];
+        found.last = self.screen(found.model());
+        true
     }
 
     /// The model without one of its effects, refitted and screened.

@@ -18,7 +18,7 @@ const LIMIT: Shape = Shape {
     unit: "N",
     meaning: "force above which the sensor loses",
     grid: |scales| [0.8, 0.9, 0.97].map(|part| part * scales.force).to_vec(),
-    role: Role::Fitted(|scales| (0.2 * scales.force, 1.05 * scales.force)),
+    role: Role::Fitted(|scales| (0.7 * scales.force, 1.05 * scales.force)),
 };
 
 /// The effect.

@@ -83,13 +83,8 @@ fn run(data: &Data, chain: &Chain, parameters: &[f64]) -> Vec<f64> {
     let mut all = Vec::new();
     for piece in &data.pieces {
         let mut force = Vec::new();
-        chain.run(
-            parameters,
-            &data.scene(piece),
-            &mut history,
-            &mut Elasticity::default(),
-            &mut force,
-        );
+        let scene = data.scene(piece);
+        chain.run(parameters, &scene, &mut history, &mut Elasticity::default(), &mut force);
         all.extend(force);
     }
     all
@@ -172,7 +167,7 @@ fn declarations_hold_together() {
         let typical = (case.law.strength.typical)(&scales);
         for parameter in &applied.parameters[..applied.strengths] {
             assert!(parameter.lower <= 0.0 && typical > 0.0, "{}", case.name());
-            assert!(typical < parameter.upper, "{}: {}", case.name(), parameter.name);
+            assert!(typical <= parameter.upper, "{}: {}", case.name(), parameter.name);
             assert_eq!(parameter.lower < 0.0, case.law.strength.sign == Sign::Either);
         }
         for shape in case.law.shapes {

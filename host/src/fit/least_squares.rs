@@ -101,9 +101,11 @@ impl Effort {
     /// To the last digits that mean something.
     pub const FULL: Self = Self { iterations: 200, cost: 1e-13 };
     /// A few steps.
-    pub const TRIAL: Self = Self { iterations: 3, cost: 1e-6 };
+    pub const TRIAL: Self = Self { iterations: 4, cost: 1e-5 };
     /// Enough to choose between models.
-    pub const QUICK: Self = Self { iterations: 12, cost: 1e-6 };
+    pub const QUICK: Self = Self { iterations: 16, cost: 1e-6 };
+    /// Enough for a law that is far from straight.
+    pub const LONG: Self = Self { iterations: 40, cost: 1e-6 };
 }
 
 /// Cosine between the residual and any free column of J at which the gradient counts as vanished.

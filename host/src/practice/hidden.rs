@@ -205,7 +205,7 @@ fn drawn(
         if left(high).left < target || left(low).left > target {
             return None;
         }
-        while high / low > 1.001 {
+        while high / low > 1.0001 {
             let middle = (low * high).sqrt();
             if left(middle).left < target {
                 low = middle;

@@ -36,6 +36,8 @@ pub struct HeatMap {
     pub values: Vec<Vec<f64>>,
     /// How the numbers are written.
     pub format: CellFormat,
+    /// The number of the strongest colour; the largest in the map where absent.
+    pub strongest: Option<f64>,
 }
 
 const CELL: f64 = 26.0;
@@ -101,7 +103,8 @@ impl HeatMap {
     fn cell(&self, svg: &mut Svg, (row, column): (usize, usize), (x, y): (f64, f64), width: f64) {
         let value = self.value(row, column);
         let all = self.values.iter().flatten().filter(|v| v.is_finite());
-        let largest = all.fold(0.0f64, |most, v| most.max(v.abs()));
+        let largest =
+            self.strongest.unwrap_or_else(|| all.fold(0.0f64, |most, v| most.max(v.abs())));
         svg.element("g").open();
         svg.element("title").text(&format!(
             "{}, {}: {}",
@@ -110,8 +113,11 @@ impl HeatMap {
             self.text(value)
         ));
         // At half strength of colour, text keeps a contrast of 4.5 : 1 in both themes.
-        let share =
-            if value.is_finite() && largest > 0.0 { 0.5 * value.abs() / largest } else { 0.0 };
+        let share = if value.is_finite() && largest > 0.0 {
+            (0.5 * value.abs() / largest).min(0.5)
+        } else {
+            0.0
+        };
         let class = if value < 0.0 { "pl-cold" } else { "pl-heat" };
         let rect =
             svg.element("rect").class(class).attribute("fill-opacity", &format!("{share:.3}"));

@@ -1,6 +1,6 @@
 //! Tables and small line plots for the terminal.
 
-use comfy_table::{CellAlignment, ContentArrangement, LineStyle, TableStyle};
+use comfy_table::{CellAlignment, ColumnConstraint, ContentArrangement, LineStyle, TableStyle};
 
 use super::number::significant;
 use super::table::{Align, Table, split_decimal};
@@ -46,6 +46,13 @@ impl Terminal {
                 set.set_cell_alignment(CellAlignment::Right);
             }
         }
+        // The names of the rows stay whole where there is room.
+        let names = (0..table.rows.len()).map(|row| table.cell(row, 0).chars().count());
+        if let (Some(first), true) =
+            (grid.column_mut(0), names.max().unwrap_or(0) <= self.width * 2 / 5)
+        {
+            first.set_constraint(ColumnConstraint::ContentWidth);
+        }
         let mut out = String::new();
         if !table.caption.is_empty() {
             out += &(self.paint(BOLD, &self.plain(&table.caption)) + "\n");
@@ -58,6 +65,19 @@ impl Terminal {
             out += &(self.paint(FAINT, &note) + "\n");
         }
         out
+    }
+
+    /// Running text after a mark, its lines no longer than the terminal and below each other. Ends with a
+    /// line feed.
+    #[must_use]
+    pub fn text(&self, mark: &str, text: &str) -> String {
+        let indent = mark.chars().count();
+        let lines = textwrap(&self.plain(text), self.width.saturating_sub(indent).max(20));
+        let line = |(number, line): (usize, &String)| {
+            let before = if number == 0 { mark.to_owned() } else { " ".repeat(indent) };
+            format!("{before}{line}\n")
+        };
+        lines.iter().enumerate().map(line).collect()
     }
 
     fn cell(&self, table: &Table, row: usize, column: usize) -> String {
@@ -181,15 +201,27 @@ fn ascii(c: char) -> String {
     }
 }
 
+/// Lines of words; a number and its unit stay together.
 fn textwrap(text: &str, width: usize) -> Vec<String> {
-    let mut lines: Vec<String> = Vec::new();
+    let mut words: Vec<String> = Vec::new();
     for word in text.split_whitespace() {
+        let unit = word.chars().filter(|c| !matches!(c, '.' | ',' | ';' | ')')).count() <= 2;
+        match words.last_mut() {
+            Some(last) if unit && last.ends_with(|c: char| c.is_ascii_digit()) => {
+                last.push(' ');
+                last.push_str(word);
+            }
+            _ => words.push(word.to_owned()),
+        }
+    }
+    let mut lines: Vec<String> = Vec::new();
+    for word in words {
         match lines.last_mut() {
             Some(line) if line.chars().count() + 1 + word.chars().count() <= width => {
                 line.push(' ');
-                line.push_str(word);
+                line.push_str(&word);
             }
-            _ => lines.push(word.to_owned()),
+            _ => lines.push(word),
         }
     }
     lines
@@ -284,6 +316,14 @@ mod tests {
             let text = Terminal { width, ..Terminal::default() }.table(&long);
             assert!(text.lines().all(|l| l.chars().count() <= width), "{text}");
         }
+    }
+
+    #[test]
+    fn text_is_no_wider_than_the_terminal_and_hangs_from_its_mark() {
+        let terminal = Terminal { width: 30, ..Terminal::default() };
+        let text = terminal.text("=> ", "a finding that takes more than one line of this terminal");
+        assert!(text.lines().all(|l| l.chars().count() <= 30), "{text}");
+        assert!(text.starts_with("=> a finding") && text.contains("\n   one line"), "{text}");
     }
 
     #[test]

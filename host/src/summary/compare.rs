@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::{name_of, unit_of};
+use super::{ladder, name_of, unit_of};
 use crate::criticism::compare::{Cell, Comparison};
 use crate::criticism::covariate::Covariate;
 use crate::criticism::dependence::{Dependence, SEED};
@@ -10,8 +10,7 @@ use crate::criticism::region::Region;
 use crate::model::Model;
 use crate::report::number::{percent, significant};
 use crate::report::{
-    Axis, BarSeries, Bars, Block, Callout, CellFormat, Colour, Column, HeatMap, Level, Panels,
-    Plot, Section, Series, Table,
+    Axis, Callout, CellFormat, Colour, Column, HeatMap, Panels, Plot, Section, Series, Table,
 };
 use crate::trace::Trace;
 
@@ -120,7 +119,8 @@ fn error_table(comparison: &Comparison) -> Table {
     table.row(std::iter::once(first).chain(shares).chain([String::new()]))
 }
 
-fn heat_map(comparison: &Comparison) -> HeatMap {
+/// Share of what is left in every region of every trace.
+pub(super) fn heat_map(comparison: &Comparison) -> HeatMap {
     let share = |trace, region| {
         cell(comparison, trace, region).map_or(f64::NAN, |cell| cell.share_of_excess)
     };
@@ -135,6 +135,7 @@ fn heat_map(comparison: &Comparison) -> HeatMap {
             .map(|trace| Region::ALL.map(|region| share(trace, region)).to_vec())
             .collect(),
         format: CellFormat::Percent,
+        strongest: None,
     }
 }
 
@@ -255,33 +256,4 @@ pub(super) fn spans(time: &[f64], regions: &[Region]) -> Vec<(f64, f64, Region)>
     }
     found.retain(|(_, _, region)| !matches!(region, Region::Approach | Region::After));
     found
-}
-
-/// The ladder of the model file: errors after each addition, down towards the noise.
-#[must_use]
-pub fn ladder(model: &Model) -> Option<Section> {
-    let fit = model.fit.as_ref()?;
-    let rungs = &model.ladder;
-    let bar = |name: &str, values: Vec<f64>, colour| BarSeries {
-        name: name.into(),
-        values,
-        errors: Vec::new(),
-        colour,
-    };
-    let held_out = rungs.iter().map(|rung| rung.heldout_rms.unwrap_or(f64::NAN)).collect();
-    let noise = fit.noise_rms.map(|y| Level { y, label: "noise".into() });
-    let bars = Bars {
-        title: "Error at each rung".into(),
-        summary: "Root mean square error after each addition to the model".into(),
-        axis: Axis::new("root mean square error", &fit.unit),
-        groups: rungs.iter().map(|rung| rung.add.clone()).collect(),
-        series: vec![
-            bar("fitted", rungs.iter().map(|rung| rung.fitted_rms).collect(), Colour::Hue(0)),
-            bar("held out", held_out, Colour::Hue(1)),
-        ],
-        levels: noise.into_iter().collect(),
-    };
-    let about = "On the traces the model was fitted to; held out is each trace predicted by a fit to the others.";
-    let block = Block::Figure { figure: Box::new(bars.into()), caption: about.into() };
-    (!rungs.is_empty()).then(|| Section::new("The ladder").block(block))
 }

@@ -6,6 +6,7 @@ mod decomposition;
 mod diagnosis;
 mod effects;
 mod holds;
+mod ladder;
 mod plan;
 mod practice;
 mod press;
@@ -13,16 +14,17 @@ mod recording;
 mod whole_motion;
 
 pub use change::{change_json, change_sections};
-pub use compare::{compare_json, compare_sections, ladder, overlays};
+pub use compare::{compare_json, compare_sections, overlays};
 pub use decomposition::{
     decomposed_trace, decomposition_json, decomposition_sections, part_panels, region_spans,
     region_table, shaded,
 };
-pub use diagnosis::{diagnosis_json, diagnosis_sections};
+pub use diagnosis::{DiagnosisSummary, NextCommand};
 pub use effects::{
     effect_figures, effect_json, effect_pages, effect_section, library_json, library_section,
 };
 pub use holds::{hold_json, hold_sections};
+pub use ladder::ladder;
 pub use plan::plan_section;
 pub use practice::{practice_json, practice_sections, truth_json, truth_sections};
 pub use press::press_sections;

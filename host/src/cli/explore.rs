@@ -1,0 +1,66 @@
+//! `palpate explore`.
+
+use std::path::PathBuf;
+
+use serde_json::Value;
+
+use super::diagnose::{data, next};
+use super::output::{Output, print_json, print_sections, write_report};
+use super::{Failure, progress};
+use crate::criticism::diagnose::diagnose;
+use crate::criticism::explore::explored;
+use crate::model::Model;
+use crate::summary::{DiagnosisSummary, unit_of};
+use crate::trace::read_set;
+
+/// Add what is missing until only noise is left, or say that it does not know.
+#[derive(clap::Args)]
+#[command(after_help = "\
+Diagnoses, adds the effect named, and goes on, until nothing more is missed. The ladder of errors
+is printed rung by rung; the model at its top is written with -o.
+
+Examples:
+  palpate explore --model model.toml traces/
+  palpate explore --model model.toml traces/ -o better.toml --report explore.html
+  palpate explore --model model.toml traces/ --json | jq .steps[].effect")]
+pub struct Args {
+    /// The model to begin with
+    #[arg(long, value_name = "MODEL.toml")]
+    model: PathBuf,
+    /// Traces, or folders of traces: one data set
+    #[arg(required = true, value_name = "TRACE")]
+    traces: Vec<PathBuf>,
+    /// Write the model with all effects found
+    #[arg(short, long, value_name = "BETTER.toml")]
+    output: Option<PathBuf>,
+    #[command(flatten)]
+    result: Output,
+}
+
+/// Explores and prints.
+pub fn run(args: &Args) -> Result<(), Failure> {
+    let model = Model::read(&args.model).map_err(Failure::input)?;
+    let traces = read_set(&args.traces).map_err(Failure::input)?;
+    let wait = progress::spinner("climbing the ladder");
+    let diagnosis = diagnose(&model, &traces).map_err(Failure::input)?;
+    let data = data(&model, &traces)?;
+    let summary = DiagnosisSummary::new(&diagnosis, &data, next(&args.model, &args.traces));
+    wait.finish_and_clear();
+    if let Some(path) = &args.output {
+        let better = explored(&model, &diagnosis, &data, unit_of(&diagnosis.signal));
+        better.write(path).map_err(Failure::work)?;
+        eprintln!("model: {}", path.display());
+    }
+    if let Some(path) = &args.result.report {
+        let title = "From the first model to the last";
+        write_report(path, title, &diagnosis.signal, data.labels.clone(), summary.sections())?;
+    }
+    if args.result.json {
+        let mut answer = summary.json();
+        answer["model"] =
+            args.output.as_ref().map_or(Value::Null, |path| path.display().to_string().into());
+        print_json(&answer)
+    } else {
+        print_sections(&summary.exploration(args.output.as_deref()))
+    }
+}

@@ -1,0 +1,38 @@
+//! What a model of a diagnosis leaves of the data that it was fitted to.
+
+use super::compare::{Comparison, cells_of};
+use super::dependence::dependences;
+use super::diagnose::Diagnosis;
+use super::fitted::Fitted;
+use super::residuals::stretches;
+use crate::fit::data::Data;
+use crate::fit::problem::Problem;
+use crate::fit::whitening::Whitening;
+
+/// The comparison of one of a diagnosis' models with its data. The shares are of what is left beyond
+/// the noise of the diagnosis.
+#[must_use]
+pub fn leftover(diagnosis: &Diagnosis, fitted: &Fitted, data: &Data) -> Comparison {
+    let white = Whitening::none();
+    let problem = Problem::new(&fitted.chain, data, &white, None);
+    let noise = diagnosis.noise.whitening.standard_deviation();
+    let mut squares = vec![(0.0, 0); data.labels.len()];
+    for block in &fitted.blocks {
+        squares[block.trace].0 += block.raw.cost;
+        squares[block.trace].1 += block.samples;
+    }
+    let rms = |&(square, samples): &(f64, usize)| (square / (samples as f64).max(1.0)).sqrt();
+    let stretches = stretches(&fitted.chain, &fitted.values, data);
+    Comparison {
+        labels: data.labels.clone(),
+        signal: diagnosis.signal.clone(),
+        // Whether it is more than noise is the diagnosis' to say.
+        noise: None,
+        rms: fitted.rms(),
+        trace_rms: squares.iter().map(rms).collect(),
+        cells: cells_of(&problem, data, &fitted.point, noise),
+        dependences: dependences(&stretches),
+        stretches,
+        left_out: data.left_out.clone(),
+    }
+}

@@ -1,0 +1,236 @@
+//! A diagnosis as words, tables and plots, and as the answer that other programs read.
+//!
+//! - [`words`]: the verdict and what to do next.
+//! - [`step`]: the evidence for one effect.
+//! - [`candidates`]: every effect, ranked.
+//! - [`places`]: where the misfit sat and sits.
+//! - [`rest`]: what is left beside the noise, and how all was done.
+//! - [`explore`]: the way up the ladder.
+//! - [`json`]: the answer that other programs read.
+
+mod candidates;
+mod explore;
+mod json;
+mod places;
+mod rest;
+mod step;
+mod words;
+
+use super::ladder::{ABOUT, ladder_bars, rung_name};
+use super::unit_of;
+use crate::criticism::compare::Comparison;
+use crate::criticism::diagnose::{Diagnosis, Verdict};
+use crate::criticism::explore::rungs;
+use crate::criticism::leftover::leftover;
+use crate::criticism::screen::DRAWS;
+use crate::criticism::search::DECISIVE;
+use crate::fit::data::Data;
+use crate::model::{Fung, Rung};
+use crate::report::number::significant;
+use crate::report::{Block, Callout, Column, Section, Table};
+
+/// A diagnosis with all that is told about it.
+pub struct DiagnosisSummary<'a> {
+    diagnosis: &'a Diagnosis,
+    data: &'a Data<'a>,
+    /// What the model leaves without the effects found.
+    before: Comparison,
+    /// What it leaves with them.
+    after: Comparison,
+    next: NextCommand,
+}
+
+/// How model and traces were named, so that the next command can be told.
+#[derive(Clone, Debug)]
+pub struct NextCommand {
+    /// The model file.
+    pub model: String,
+    /// The traces, as on the command line.
+    pub traces: String,
+}
+
+impl NextCommand {
+    /// Puts one effect into the model.
+    fn add(&self, effect: &str, law: Option<&str>) -> String {
+        let law = law.map(|law| format!(" --law {law}")).unwrap_or_default();
+        format!("palpate add {effect} {} {}{law} -o better.toml", self.model, self.traces)
+    }
+
+    /// Puts all effects found into the model.
+    fn explore(&self) -> String {
+        format!("palpate explore --model {} {} -o better.toml", self.model, self.traces)
+    }
+
+    /// Sees where a model fails.
+    fn compare(&self, model: &str) -> String {
+        format!("palpate compare {model} {}", self.traces)
+    }
+
+    /// Diagnoses again.
+    fn diagnose(&self) -> String {
+        format!("palpate diagnose --model {} {}", self.model, self.traces)
+    }
+}
+
+impl<'a> DiagnosisSummary<'a> {
+    /// Lays a diagnosis beside the data it was made of.
+    #[must_use]
+    pub fn new(diagnosis: &'a Diagnosis, data: &'a Data<'a>, next: NextCommand) -> Self {
+        let found = &diagnosis.found;
+        let before = leftover(diagnosis, &found.base, data);
+        let after = if found.steps.is_empty() {
+            before.clone()
+        } else {
+            leftover(diagnosis, found.model(), data)
+        };
+        Self { diagnosis, data, before, after, next }
+    }
+
+    /// What a terminal shows: the verdict, what to do next, the ladder and the evidence in short.
+    #[must_use]
+    pub fn in_short(&self) -> Vec<Section> {
+        let mut sections = vec![self.verdict()];
+        let steps = 0..self.diagnosis.found.steps.len();
+        sections.extend(steps.map(|index| self.step_in_short(index)));
+        sections
+    }
+
+    /// What a report shows: all.
+    #[must_use]
+    pub fn sections(&self) -> Vec<Section> {
+        let mut verdict = self.verdict();
+        if !self.diagnosis.found.steps.is_empty() {
+            verdict = verdict.figure(self.ladder_bars(), ABOUT);
+        }
+        let mut sections = vec![verdict];
+        let steps = 0..self.diagnosis.found.steps.len();
+        sections.extend(steps.map(|index| self.step(index)));
+        sections.push(self.candidates());
+        sections.push(self.places());
+        sections.push(self.rest());
+        sections
+    }
+
+    fn verdict(&self) -> Section {
+        let kind = match self.diagnosis.verdict {
+            Verdict::Adequate | Verdict::Named => Callout::Finding,
+            Verdict::Ambiguous | Verdict::Unknown => Callout::Warning,
+        };
+        let title = match self.diagnosis.verdict {
+            Verdict::Adequate => "Adequate",
+            Verdict::Named => "Named",
+            Verdict::Ambiguous => "Ambiguous",
+            Verdict::Unknown => "Unknown",
+        };
+        let mut section = Section::new("Verdict").callout(kind, title, self.verdict_in_words());
+        for (text, command) in self.what_next() {
+            section = section.paragraph(text);
+            if let Some(command) = command {
+                section = section.block(Block::Code(command));
+            }
+        }
+        for note in &self.diagnosis.notes {
+            section = section.callout(Callout::Warning, "Note", sentence(note));
+        }
+        for what in &self.data.left_out {
+            section = section.callout(Callout::Warning, "Left out", what.clone());
+        }
+        section.table(self.ladder_table())
+    }
+
+    fn rungs(&self) -> Vec<Rung> {
+        let mut rungs = rungs(self.diagnosis);
+        if let Some(first) = rungs.first_mut() {
+            first.add = self.base_name();
+        }
+        rungs
+    }
+
+    /// The model that was diagnosed: its law and the effects that it had.
+    fn base_name(&self) -> String {
+        let effects = &self.diagnosis.found.base.chain.effects;
+        let names = effects.iter().map(|effect| effect.name.as_str());
+        std::iter::once(Fung::NAME).chain(names).collect::<Vec<_>>().join(" + ")
+    }
+
+    fn ladder_table(&self) -> Table {
+        let unit = self.unit();
+        let found = &self.diagnosis.found;
+        let noise = self.noise();
+        let mut columns = vec![
+            Column::text("model"),
+            Column::number("error", unit),
+            Column::number("held out", unit),
+            Column::number("error / noise", ""),
+        ];
+        if !found.steps.is_empty() {
+            columns.extend([Column::number("ΔBIC", ""), Column::number("p value", "")]);
+        }
+        let mut table = Table::new("The ladder", columns);
+        let models: Vec<_> = std::iter::once(&found.base).chain(&found.models).collect();
+        for (index, rung) in self.rungs().iter().enumerate() {
+            let mut cells = vec![
+                rung_name((index, rung)),
+                self.level(rung.fitted_rms),
+                rung.heldout_rms.map_or("–".into(), |rms| self.level(rms)),
+                format!("{:.2}", rung.fitted_rms / noise),
+            ];
+            if let Some(step) = index.checked_sub(1) {
+                let fell = models[step].bic() - models[index].bic();
+                cells.extend([format!("{fell:.0}"), significant(found.steps[step].p_value, 2)]);
+            }
+            table = table.row(cells);
+        }
+        let held_out = match self.data.labels.len() {
+            1 => "One trace: none can be held out.",
+            _ => "Held out: each trace predicted by a fit to the others.",
+        };
+        table = table.note(format!("Noise: {} {unit}. {held_out}", self.level(noise)));
+        if found.steps.is_empty() {
+            return table;
+        }
+        table.note(format!(
+            "ΔBIC: fall of the Bayesian information criterion; {DECISIVE:.0} is decisive. p value: chance that \
+             noise alone shows as much anywhere in the library, {} at the least.",
+            significant(1.0 / (DRAWS + 1) as f64, 2)
+        ))
+    }
+
+    fn ladder_bars(&self) -> crate::report::Bars {
+        ladder_bars(&self.rungs(), self.unit(), Some(self.noise()))
+    }
+
+    fn unit(&self) -> &str {
+        unit_of(&self.diagnosis.signal)
+    }
+
+    /// Standard deviation of the noise.
+    fn noise(&self) -> f64 {
+        self.diagnosis.noise.whitening.standard_deviation()
+    }
+
+    /// An error with as many decimals as the noise has in three significant digits.
+    fn level(&self, rms: f64) -> String {
+        let noise = self.noise();
+        let decimals =
+            if noise > 0.0 { (2.0 - noise.log10().floor()).clamp(0.0, 9.0) } else { 5.0 };
+        format!("{rms:.0$}", decimals as usize)
+    }
+}
+
+/// A remark as a sentence.
+fn sentence(text: &str) -> String {
+    let mut letters = text.chars();
+    let first: String = letters.next().into_iter().flat_map(char::to_uppercase).collect();
+    format!("{first}{}.", letters.as_str().trim_end_matches('.'))
+}
+
+/// Names as `a`, `b` and `c`, with the word between the last two.
+fn listed(names: &[String], word: &str) -> String {
+    let coded: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
+    match coded.split_last() {
+        None => String::new(),
+        Some((last, [])) => last.clone(),
+        Some((last, before)) => format!("{} {word} {last}", before.join(", ")),
+    }
+}
