@@ -6,6 +6,8 @@ use std::ops::Range;
 use std::path::Path;
 use std::process::Command;
 
+use palpate::effects::{Setting, applied};
+use palpate::model::{Expression, Model, VARIABLES};
 use palpate_tests::{palpate, workspace};
 
 /// Commands of a document: a block of kind `sh`, and the lines of the block of kind `text` that
@@ -123,6 +125,7 @@ fn every_link_to_a_file_leads_somewhere() {
         "docs/formats.md",
         "docs/dependencies.md",
         "docs/measured.md",
+        "docs/effects/README.md",
         "docs/missing-effect.md",
     ] {
         let path = workspace().join(document);
@@ -170,4 +173,34 @@ fn the_model_and_the_profile_of_the_description_are_understood() {
     fs::write(folder.path().join("profile.toml"), profile).unwrap();
     let call = ["simulate", "model.toml", "--motion", "profile.toml", "-o", "predicted.csv"];
     palpate().current_dir(folder.path()).args(call).assert().success();
+}
+
+#[test]
+fn the_effects_of_the_description_can_stand_in_a_model() {
+    let folder = tempfile::tempdir().unwrap();
+    let [effect] = &toml_blocks("[[effect]]")[..] else { panic!("one effect") };
+    let [own] = &toml_blocks("[[candidate]]")[..] else { panic!("one law of one's own") };
+    let values = ["p", "q", "c1", "c2", "v1", "v2"]
+        .map(|name| format!("[base.parameters.{name}]\nvalue = 0.4\n"))
+        .concat();
+    let base = "palpate-model = 1\n[base]\nlaw = \"fung\"\nsignal = \"force_N\"\n";
+    let path = folder.path().join("model.toml");
+    fs::write(&path, [base, &values, effect, own].concat()).unwrap();
+    let model = Model::read(&path).unwrap();
+    for stored in model.effects.iter().chain(&model.candidates) {
+        applied(stored, &Setting::default()).unwrap();
+    }
+}
+
+#[test]
+fn the_variables_and_functions_of_the_description_are_those_of_expressions() {
+    let text = fs::read_to_string(workspace().join("docs/formats.md")).unwrap();
+    for (name, meaning) in VARIABLES {
+        let meaning = meaning.split(';').next().unwrap();
+        assert!(text.contains(&format!("| `{name}` | {meaning}")), "{name}");
+    }
+    let functions = text.split("the functions `").nth(1).unwrap().split('`').next().unwrap();
+    for function in functions.split_whitespace() {
+        Expression::parse(&format!("{function}(x) + PI * E"), &[]).unwrap();
+    }
 }

@@ -128,7 +128,8 @@ pub fn refit(chain: &Chain, from: &[f64], data: &Data) -> Result<MotionFit, Data
 }
 
 /// Root mean square error on each trace when it is left out of the fit, the specimen's history kept.
-/// A zero that each trace has of its own is taken from what that trace shows before its touch.
+/// A zero that each trace has of its own is taken from what that trace shows before its touch; what it
+/// has more of its own stays as it was fitted.
 #[must_use]
 pub fn held_out(fit: &MotionFit, data: &Data) -> Vec<f64> {
     (0..data.labels.len())
@@ -137,11 +138,12 @@ pub fn held_out(fit: &MotionFit, data: &Data) -> Vec<f64> {
             let problem = Problem::new(&fit.chain, data, &white, Some(trace));
             let mut from = fit.values.clone();
             let own = fit.chain.own_of_trace(trace);
-            for &place in &own {
-                from[place] = 0.0;
+            let zero = own.len() == 1;
+            if zero {
+                from[own[0]] = 0.0;
             }
             let found = minimise(&problem, &problem.point(&from));
-            error_on(&problem, data, &found.point, trace, !own.is_empty())
+            error_on(&problem, data, &found.point, trace, zero)
         })
         .collect()
 }

@@ -57,6 +57,12 @@ pub enum HideError {
 const MOST_SIZE: f64 = 100.0;
 /// Most effects hidden at once.
 const MOST_EFFECTS: usize = 5;
+/// How far a shape is from the grid at most, in parts of its range.
+const NEAR_GRID: f64 = 0.04;
+/// Refits of the base law to come to the size asked for.
+const REFITS: usize = 8;
+/// Relative difference from that size that does not count.
+const NEAR: f64 = 0.02;
 /// Laws and shapes drawn before an effect counts as out of reach.
 const DRAWS: usize = 20;
 /// Streams of the random numbers: what is hidden changes neither session nor noise.
@@ -117,7 +123,7 @@ pub fn hide(choice: &Choice, size: f64, seed: u64) -> Result<Practice, HideError
             None => return Err(HideError::OutOfReach { effect: effect.name.into(), size }),
         }
     }
-    let misfit = ground.misfit(&chain, &own).left;
+    let misfit = ground.refitted(&chain, &own).unwrap_or_else(|| ground.misfit(&chain, &own).left);
     let all = [&values[..], &own].concat();
     let unknown = vec![None; all.len()];
     let truth = Truth {
@@ -207,10 +213,18 @@ fn drawn(
                 high = middle;
             }
         }
-        let found = left(high);
-        // A law that only starts in a jump, or that the base law takes up, is no exercise.
-        let near = (found.left / target - 1.0).abs() < 0.02;
-        (near && found.left > ABSORBED * found.whole).then(|| (applied, parameters(high)))
+        // The base law bends, and takes up more of a strong effect than its derivatives say.
+        let mut strength = high;
+        for _ in 0..REFITS {
+            let refitted = ground.refitted(&chain, &parameters(strength))?;
+            let near = (refitted / target - 1.0).abs() < NEAR;
+            // What the base law takes up nearly whole is no exercise.
+            if near && refitted > ABSORBED * left(strength).whole {
+                return Some((applied, parameters(strength)));
+            }
+            strength = (strength * (target / refitted).clamp(0.5, 2.0)).min(most);
+        }
+        None
     })
 }
 
@@ -226,8 +240,8 @@ fn shapes(law: &Law, setting: &Setting, random: &mut ChaCha8Rng) -> Vec<f64> {
             .filter_map(|other| grid.get(other))
             .map(|other| (other - grid[at]).abs())
             .fold(f64::INFINITY, f64::min);
-        let room = if near.is_finite() { 0.5 * near } else { 0.2 * grid[at].abs() };
         let (lower, upper) = bounds(scales);
+        let room = (0.5 * near).min(NEAR_GRID * (upper - lower));
         (grid[at] + random.random_range(-1.0..1.0) * room).clamp(lower, upper)
     };
     law.shapes.iter().map(shape).collect()

@@ -3,13 +3,14 @@
 use crate::fit::data::Data;
 use crate::fit::problem::Problem;
 use crate::fit::whitening::Whitening;
-use crate::fit::whole_motion::predict;
+use crate::fit::whole_motion::{predict, refit};
 use crate::model::{Chain, Elasticity, History, Scene};
 
 /// A base law at its parameters over a data set, with the directions in which it can move.
 pub struct Ground<'a> {
     chain: &'a Chain,
     values: &'a [f64],
+    data: &'a Data<'a>,
     scenes: Vec<Scene<'a>>,
     predicted: Vec<f64>,
     /// Orthonormal: the derivatives to the parameters, all samples of the set one after the other.
@@ -51,24 +52,41 @@ impl<'a> Ground<'a> {
         Self {
             chain,
             values,
+            data,
             scenes: data.pieces.iter().map(|piece| data.scene(piece)).collect(),
             predicted: predict(chain, values, data).concat(),
             own,
         }
     }
 
-    /// What the chain with these effects' parameters leaves.
+    /// Root mean square that remains of the chain with these effects' parameters when the base law is
+    /// refitted to it in earnest.
     #[must_use]
-    pub fn misfit(&self, chain: &Chain, effects: &[f64]) -> Misfit {
-        debug_assert_eq!(chain.base, self.chain.base);
+    pub fn refitted(&self, chain: &Chain, effects: &[f64]) -> Option<f64> {
+        let forces = self.forces(chain, effects);
+        let mut data: Data<'_> = self.data.clone();
+        for (piece, force) in data.pieces.iter_mut().zip(&forces) {
+            piece.measured = force;
+        }
+        refit(self.chain, self.values, &data).ok().map(|fit| fit.rms())
+    }
+
+    /// The force of every stretch.
+    fn forces(&self, chain: &Chain, effects: &[f64]) -> Vec<Vec<f64>> {
         let parameters = [self.values, effects].concat();
         let (mut history, mut elasticity) = (History::default(), Elasticity::default());
-        let mut change = Vec::with_capacity(self.predicted.len());
         let mut force = Vec::new();
-        for scene in &self.scenes {
+        let stretch = |scene| {
             chain.run(&parameters, scene, &mut history, &mut elasticity, &mut force);
-            change.extend_from_slice(&force);
-        }
+            force.clone()
+        };
+        self.scenes.iter().map(stretch).collect()
+    }
+
+    /// What the chain with these effects' parameters leaves, as far as the base law is straight.
+    #[must_use]
+    pub fn misfit(&self, chain: &Chain, effects: &[f64]) -> Misfit {
+        let mut change = self.forces(chain, effects).concat();
         for (change, predicted) in change.iter_mut().zip(&self.predicted) {
             *change -= predicted;
         }

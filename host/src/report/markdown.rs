@@ -22,9 +22,9 @@ fn write_block(out: &mut String, block: &Block) {
         Block::Paragraph(text) => write!(out, "{text}\n\n"),
         Block::List(points) => {
             let points: String = points.iter().map(|point| format!("- {point}\n")).collect();
-            write!(out, "{points}\n")
+            writeln!(out, "{points}")
         }
-        Block::Table(table) => write!(out, "{}\n", write_table(table)),
+        Block::Table(table) => writeln!(out, "{}", write_table(table)),
         Block::Callout { title, text, .. } => write!(out, "> **{title}**: {text}\n\n"),
         Block::Definitions(terms) => {
             let terms: String =

@@ -27,7 +27,7 @@ pub fn library_section() -> Section {
             0 => String::new(),
             more => format!(" (and {more} more)"),
         };
-        let law = format!("{}{more}", effect.laws[0].formula);
+        let law = format!("`{}`{more}", effect.laws[0].formula);
         table =
             table.row([effect.stage.name(), &format!("`{}`", effect.name), &law, effect.meaning]);
     }
@@ -98,7 +98,7 @@ pub fn effect_section(signature: &Signature) -> Section {
     ];
     let mut laws = Table::new("Laws", ["law", "formula"].map(Column::text).to_vec());
     for law in effect.laws {
-        laws = laws.row([law.name, law.formula]);
+        laws = laws.row([law.name, &format!("`{}`", law.formula)]);
     }
     Section::new(effect.name)
         .paragraph(effect.meaning)
