@@ -55,14 +55,14 @@ fn refit_and_compare(extra: fn(f64, f64) -> f64) -> Comparison {
 #[test]
 fn a_model_that_lacks_nothing_leaves_nothing_but_noise() {
     let comparison = refit_and_compare(|_, _| 0.0);
-    assert!(comparison.only_noise(), "{:?}", comparison.over_noise());
+    assert!(comparison.only_noise, "{:?}", comparison.over_noise());
     assert_eq!(comparison.in_words(), "Nothing but noise is left.");
 }
 
 #[test]
 fn friction_is_located_in_the_moving_regions_and_flips_with_the_direction() {
     let comparison = refit_and_compare(|x, v| if x > 0.0 { 0.03 * (v / 0.5).tanh() } else { 0.0 });
-    assert!(!comparison.only_noise());
+    assert!(!comparison.only_noise);
     let moving: f64 = comparison
         .by_region()
         .iter()

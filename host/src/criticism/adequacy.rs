@@ -22,6 +22,8 @@ pub struct Adequacy {
     pub p_value: f64,
     /// Sum of squares, whitened, that noise does not account for: the largest over the lengths.
     pub excess: f64,
+    /// Root mean square of the residual, not whitened.
+    pub rms: f64,
     /// Lights: Ljung and Box's chance, Durbin and Watson's statistic, and the chance of the number of
     /// runs of one sign.
     pub lights: Lights,
@@ -50,10 +52,13 @@ struct Sums {
 pub fn adequacy(problem: &Problem, point: &[f64], whitening: &Whitening) -> Adequacy {
     let mut touched = [Sums::default(); LENGTHS.len()];
     let mut quiet = [Sums::default(); LENGTHS.len()];
-    let mut whitened = Vec::new();
+    let mut counts = Counts::default();
+    let (mut square, mut samples): (f64, f64) = (0.0, 0.0);
     problem.each_piece(&[point.to_vec()], |piece, forces| {
         let mut residual: Vec<f64> =
             piece.measured.iter().zip(&forces[0]).map(|(y, f)| y - f).collect();
+        square += residual.iter().map(|r| r * r).sum::<f64>();
+        samples += residual.len() as f64;
         whitening.apply(&mut residual);
         let x = &piece.motion.displacement;
         for (place, &length) in LENGTHS.iter().enumerate() {
@@ -63,7 +68,7 @@ pub fn adequacy(problem: &Problem, point: &[f64], whitening: &Whitening) -> Adeq
                 sums[place].count += 1.0;
             }
         }
-        whitened.push(residual);
+        counts.add(&residual);
     });
     let mut p_value: f64 = 1.0;
     let mut excess: f64 = 0.0;
@@ -84,31 +89,45 @@ pub fn adequacy(problem: &Problem, point: &[f64], whitening: &Whitening) -> Adeq
         }
     }
     let p_value = (p_value * LENGTHS.len() as f64).min(1.0);
-    Adequacy { p_value, excess, lights: lights(&whitened) }
+    Adequacy { p_value, excess, rms: (square / samples.max(1.0)).sqrt(), lights: counts.lights() }
 }
 
-fn lights(stretches: &[Vec<f64>]) -> Lights {
-    const DISTANCES: usize = 20;
-    let mut products = [0.0; DISTANCES + 1];
-    let (mut differences, mut runs, mut expected, mut samples) = (0.0, 0.0, 0.0, 0.0);
-    for stretch in stretches {
-        for (distance, product) in products.iter_mut().enumerate() {
+/// Distances at which neighbours are compared.
+const DISTANCES: usize = 20;
+
+/// What the lights are counted from.
+#[derive(Default)]
+struct Counts {
+    products: [f64; DISTANCES + 1],
+    differences: f64,
+    runs: f64,
+    expected: f64,
+    samples: f64,
+}
+
+impl Counts {
+    /// Counts one whitened stretch.
+    fn add(&mut self, stretch: &[f64]) {
+        for (distance, product) in self.products.iter_mut().enumerate() {
             let later = stretch.get(distance..).unwrap_or_default();
             *product += stretch.iter().zip(later).map(|(a, b)| a * b).sum::<f64>();
         }
-        differences += stretch.windows(2).map(|pair| (pair[1] - pair[0]).powi(2)).sum::<f64>();
+        self.differences += stretch.windows(2).map(|pair| (pair[1] - pair[0]).powi(2)).sum::<f64>();
         let changes = stretch.windows(2).filter(|pair| (pair[0] > 0.0) != (pair[1] > 0.0)).count();
-        runs += changes as f64 + 1.0;
+        self.runs += changes as f64 + 1.0;
         let above = stretch.iter().filter(|value| **value > 0.0).count() as f64;
         let count = stretch.len() as f64;
-        expected += 1.0 + 2.0 * above * (count - above) / count.max(1.0);
-        samples += count;
+        self.expected += 1.0 + 2.0 * above * (count - above) / count.max(1.0);
+        self.samples += count;
     }
-    let square = products[0].max(f64::MIN_POSITIVE);
-    let correlations: f64 = products[1..].iter().map(|product| (product / square).powi(2)).sum();
-    Lights {
-        ljung_box: samples * correlations / DISTANCES as f64,
-        durbin_watson: differences / square,
-        runs: runs / f64::max(expected, 1.0),
+
+    fn lights(&self) -> Lights {
+        let square = self.products[0].max(f64::MIN_POSITIVE);
+        let squared = self.products[1..].iter().map(|product| (product / square).powi(2));
+        Lights {
+            ljung_box: self.samples * squared.sum::<f64>() / DISTANCES as f64,
+            durbin_watson: self.differences / square,
+            runs: self.runs / self.expected.max(1.0),
+        }
     }
 }

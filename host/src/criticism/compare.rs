@@ -1,7 +1,9 @@
 //! A model against a data set: where it is wrong.
 
+use super::adequacy::{LEVEL, adequacy};
 use super::covariate::Covariate;
 use super::dependence::{Dependence, dependences};
+use super::noise::{NoiseModel, noise_model};
 use super::region::{Region, regions};
 use super::residuals::{Stretch, stretches};
 use crate::effects::chain_of;
@@ -35,6 +37,8 @@ pub struct Comparison {
     pub signal: String,
     /// Noise of the signal, where the recordings tell.
     pub noise: Option<Noise>,
+    /// Whether nothing but noise is left: the error is at the noise and wanders no more than it.
+    pub only_noise: bool,
     /// Root mean square of the residual over all samples.
     pub rms: f64,
     /// Root mean square of the residual of each trace.
@@ -59,7 +63,9 @@ pub enum CompareError {
     Data(#[from] DataError),
 }
 
-/// A residual within this many times the noise counts as noise.
+/// A residual that is as white as the noise counts as noise within this many times its size.
+const CLOSE: f64 = 1.1;
+/// The same where nothing but the size of the noise is known.
 const NOISE_ONLY: f64 = 1.03;
 /// Chance below which a dependence is worth a word.
 const TOLD: f64 = 0.01;
@@ -74,7 +80,17 @@ pub fn compare(model: &Model, traces: &[Trace]) -> Result<Comparison, CompareErr
     let (chain, parameters) =
         chain_of(model, &data.setting()).map_err(|error| CompareError::Model(error.to_string()))?;
     let stretches = stretches(&chain, &parameters, &data);
-    let noise = pooled_noise(traces, signal);
+    let seen = noise_model(&data);
+    let noise = seen.as_ref().map(NoiseModel::in_short).or_else(|| pooled_noise(traces, signal));
+    let only_noise = match (&seen, noise) {
+        (Some(seen), Some(noise)) => {
+            let problem = Problem::new(&chain, &data, &seen.whitening, None);
+            let found = adequacy(&problem, &problem.point(&parameters), &seen.whitening);
+            found.p_value >= LEVEL && found.rms < CLOSE * noise.standard_deviation
+        }
+        (None, Some(noise)) => rms_of(&stretches) < NOISE_ONLY * noise.standard_deviation,
+        _ => false,
+    };
     let cells = cells(&stretches, data.labels.len(), noise.as_ref());
     let of_trace = |trace| move |cell: &&Cell| trace == cell.trace;
     let trace_rms =
@@ -86,10 +102,17 @@ pub fn compare(model: &Model, traces: &[Trace]) -> Result<Comparison, CompareErr
         labels: data.labels,
         signal: signal.clone(),
         noise,
+        only_noise,
         cells,
         stretches,
         left_out: data.left_out,
     })
+}
+
+/// Root mean square of all residuals.
+fn rms_of(stretches: &[Stretch]) -> f64 {
+    let residuals = || stretches.iter().flat_map(Stretch::residual);
+    (residuals().map(|r| r * r).sum::<f64>() / (residuals().count() as f64).max(1.0)).sqrt()
 }
 
 /// Root mean square over cells.
@@ -179,16 +202,10 @@ impl Comparison {
         self.noise.map(|noise| self.rms / noise.standard_deviation)
     }
 
-    /// Whether nothing but noise is left.
-    #[must_use]
-    pub fn only_noise(&self) -> bool {
-        self.over_noise().is_some_and(|times| times < NOISE_ONLY)
-    }
-
     /// Where the model fails and what the failure depends on, in a sentence or two.
     #[must_use]
     pub fn in_words(&self) -> String {
-        if self.only_noise() {
+        if self.only_noise {
             return "Nothing but noise is left.".into();
         }
         let beyond = if self.noise.is_some() { " beyond the noise" } else { "" };

@@ -26,8 +26,9 @@ pub fn leftover(diagnosis: &Diagnosis, fitted: &Fitted, data: &Data) -> Comparis
     Comparison {
         labels: data.labels.clone(),
         signal: diagnosis.signal.clone(),
+        noise: Some(diagnosis.noise.in_short()),
         // Whether it is more than noise is the diagnosis' to say.
-        noise: None,
+        only_noise: false,
         rms: fitted.rms(),
         trace_rms: squares.iter().map(rms).collect(),
         cells: cells_of(&problem, data, &fitted.point, noise),

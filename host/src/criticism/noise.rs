@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 
 use crate::fit::data::Data;
 use crate::fit::whitening::Whitening;
+use crate::trace::{Noise, Source};
 
 /// What is known of the noise.
 #[derive(Clone, Debug)]
@@ -14,6 +15,19 @@ pub struct NoiseModel {
     pub seen: Seen,
     /// Number of samples it was estimated from.
     pub samples: usize,
+}
+
+impl NoiseModel {
+    /// Its size, and the correlation of neighbours, as other parts of the program take it.
+    #[must_use]
+    pub fn in_short(&self) -> Noise {
+        Noise {
+            standard_deviation: self.whitening.standard_deviation(),
+            lag1: self.whitening.coefficients().first().copied(),
+            samples: self.samples,
+            source: Source::BeforeTouch,
+        }
+    }
 }
 
 /// Where noise was seen.

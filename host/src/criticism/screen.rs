@@ -56,6 +56,8 @@ pub struct Screen {
 pub const DRAWS: usize = 4000;
 /// Seed of the draws.
 pub const SEED: u64 = 11;
+/// Samples whose products are taken at a time.
+const AT_A_TIME: usize = 4096;
 /// Part of a sensitivity below which the model's own parameters have absorbed it.
 pub const ABSORBED: f64 = 0.02;
 
@@ -158,9 +160,14 @@ fn gram(
         }
         columns.push((size, residual.into_iter().map(|r| -r).collect()));
         columns.par_iter_mut().for_each(|(_, column)| whitening.apply(column));
-        let entries = columns.iter().flat_map(|(_, column)| column).copied();
-        let matrix = DMatrix::from_iterator(scene.len(), columns.len(), entries);
-        let products = matrix.transpose() * &matrix;
+        // A few thousand samples at a time: a long trace has many more than fit beside their products.
+        let mut products = DMatrix::zeros(columns.len(), columns.len());
+        for begin in (0..scene.len()).step_by(AT_A_TIME) {
+            let end = (begin + AT_A_TIME).min(scene.len());
+            let entries = columns.iter().flat_map(|(_, column)| &column[begin..end]).copied();
+            let part = DMatrix::from_iterator(end - begin, columns.len(), entries);
+            products += part.transpose() * &part;
+        }
         for (i, (row, _)) in columns.iter().enumerate() {
             for (j, (column, _)) in columns.iter().enumerate() {
                 gram[(*row, *column)] += products[(i, j)];

@@ -61,7 +61,7 @@ pub fn compare_json(comparison: &Comparison) -> Value {
         "unit": unit,
         "rms": comparison.rms,
         "noise_rms": comparison.noise.map(|noise| noise.standard_deviation),
-        "only_noise": comparison.only_noise(),
+        "only_noise": comparison.only_noise,
         "where": places,
         "depends_on": dependences,
         "in_words": comparison.in_words(),
@@ -72,7 +72,7 @@ pub fn compare_json(comparison: &Comparison) -> Value {
 
 fn place(comparison: &Comparison) -> Section {
     let unit = unit_of(&comparison.signal);
-    let kind = if comparison.only_noise() { Callout::Finding } else { Callout::Warning };
+    let kind = if comparison.only_noise { Callout::Finding } else { Callout::Warning };
     let floor = comparison.noise.map_or_else(
         || "; the recordings do not tell the noise".into(),
         |noise| {
