@@ -163,10 +163,11 @@ pub fn diagnose(model: &Model, traces: &[Trace]) -> Result<Diagnosis, DiagnoseEr
     let sure = held_out.windows(2).map(|pair| is_sure(&pair[0], &pair[1])).collect::<Vec<_>>();
     let explained = (found.base.cost - found.model().cost).max(0.0);
     let leftover = after.excess.max(0.0);
-    let unexplained =
-        if explained + leftover > 0.0 { leftover / (explained + leftover) } else { 0.0 };
-    let unexplained = unexplained.max(beyond(&held_out, noise.whitening.standard_deviation()));
-    let verdict = verdict(&found, &before, &after, unexplained, &sure);
+    let named = !found.steps.is_empty();
+    let share = if named { leftover / (explained + leftover).max(1.0) } else { 0.0 };
+    let ahead = beyond(&held_out, noise.whitening.standard_deviation());
+    let unexplained = if after.p_value < LEVEL { share.max(ahead) } else { ahead };
+    let verdict = verdict(&found, &before, unexplained);
     let places =
         cells_of(&final_problem, &data, &found.model().point, noise.whitening.standard_deviation());
     let untestable = untestable(&candidates, &found);
@@ -227,25 +228,15 @@ fn beyond(held_out: &[Option<HeldOut>], noise: f64) -> f64 {
     excess(last) / excess(first)
 }
 
-fn verdict(
-    found: &Found,
-    before: &Adequacy,
-    after: &Adequacy,
-    unexplained: f64,
-    sure: &[bool],
-) -> Verdict {
+fn verdict(found: &Found, before: &Adequacy, unexplained: f64) -> Verdict {
     if found.steps.is_empty() {
         let missed = found.first.chance.iter().any(|&chance| chance <= 0.5 * FALSE_ALARMS);
-        return if before.p_value < LEVEL && (missed || before.p_value < LEVEL / 10.0) {
-            Verdict::Unknown
-        } else {
-            Verdict::Adequate
-        };
+        let level = if missed { LEVEL } else { 0.1 * LEVEL };
+        return if before.p_value < level { Verdict::Unknown } else { Verdict::Adequate };
     }
-    if unexplained > FORM && (after.p_value < LEVEL || !sure.iter().all(|sure| *sure)) {
+    if unexplained > FORM {
         return Verdict::Unknown;
     }
-    let _ = sure;
     let single = |step: &Step| step.credible.len() == 1;
     if found.steps.iter().all(single) { Verdict::Named } else { Verdict::Ambiguous }
 }

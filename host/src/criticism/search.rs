@@ -32,6 +32,9 @@ const MINOR: f64 = 0.04;
 /// A law whose gain after a few steps is below this part of the best is given up, but not among the
 /// first few.
 const CLOSE: f64 = 0.5;
+/// One effect is tried in the place of several where a few steps with it alone explain this part of what
+/// they do.
+const ALONE: f64 = 0.7;
 /// Effects that are always refitted.
 const FEWEST: usize = 3;
 /// Most replacements of effects already found.
@@ -338,10 +341,20 @@ impl Search<'_> {
             names.contains(&self.candidates[direction.candidate].name.as_str())
         };
         let directions: Vec<&Direction> = found.first.directions.iter().filter(named).collect();
-        let fits: Vec<(usize, f64, Fitted)> = directions
+        let mut tried: Vec<(&Direction, Chain, Solution)> = directions
             .par_iter()
             .map(|direction| {
                 let (chain, trial) = self.try_out(&found.base, direction);
+                (*direction, chain, trial)
+            })
+            .collect();
+        tried.sort_by(|a, b| a.2.normal.cost.total_cmp(&b.2.normal.cost));
+        let explained = found.base.cost - found.model().cost;
+        tried.retain(|(.., trial)| found.base.cost - trial.normal.cost > ALONE * explained);
+        tried.truncate(2);
+        let fits: Vec<(usize, f64, Fitted)> = tried
+            .into_par_iter()
+            .map(|(direction, chain, trial)| {
                 let problem = self.problem.with_chain(&chain);
                 let fitted = Fitted::new(&problem, &trial.point, Effort::LONG);
                 (direction.candidate, direction.gain, fitted)

@@ -323,7 +323,7 @@ mod tests {
         let terminal = Terminal { width: 30, ..Terminal::default() };
         let text = terminal.text("=> ", "a finding that takes more than one line of this terminal");
         assert!(text.lines().all(|l| l.chars().count() <= 30), "{text}");
-        assert!(text.starts_with("=> a finding") && text.contains("\n   one line"), "{text}");
+        assert!(text.starts_with("=> a finding") && text.contains("\n   than one line"), "{text}");
     }
 
     #[test]

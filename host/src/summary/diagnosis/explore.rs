@@ -60,6 +60,7 @@ impl DiagnosisSummary<'_> {
         let steps = &self.diagnosis.found.steps;
         let noise = self.rest_in_words().replace("What remains is noise.", "Only noise is left.");
         match self.diagnosis.verdict {
+            Verdict::Adequate | Verdict::Named if self.suspect_rest() => (Callout::Warning, noise),
             Verdict::Adequate => (Callout::Finding, format!("{noise} Nothing needs to be added.")),
             Verdict::Named => (Callout::Finding, noise),
             Verdict::Ambiguous => {
@@ -94,9 +95,7 @@ impl DiagnosisSummary<'_> {
             }
             None => {}
         }
-        if let Some(experiment) = self.next_experiment() {
-            next.push((format!("To tell them apart, the next experiment: {experiment}"), None));
-        }
+        next.extend(self.experiment_in_words());
         if self.diagnosis.verdict == Verdict::Unknown {
             next.push(self.law_of_ones_own());
         }

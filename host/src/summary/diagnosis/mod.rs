@@ -113,6 +113,7 @@ impl<'a> DiagnosisSummary<'a> {
 
     fn verdict(&self) -> Section {
         let kind = match self.diagnosis.verdict {
+            _ if self.suspect_rest() => Callout::Warning,
             Verdict::Adequate | Verdict::Named => Callout::Finding,
             Verdict::Ambiguous | Verdict::Unknown => Callout::Warning,
         };

@@ -6,13 +6,16 @@ use crate::criticism::diagnose::Verdict;
 use crate::criticism::search::{DECISIVE, FALSE_ALARMS, Step};
 use crate::report::number::{percent, significant};
 
-/// An error this many times the noise is not called noise, however white.
+/// An error this many times the noise is not called noise.
 const SUSPECT: f64 = 1.15;
 
 impl DiagnosisSummary<'_> {
     /// What is missing, how sure that is, and what it does to the error.
     pub(super) fn verdict_in_words(&self) -> String {
         match self.diagnosis.verdict {
+            Verdict::Adequate if self.suspect_rest() => {
+                format!("{} {}", self.adequate(), self.rest_in_words())
+            }
             Verdict::Adequate => self.adequate(),
             Verdict::Named | Verdict::Ambiguous => {
                 format!(
@@ -142,30 +145,35 @@ impl DiagnosisSummary<'_> {
         text + "."
     }
 
+    /// Whether what remains is larger than noise, however white.
+    pub(super) fn suspect_rest(&self) -> bool {
+        self.diagnosis.found.model().rms() > SUSPECT * self.noise()
+    }
+
     /// Whether what remains is noise.
     pub(super) fn rest_in_words(&self) -> String {
         let diagnosis = self.diagnosis;
-        let times = diagnosis.found.model().rms() / self.noise();
-        if diagnosis.after.p_value >= LEVEL && times > SUSPECT {
+        let part = percent(diagnosis.unexplained, 2);
+        if diagnosis.verdict == Verdict::Unknown {
+            return format!(
+                "What remains is more than noise: {part} of the misfit. {}",
+                self.place_in_words()
+            );
+        }
+        if diagnosis.after.p_value < LEVEL {
+            return format!(
+                "What remains is slightly more than noise, {part} of the misfit: as much as the form \
+                 of a law may differ from the specimen's."
+            );
+        }
+        if self.suspect_rest() {
+            let times = diagnosis.found.model().rms() / self.noise();
             return format!(
                 "What remains does not wander more than noise, but it is {times:.2} times as large: \
                  something fast may be left, such as hum."
             );
         }
-        if diagnosis.after.p_value >= LEVEL {
-            return "What remains is noise.".into();
-        }
-        let part = percent(diagnosis.unexplained, 2);
-        match diagnosis.verdict {
-            Verdict::Unknown => format!(
-                "What remains is more than noise: {part} of the misfit. {}",
-                self.place_in_words()
-            ),
-            _ => format!(
-                "What remains is slightly more than noise, {part} of the misfit: as much as the form \
-                 of a law may differ from the specimen's."
-            ),
-        }
+        "What remains is noise.".into()
     }
 
     /// Where what the last model leaves sits and what it depends on.
@@ -176,6 +184,13 @@ impl DiagnosisSummary<'_> {
     /// The experiment that would decide, or show more.
     pub(super) fn next_experiment(&self) -> Option<String> {
         self.diagnosis.next_experiment.clone()
+    }
+
+    /// The next experiment as a sentence.
+    pub(super) fn experiment_in_words(&self) -> Option<(String, Option<String>)> {
+        let experiment = self.next_experiment()?;
+        let experiment = experiment.trim_end_matches('.');
+        Some((format!("The experiment that would tell: {experiment}."), None))
     }
 
     /// What to do next: a sentence, and the command where there is one.
@@ -204,18 +219,12 @@ impl DiagnosisSummary<'_> {
             )],
             Verdict::Named => vec![add(true)],
             Verdict::Ambiguous => {
-                let experiment = self.next_experiment();
-                let mut next: Vec<_> = experiment
-                    .map(|experiment| {
-                        (format!("To tell them apart, the next experiment: {experiment}"), None)
-                    })
-                    .into_iter()
-                    .collect();
+                let mut next: Vec<_> = self.experiment_in_words().into_iter().collect();
                 next.push(add(false));
                 next
             }
             Verdict::Unknown => {
-                let mut next = Vec::new();
+                let mut next: Vec<_> = self.experiment_in_words().into_iter().collect();
                 if !steps.is_empty() {
                     next.push(add(false));
                 }

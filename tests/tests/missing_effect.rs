@@ -1,0 +1,91 @@
+//! What is hidden is found: a small, seeded part of the benchmark `missing_effect`, on data from the
+//! generator in `src/hidden`, which shares no physics with the library.
+
+use palpate::criticism::diagnose::{Diagnosis, Verdict, diagnose};
+use palpate::fit::data::Data;
+use palpate::fit::whole_motion::fit;
+use palpate::model::{Fung, Model, Separation};
+use palpate_tests::hidden::{DataSet, LawKind, NoiseKind, Scenario, generate, one_short_trace};
+
+const LAW: Fung = Fung { terms: 2, separation: Separation::Clamp };
+
+fn scenario(seed: u64, hidden: &[(&str, LawKind)], r: f64) -> Scenario {
+    let hidden = hidden.iter().map(|(effect, kind)| ((*effect).to_owned(), *kind)).collect();
+    Scenario { seed, hidden, r, noise: NoiseKind::Correlated }
+}
+
+/// Fits the base law and asks what it lacks.
+fn ask(set: &DataSet) -> Diagnosis {
+    let signal = set.truth.signal;
+    let base = fit(LAW, &Data::of(&set.traces, signal).unwrap()).unwrap();
+    let model = Model::of(&LAW, signal, &base.values, &base.standard_errors);
+    diagnose(&model, &set.traces).unwrap()
+}
+
+fn names(diagnosis: &Diagnosis) -> Vec<&str> {
+    let mut names: Vec<&str> =
+        diagnosis.found.steps.iter().map(|step| step.effect.as_str()).collect();
+    names.sort_unstable();
+    names
+}
+
+/// Error on traces left out after the last step, over the noise that the generator added.
+fn held_out(diagnosis: &Diagnosis, set: &DataSet) -> f64 {
+    let last = diagnosis.held_out.last().and_then(Option::as_ref);
+    last.expect("several traces").rms / set.truth.noise_rms
+}
+
+#[test]
+fn nothing_is_named_where_nothing_is_missing() {
+    for noise in [NoiseKind::Correlated, NoiseKind::Flicker] {
+        let set = generate(&Scenario { noise, ..scenario(3, &[], 0.0) });
+        let diagnosis = ask(&set);
+        assert_eq!(diagnosis.verdict, Verdict::Adequate, "{:?}", names(&diagnosis));
+    }
+}
+
+#[test]
+fn a_hidden_effect_is_named_and_the_error_falls_to_the_noise() {
+    for (seed, effect) in [(11, "mullins"), (12, "backlash"), (13, "thermal-output")] {
+        let set = generate(&scenario(seed, &[(effect, LawKind::Reference)], 0.5));
+        let diagnosis = ask(&set);
+        assert_eq!(diagnosis.verdict, Verdict::Named, "{effect}: {:?}", names(&diagnosis));
+        assert_eq!(names(&diagnosis), [effect]);
+        assert!(held_out(&diagnosis, &set) < 1.05, "{effect}");
+    }
+}
+
+#[test]
+fn an_effect_in_a_foreign_law_is_recognised() {
+    for (seed, effect) in [(21, "sensor-lag"), (22, "coulomb-friction")] {
+        let set = generate(&scenario(seed, &[(effect, LawKind::Foreign)], 1.0));
+        let diagnosis = ask(&set);
+        assert_eq!(names(&diagnosis)[..], [effect]);
+        assert!(held_out(&diagnosis, &set) < 1.15, "{effect}");
+    }
+}
+
+#[test]
+fn two_hidden_effects_are_both_named() {
+    let hidden = [("permanent-set", LawKind::Reference), ("viscous-drag", LawKind::Reference)];
+    let set = generate(&scenario(31, &hidden, 1.0));
+    assert_eq!(names(&ask(&set)), ["permanent-set", "viscous-drag"]);
+}
+
+#[test]
+fn what_no_effect_explains_is_said_to_be_unknown() {
+    let set = generate(&scenario(41, &[("cogging", LawKind::Outside)], 1.0));
+    assert_eq!(ask(&set).verdict, Verdict::Unknown);
+}
+
+#[test]
+fn one_short_trace_is_not_made_to_say_more_than_it_knows() {
+    let set = one_short_trace(&scenario(51, &[("sync-delay", LawKind::Reference)], 0.5));
+    let diagnosis = ask(&set);
+    let named = diagnosis.verdict == Verdict::Named;
+    assert!(!named || names(&diagnosis) == ["sync-delay"], "{:?}", names(&diagnosis));
+    let holds = |step: &palpate::criticism::search::Step| {
+        step.credible.iter().any(|name| name == "sync-delay")
+    };
+    assert!(diagnosis.found.steps.iter().any(holds));
+}
