@@ -12,7 +12,7 @@ use crate::fit::least_squares::Effort;
 use crate::fit::problem::Problem;
 use crate::fit::whitening::Whitening;
 use crate::model::{Chain, Model, Separation};
-use crate::trace::Trace;
+use crate::trace::{Trace, pooled_noise};
 
 /// What a model lacks on a data set.
 #[derive(Clone, Debug)]
@@ -118,7 +118,7 @@ pub fn diagnose(model: &Model, traces: &[Trace]) -> Result<Diagnosis, DiagnoseEr
             let residual = pieces.map(|(piece, predicted)| {
                 piece.measured.iter().zip(&predicted).map(|(y, f)| y - f).collect()
             });
-            residual_noise(&residual.collect::<Vec<_>>())
+            residual_noise(&residual.collect::<Vec<_>>(), pooled_noise(traces, signal))
         }
     };
     let problem = Problem::new(&chain, &data, &noise.whitening, None);
@@ -165,11 +165,10 @@ pub fn diagnose(model: &Model, traces: &[Trace]) -> Result<Diagnosis, DiagnoseEr
     let leftover = after.excess.max(0.0);
     let named = !found.steps.is_empty();
     let share = if named { leftover / (explained + leftover).max(1.0) } else { 0.0 };
-    let ahead = beyond(&held_out, noise.whitening.standard_deviation());
+    let ahead = beyond(&held_out, noise.level);
     let unexplained = if after.p_value < LEVEL { share.max(ahead) } else { ahead };
     let verdict = verdict(&found, &before, unexplained);
-    let places =
-        cells_of(&final_problem, &data, &found.model().point, noise.whitening.standard_deviation());
+    let places = cells_of(&final_problem, &data, &found.model().point, noise.level);
     let untestable = untestable(&candidates, &found);
     let next_experiment = match verdict {
         Verdict::Adequate | Verdict::Named => None,

@@ -15,7 +15,7 @@ use crate::fit::whitening::Whitening;
 pub fn leftover(diagnosis: &Diagnosis, fitted: &Fitted, data: &Data) -> Comparison {
     let white = Whitening::none();
     let problem = Problem::new(&fitted.chain, data, &white, None);
-    let noise = diagnosis.noise.whitening.standard_deviation();
+    let noise = diagnosis.noise.level;
     let mut squares = vec![(0.0, 0); data.labels.len()];
     for block in &fitted.blocks {
         squares[block.trace].0 += block.raw.cost;

@@ -15,6 +15,8 @@ pub struct NoiseModel {
     pub seen: Seen,
     /// Number of samples it was estimated from.
     pub samples: usize,
+    /// Standard deviation of one sample, in the unit of the signal.
+    pub level: f64,
 }
 
 impl NoiseModel {
@@ -22,7 +24,7 @@ impl NoiseModel {
     #[must_use]
     pub fn in_short(&self) -> Noise {
         Noise {
-            standard_deviation: self.whitening.standard_deviation(),
+            standard_deviation: self.level,
             lag1: self.whitening.coefficients().first().copied(),
             samples: self.samples,
             source: Source::BeforeTouch,
@@ -45,6 +47,8 @@ const ENOUGH: usize = 60;
 const PLENTY: usize = 300;
 /// Variance after the touch over that before it above which the rest after it is not quiet.
 const LOUDER: f64 = 1.4;
+/// Largest correlation of neighbours that a residual may lend to the noise.
+const MOST_CORRELATED: f64 = 0.9;
 /// A stretch of rest has at least this many samples.
 const SHORTEST: usize = 16;
 /// Highest order of the autoregression.
@@ -68,22 +72,29 @@ pub fn noise_model(data: &Data) -> Option<NoiseModel> {
     }
     let longest = data.pieces.iter().map(|piece| piece.measured.len()).max().unwrap_or(0);
     let whitening = estimate(&without_hum(quiet, data.shortest_interval()), longest);
-    (whitening.standard_deviation() > 0.0).then_some(NoiseModel {
-        whitening,
-        seen: Seen::OffTheSpecimen,
-        samples,
-    })
+    let level = whitening.standard_deviation();
+    (level > 0.0).then_some(NoiseModel { level, whitening, seen: Seen::OffTheSpecimen, samples })
 }
 
-/// The noise as it shows in the residuals of a model, stretch by stretch.
+/// The noise for want of rest: its size from second differences where they tell, and the correlation of
+/// neighbours from the residuals of a model, stretch by stretch. What the model lacks is in those, so
+/// no more than a correlation is taken from them.
 #[must_use]
-pub fn residual_noise(residuals: &[Vec<f64>]) -> NoiseModel {
+pub fn residual_noise(residuals: &[Vec<f64>], seen: Option<Noise>) -> NoiseModel {
     let samples = residuals.iter().map(Vec::len).sum();
-    let stretches: Vec<Vec<f64>> =
-        residuals.iter().filter(|r| r.len() >= SHORTEST).cloned().collect();
-    let parts: Vec<Vec<f64>> = if stretches.is_empty() { residuals.to_vec() } else { stretches };
-    let whitening = autoregression(&parts);
-    NoiseModel { whitening, seen: Seen::Residual, samples }
+    let (mut squares, mut products) = (0.0, 0.0);
+    for residual in residuals {
+        squares += residual.iter().map(|r| r * r).sum::<f64>();
+        products += residual.windows(2).map(|pair| pair[0] * pair[1]).sum::<f64>();
+    }
+    let size = (squares / (samples as f64).max(1.0)).sqrt().max(f64::MIN_POSITIVE);
+    let correlation = (products / squares.max(f64::MIN_POSITIVE)).clamp(0.0, MOST_CORRELATED);
+    NoiseModel {
+        whitening: Whitening::new(size, &[correlation], 0.0, 0),
+        seen: Seen::Residual,
+        samples,
+        level: seen.map_or(size, |noise| noise.standard_deviation),
+    }
 }
 
 /// Variance within stretches.

@@ -150,9 +150,12 @@ fn gram(
         let scene = data.scene(piece);
         let predicted: Vec<f64> = residual.iter().zip(piece.measured).map(|(r, y)| r + y).collect();
         let mut columns: Vec<(usize, Vec<f64>)> = derivatives.into_iter().enumerate().collect();
+        let elasticity = Elasticity::at(parameters[1], &piece.motion.displacement);
         let sensitivities: Vec<Vec<(usize, Vec<f64>)>> = probes
             .par_iter_mut()
-            .map(|probe| probe.sensitivities(&scene, piece.trace, &predicted))
+            .map(|probe| {
+                probe.sensitivities(&scene, piece.trace, &predicted, &mut elasticity.clone())
+            })
             .collect();
         for (direction, found) in directions.iter().zip(sensitivities) {
             let first = base + direction.columns.start;
@@ -183,7 +186,6 @@ struct Probe {
     /// Parameters of the chain with each strength in turn at its typical size.
     points: Vec<Vec<f64>>,
     histories: Vec<History>,
-    elasticity: Elasticity,
     typical: f64,
     each_trace: usize,
     /// Whether the effect acts last, on the prediction itself.
@@ -203,7 +205,6 @@ impl Probe {
             chain: chain.with(form.applied.clone()),
             points: (0..strengths).map(at).collect(),
             histories: vec![History::default(); strengths],
-            elasticity: Elasticity::default(),
             typical: form.typical,
             each_trace: form.applied.each_trace,
             last: matches!(form.applied.act, Act::Force(_)) && !after(stage),
@@ -217,6 +218,7 @@ impl Probe {
         scene: &Scene,
         trace: usize,
         base: &[f64],
+        elasticity: &mut Elasticity,
     ) -> Vec<(usize, Vec<f64>)> {
         let own = trace * self.each_trace..(trace + 1) * self.each_trace;
         let places = if self.each_trace > 0 { own } else { 0..self.points.len() };
@@ -229,7 +231,7 @@ impl Probe {
                 self.chain.run_last(point, scene, &mut self.histories[place], &mut force);
             } else {
                 let history = &mut self.histories[place];
-                self.chain.run(point, scene, history, &mut self.elasticity, &mut force);
+                self.chain.run(point, scene, history, elasticity, &mut force);
             }
             for (force, base) in force.iter_mut().zip(base) {
                 *force = (*force - base) / self.typical;

@@ -118,6 +118,8 @@ pub enum Needs {
     Traces,
     /// More loadings than one.
     Loadings,
+    /// Sampling so fast that a hum is not the alias of anything else: 20 Hz.
+    FastSampling,
 }
 
 /// The sizes of what happens in a data set.
@@ -172,6 +174,9 @@ impl Needs {
                 Some("no other channel was recorded that could leak into this one")
             }
             Self::Traces if setting.traces.len() < 2 => Some("it takes more than one trace"),
+            Self::FastSampling if scales.interval > 0.05 => {
+                Some("sampled too slowly to tell a hum from other changes")
+            }
             Self::Loadings if scales.loadings < 1.0 => Some("it takes more than one loading"),
             _ => None,
         }

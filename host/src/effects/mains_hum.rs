@@ -32,7 +32,7 @@ pub const EFFECT: Effect = Effect {
     against: Covariate::Time,
     confused_with: &[],
     experiment: "Record a minute with no load, then with the drive switched off; and at another sampling rate, where an alias moves.",
-    needs: Needs::Nothing,
+    needs: Needs::FastSampling,
     laws: &[
         Law {
             name: "reference",

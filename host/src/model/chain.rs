@@ -1,6 +1,8 @@
 //! The chain *motion → elasticity → relaxation → contact → sensor*: a base law with effects, run over
 //! motions.
 
+use std::sync::Arc;
+
 use super::act::{Act, Remembered, Stage};
 use super::hereditary::{Hereditary, HereditaryState};
 use super::{Fung, Parameter, Scene, elastic_response};
@@ -41,25 +43,31 @@ pub struct History {
 }
 
 /// The elastic response of a unit stiffness at the compressions it was last asked for: most of the runs
-/// of a fit ask for the same.
+/// of a fit ask for the same. Copies share it.
 #[derive(Clone, Debug, Default)]
-pub struct Elasticity {
+pub struct Elasticity(Arc<Unit>);
+
+#[derive(Debug, Default)]
+struct Unit {
     exponent: f64,
     x: Vec<f64>,
-    unit: Vec<f64>,
+    response: Vec<f64>,
 }
 
 impl Elasticity {
+    /// For the exponent q at these compressions x, mm.
+    #[must_use]
+    pub fn at(q: f64, x: &[f64]) -> Self {
+        let response = x.iter().map(|&x| elastic_response(1.0, q, x)).collect();
+        Self(Arc::new(Unit { exponent: q, x: x.to_vec(), response }))
+    }
+
     /// Elastic response N, N, at each compression x, mm.
     fn response(&mut self, p: f64, q: f64, x: &[f64]) -> Vec<f64> {
-        if self.exponent.to_bits() != q.to_bits() || self.x != x {
-            self.exponent = q;
-            self.x.clear();
-            self.x.extend_from_slice(x);
-            self.unit.clear();
-            self.unit.extend(x.iter().map(|&x| elastic_response(1.0, q, x)));
+        if self.0.exponent.to_bits() != q.to_bits() || self.0.x != x {
+            *self = Self::at(q, x);
         }
-        self.unit.iter().map(|unit| p * unit).collect()
+        self.0.response.iter().map(|unit| p * unit).collect()
     }
 }
 

@@ -127,6 +127,7 @@ fn needs(needs: Needs) -> &'static str {
         Needs::Channels => "another channel than the signal, in every trace",
         Needs::Traces => "more than one trace",
         Needs::Loadings => "more than one loading",
+        Needs::FastSampling => "samples at 20 Hz or faster",
     }
 }
 

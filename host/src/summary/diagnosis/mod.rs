@@ -207,7 +207,7 @@ impl<'a> DiagnosisSummary<'a> {
 
     /// Standard deviation of the noise.
     fn noise(&self) -> f64 {
-        self.diagnosis.noise.whitening.standard_deviation()
+        self.diagnosis.noise.level
     }
 
     /// An error with as many decimals as the noise has in three significant digits.
