@@ -1,11 +1,14 @@
 //! palpate: fit viscoelastic contact models to recordings of touch, see where they fail.
 //!
 //! The library behind the `palpate` command. Dependencies between its modules point one way,
-//! [`trace`] ← [`model`] ← [`fit`] ← [`report`] ← [`cli`], and nothing below `cli` prints.
+//! [`trace`] ← [`model`] ← [`effects`] ← [`fit`] ← [`criticism`] ← [`summary`] ← [`cli`], and nothing
+//! below `cli` prints.
 //!
 //! - [`trace`]: one recording and sets of them: read, write, import, find the phases.
-//! - [`model`]: base laws and the model file.
-//! - [`fit`]: exponential sums, bounded least squares, uncertainty.
+//! - [`model`]: base laws, the chain that runs them with effects over a motion, and the model file.
+//! - [`effects`]: the library of effects, one declaration each, and laws of one's own.
+//! - [`fit`]: exponential sums, whole motions, bounded least squares, uncertainty, noise made white.
+//! - [`criticism`]: where a model fails, which effect is missing, how sure that is.
 //! - [`dissertation`]: the figures that the dissertation prints.
 //! - [`practice`]: data sets with a hidden effect.
 //! - [`report`]: vector plots and self-contained HTML.

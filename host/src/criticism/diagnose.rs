@@ -4,7 +4,7 @@ use super::adequacy::{Adequacy, LEVEL, adequacy};
 use super::compare::{Cell, cells_of};
 use super::experiment::next_experiment;
 use super::fitted::{Fitted, HeldOut};
-use super::noise::{NoiseModel, noise_model, residual_noise};
+use super::noise::{NoiseModel, Seen, noise_model, residual_noise};
 use super::search::{FALSE_ALARMS, Found, Search, Step};
 use crate::effects::{Candidate, EffectError, candidates, chain_of, find};
 use crate::fit::data::{Data, DataError};
@@ -93,6 +93,8 @@ pub enum DiagnoseError {
 /// specimen's by as much.
 const FORM: f64 = 0.2;
 
+/// Times the scatter of neighbours up to which a residual can be noise that correlates.
+const FAR: f64 = 5.0;
 /// An error on traces left out within this many times the noise is at the noise.
 const AT_THE_NOISE: f64 = 1.1;
 
@@ -167,7 +169,15 @@ pub fn diagnose(model: &Model, traces: &[Trace]) -> Result<Diagnosis, DiagnoseEr
     let share = if named { leftover / (explained + leftover).max(1.0) } else { 0.0 };
     let ahead = beyond(&held_out, noise.level);
     let unexplained = if after.p_value < LEVEL { share.max(ahead) } else { ahead };
-    let verdict = verdict(&found, &before, unexplained);
+    // Without rest to see noise in, a residual far beyond that of neighbours is not noise.
+    let far = |fitted: &Fitted| fitted.rms().powi(2) - (FAR * noise.level).powi(2);
+    let (first, last) = (far(&found.base), far(found.model()));
+    let guessed = noise.seen == Seen::Residual && last > 0.0;
+    let unexplained = if guessed { unexplained.max(last / first) } else { unexplained };
+    let verdict = match verdict(&found, &before, unexplained) {
+        Verdict::Adequate if guessed => Verdict::Unknown,
+        verdict => verdict,
+    };
     let places = cells_of(&final_problem, &data, &found.model().point, noise.level);
     let untestable = untestable(&candidates, &found);
     let next_experiment = match verdict {

@@ -90,7 +90,7 @@ pub fn residual_noise(residuals: &[Vec<f64>], seen: Option<Noise>) -> NoiseModel
     let size = (squares / (samples as f64).max(1.0)).sqrt().max(f64::MIN_POSITIVE);
     let correlation = (products / squares.max(f64::MIN_POSITIVE)).clamp(0.0, MOST_CORRELATED);
     NoiseModel {
-        whitening: Whitening::new(size, &[correlation], 0.0, 0),
+        whitening: Whitening::new(size, &[correlation], 0.0, 0).guess(),
         seen: Seen::Residual,
         samples,
         level: seen.map_or(size, |noise| noise.standard_deviation),

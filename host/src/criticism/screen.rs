@@ -75,7 +75,8 @@ pub fn screen(
     let size = base + directions.last().map_or(0, |d| d.columns.end);
     let gram = gram(problem, data, point, whitening, candidates, &directions, size);
     let samples = data.samples() as f64;
-    let projected = Projected::new(&gram, base, samples);
+    let floor = if whitening.is_guess() { 0.0 } else { 1.0 };
+    let projected = Projected::new(&gram, base, samples, floor);
     for direction in &mut directions {
         let positive = candidates[direction.candidate].forms[direction.form].positive;
         projected.judge(direction, positive);
@@ -254,12 +255,12 @@ struct Projected {
     answers: DMatrix<f64>,
     /// How the model's coordinates still want to move.
     rest: DVector<f64>,
-    /// Variance of a whitened residual: at least one.
+    /// Variance of a whitened residual: at least one where the noise is known.
     dispersion: f64,
 }
 
 impl Projected {
-    fn new(gram: &DMatrix<f64>, base: usize, samples: f64) -> Self {
+    fn new(gram: &DMatrix<f64>, base: usize, samples: f64, floor: f64) -> Self {
         let size = gram.nrows() - 1;
         let count = size - base;
         let own = gram.view((0, 0), (base, base)).into_owned();
@@ -291,7 +292,7 @@ impl Projected {
         let products = sensitivities - cross.tr_mul(&answers);
         let along = gram.view((base, size), (count, 1)).column(0) - cross.tr_mul(&rest);
         let squares = gram[(size, size)] - residual.column(0).dot(&rest);
-        let dispersion = (squares / (samples - base as f64)).max(1.0);
+        let dispersion = (squares / (samples - base as f64)).max(floor).max(f64::MIN_POSITIVE);
         Self { products, along, whole, answers, rest, dispersion }
     }
 

@@ -25,6 +25,8 @@ pub struct Whitening {
     schedule: Arc<Vec<(Vec<f64>, f64)>>,
     /// No whitening at all.
     none: bool,
+    /// Whether the size of the noise is a guess: what is left tells it then.
+    guessed: bool,
 }
 
 /// Time constants of the processes that together are flicker, in samples.
@@ -42,6 +44,7 @@ impl Whitening {
             flicker: 0.0,
             schedule: Arc::default(),
             none: true,
+            guessed: true,
         }
     }
 
@@ -61,11 +64,30 @@ impl Whitening {
             predictors.push(next);
             left.push(left[left.len() - 1] * (1.0 - reflection * reflection).max(1e-6).sqrt());
         }
-        let mut noise = Self { predictors, left, flicker, schedule: Arc::default(), none: false };
+        let mut noise = Self {
+            predictors,
+            left,
+            flicker,
+            schedule: Arc::default(),
+            none: false,
+            guessed: false,
+        };
         if flicker > 0.0 {
             noise.schedule = Arc::new(noise.gains(longest));
         }
         noise
+    }
+
+    /// This noise with its size counted as a guess.
+    #[must_use]
+    pub fn guess(self) -> Self {
+        Self { guessed: true, ..self }
+    }
+
+    /// Whether the size of the noise is a guess.
+    #[must_use]
+    pub fn is_guess(&self) -> bool {
+        self.guessed
     }
 
     /// Standard deviation of one sample.
