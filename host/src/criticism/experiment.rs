@@ -261,10 +261,10 @@ fn after_refit(member: &Fitted, all: &Data, own: usize, difference: &[f64], nois
         let end = begin + residual.len();
         let difference = &difference[begin..end];
         begin = end;
-        for (i, column) in columns.iter().enumerate() {
-            along[i] += dot(column, difference);
-            for (j, other) in columns.iter().enumerate() {
-                curvature[(i, j)] += dot(column, other);
+        for (i, column) in &columns {
+            along[*i] += dot(column, difference);
+            for (j, other) in &columns {
+                curvature[(*i, *j)] += dot(column, other);
             }
         }
     });

@@ -65,7 +65,7 @@ fn record(diagnosis: &Diagnosis, fitted: &Fitted, data: &Data, unit: &str) -> Fi
         samples: fitted.samples,
         unit: unit.into(),
         residual_rms: fitted.rms(),
-        noise_rms: seen.then(|| noise.level),
+        noise_rms: seen.then_some(noise.level),
         r_squared: 1.0 - fitted.rms().powi(2) / variance(data),
         largest_compression_mm: Some(data.largest_compression()),
         stop: format!(

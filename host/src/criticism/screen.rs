@@ -150,7 +150,7 @@ fn gram(
     problem.derivatives(point, |piece, residual, derivatives| {
         let scene = data.scene(piece);
         let predicted: Vec<f64> = residual.iter().zip(piece.measured).map(|(r, y)| r + y).collect();
-        let mut columns: Vec<(usize, Vec<f64>)> = derivatives.into_iter().enumerate().collect();
+        let mut columns: Vec<(usize, Vec<f64>)> = derivatives;
         let elasticity = Elasticity::at(parameters[1], &piece.motion.displacement);
         let sensitivities: Vec<Vec<(usize, Vec<f64>)>> = probes
             .par_iter_mut()

@@ -154,34 +154,50 @@ impl<'a> Problem<'a> {
         point.iter().zip(&self.bounds).map(step).collect()
     }
 
-    /// Hands over, stretch by stretch, the residual (predicted minus measured) and its derivatives to
-    /// every coordinate, column by column, not whitened. A coordinate without a range has zeros.
-    pub fn derivatives(
-        &self,
-        point: &[f64],
-        mut sink: impl FnMut(&Piece, Vec<f64>, Vec<Vec<f64>>),
-    ) {
+    /// Hands over, stretch by stretch, the residual (predicted minus measured) and its derivatives, not
+    /// whitened: a column for each coordinate that the stretch depends on. The others have none.
+    pub fn derivatives(&self, point: &[f64], mut sink: impl FnMut(&Piece, Vec<f64>, Columns)) {
         let steps = self.steps(point);
-        let moving: Vec<usize> =
-            (0..point.len()).filter(|&j| self.bounds[j].0 < self.bounds[j].1).collect();
-        let moved = |&j: &usize| {
+        let moved = |j: usize| {
             let mut moved = point.to_vec();
             moved[j] += steps[j];
-            moved
+            self.declared(&moved)
         };
-        let points: Vec<Vec<f64>> =
-            std::iter::once(point.to_vec()).chain(moving.iter().map(moved)).collect();
-        self.each_piece(&points, |piece, forces| {
-            let mut columns = vec![vec![0.0; piece.measured.len()]; point.len()];
-            for (&j, force) in moving.iter().zip(&forces[1..]) {
-                let at_point = forces[0].iter();
-                for ((column, moved), at) in columns[j].iter_mut().zip(force).zip(at_point) {
-                    *column = (moved - at) / steps[j];
-                }
+        let owned: Vec<Vec<usize>> =
+            (0..self.data.labels.len()).map(|trace| self.chain.own_of_trace(trace)).collect();
+        let moves = |&j: &usize| self.bounds[j].0 < self.bounds[j].1;
+        let shared: Vec<(usize, Vec<f64>)> = (0..point.len())
+            .filter(moves)
+            .filter(|j| owned.iter().all(|own| !own.contains(j)))
+            .map(|j| (j, moved(j)))
+            .collect();
+        let at_point = self.declared(point);
+        let mut history = History::default();
+        let mut histories = vec![History::default(); shared.len()];
+        let mut elasticity = Elasticity::default();
+        let (mut base, mut force) = (Vec::new(), Vec::new());
+        for (index, piece) in self.data.pieces.iter().enumerate() {
+            let scene = self.scene(index);
+            let before = history.clone();
+            self.chain.run(&at_point, &scene, &mut history, &mut elasticity, &mut base);
+            let slope = |j: usize, force: &[f64]| -> (usize, Vec<f64>) {
+                let change = |(moved, at): (&f64, &f64)| (moved - at) / steps[j];
+                (j, force.iter().zip(&base).map(change).collect())
+            };
+            let mut columns = Columns::with_capacity(shared.len());
+            for ((j, parameters), history) in shared.iter().zip(&mut histories) {
+                self.chain.run(parameters, &scene, history, &mut elasticity, &mut force);
+                columns.push(slope(*j, &force));
             }
-            let residual = forces[0].iter().zip(piece.measured).map(|(f, y)| f - y).collect();
+            // What belongs to this trace alone begins where the others have left it.
+            for &j in owned[piece.trace].iter().filter(|j| moves(j)) {
+                let mut history = before.clone();
+                self.chain.run(&moved(j), &scene, &mut history, &mut elasticity, &mut force);
+                columns.push(slope(j, &force));
+            }
+            let residual = base.iter().zip(piece.measured).map(|(f, y)| f - y).collect();
             sink(piece, residual, columns);
-        });
+        }
     }
 
     /// The normal equations of every block of the data, whitened and as they are. A block is a trace,
@@ -209,7 +225,7 @@ impl<'a> Problem<'a> {
                 blocks.push(block);
             }
             self.whitening.apply(&mut residual);
-            for column in &mut columns {
+            for (_, column) in &mut columns {
                 self.whitening.apply(column);
             }
             for (block, begin) in blocks[first..].iter_mut().zip((0..count).step_by(size)) {
@@ -248,6 +264,9 @@ impl<'a> Problem<'a> {
         self.left_out != Some(piece.trace)
     }
 }
+
+/// Derivatives of one stretch: coordinates and their columns.
+pub type Columns = Vec<(usize, Vec<f64>)>;
 
 /// Fewest blocks that data are taken apart into.
 const FEWEST_BLOCKS: usize = 8;
@@ -289,16 +308,22 @@ fn bounds(chain: &Chain, data: &Data) -> Vec<(f64, f64)> {
 
 impl Normal {
     /// Adds a range of samples: derivatives column by column, and residuals.
-    pub fn add(&mut self, columns: &[Vec<f64>], residual: &[f64], range: Range<usize>) {
+    pub fn add(&mut self, columns: &Columns, residual: &[f64], range: Range<usize>) {
         let mut entries = Vec::with_capacity(range.len() * columns.len());
-        for column in columns {
+        for (_, column) in columns {
             entries.extend_from_slice(&column[range.clone()]);
         }
         let jacobian = DMatrix::from_vec(range.len(), columns.len(), entries);
         let residual = DVector::from_column_slice(&residual[range]);
+        let along = jacobian.tr_mul(&residual);
+        let products = jacobian.transpose() * &jacobian;
         self.cost += residual.norm_squared();
-        self.gradient += jacobian.tr_mul(&residual);
-        self.curvature += jacobian.transpose() * &jacobian;
+        for (a, (i, _)) in columns.iter().enumerate() {
+            self.gradient[*i] += along[a];
+            for (b, (j, _)) in columns.iter().enumerate() {
+                self.curvature[(*i, *j)] += products[(a, b)];
+            }
+        }
     }
 }
 
@@ -325,7 +350,7 @@ impl LeastSquares for Problem<'_> {
         self.derivatives(point, |piece, mut residual, mut columns| {
             if self.fitted(piece) {
                 self.whitening.apply(&mut residual);
-                for column in &mut columns {
+                for (_, column) in &mut columns {
                     self.whitening.apply(column);
                 }
                 normal.add(&columns, &residual, 0..residual.len());

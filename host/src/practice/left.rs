@@ -34,8 +34,9 @@ impl<'a> Ground<'a> {
         let problem = Problem::new(chain, data, &white, None);
         let mut own: Vec<Vec<f64>> = vec![Vec::new(); values.len()];
         problem.derivatives(&problem.point(values), |_, _, columns| {
-            for (all, column) in own.iter_mut().zip(columns) {
-                all.extend(column);
+            // The base law alone has every coordinate in every stretch.
+            for (index, column) in columns {
+                own[index].extend(column);
             }
         });
         for index in 0..own.len() {
