@@ -157,6 +157,12 @@ pub fn diagnose(model: &Model, traces: &[Trace]) -> Result<Diagnosis, DiagnoseEr
             found = search.run(base);
         }
     }
+    if noise.seen == Seen::Residual && data.labels.len() == 1 && beside_others(&mut found) {
+        notes.push(
+            "one trace without rest to see its noise in does not single out an effect: the next best stands beside it"
+                .into(),
+        );
+    }
     let final_problem = problem.with_chain(&found.model().chain);
     let after = adequacy(&final_problem, &found.model().point, &noise.whitening);
     let standard_errors = found.model().standard_errors(&final_problem);
@@ -248,6 +254,17 @@ fn verdict(found: &Found, before: &Adequacy, unexplained: f64) -> Verdict {
     }
     let single = |step: &Step| step.credible.len() == 1;
     if found.steps.iter().all(single) { Verdict::Named } else { Verdict::Ambiguous }
+}
+
+/// Puts the next best effect beside every one that stands alone; true if there was one.
+fn beside_others(found: &mut Found) -> bool {
+    let mut changed = false;
+    for step in found.steps.iter_mut().filter(|step| step.credible.len() == 1) {
+        let other = step.rivals.iter().find(|rival| rival.effect != step.effect);
+        changed |= other.is_some();
+        step.credible.extend(other.map(|rival| rival.effect.clone()));
+    }
+    changed
 }
 
 /// The experiment that would decide between the members of the first credible set with several.
