@@ -206,6 +206,7 @@ impl Search<'_> {
                 (*direction, chain, found)
             })
             .collect();
+        tried.retain(|(.., found)| found.normal.cost.is_finite());
         tried.sort_by(|a, b| a.2.normal.cost.total_cmp(&b.2.normal.cost));
         let gain = |found: &Solution| from.cost - found.normal.cost;
         for (direction, _, found) in &tried {
@@ -242,6 +243,9 @@ impl Search<'_> {
     fn by_effect(&self, fits: Vec<(usize, f64, Fitted)>) -> Vec<Rival> {
         let mut rivals: Vec<Rival> = Vec::new();
         for (candidate, predicted, fitted) in fits {
+            if !fitted.bic().is_finite() || !fitted.rms().is_finite() {
+                continue;
+            }
             match rivals.iter_mut().find(|rival| rival.candidate == candidate) {
                 Some(rival) if fitted.bic() < rival.fitted.bic() => {
                     (rival.predicted, rival.fitted) = (predicted, fitted);

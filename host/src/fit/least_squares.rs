@@ -111,6 +111,7 @@ impl Effort {
 /// Cosine between the residual and any free column of J at which the gradient counts as vanished.
 const GRADIENT_TOLERANCE: f64 = 1e-9;
 const STEP_TOLERANCE: f64 = 1e-12;
+const MOST_DAMPING: f64 = 1e18;
 
 /// Searches for a minimum from `start`, which is moved into the bounds first.
 pub fn minimise(problem: &impl LeastSquares, start: &[f64]) -> Solution {
@@ -247,6 +248,10 @@ fn free_step(normal: &Normal, damping: f64, free: &[usize], step: &DVector<f64>)
             return factor.solve(&slope).component_div(&scale);
         }
         damping = (damping * 10.0).max(1e-12);
+        // No damping makes a matrix with a value that is no number definite: stay where it is.
+        if damping > MOST_DAMPING {
+            return DVector::zeros(size);
+        }
     }
 }
 
@@ -291,6 +296,29 @@ mod tests {
     }
 
     const WIDE: [(f64, f64); 2] = [(-100.0, 100.0), (0.0, 100.0)];
+
+    #[test]
+    fn a_function_that_is_no_number_ends_the_search() {
+        struct Broken;
+        impl LeastSquares for Broken {
+            fn bounds(&self) -> &[(f64, f64)] {
+                &[(0.0, 1.0), (0.0, 1.0)]
+            }
+
+            fn cost(&self, _: &[f64]) -> f64 {
+                f64::NAN
+            }
+
+            fn normal(&self, _: &[f64]) -> Normal {
+                let mut normal = Normal::zeros(2);
+                normal.cost = f64::NAN;
+                normal.gradient.fill(f64::NAN);
+                normal.curvature.fill(f64::NAN);
+                normal
+            }
+        }
+        assert_eq!(minimise(&Broken, &[0.5, 0.5]).point, [0.5, 0.5]);
+    }
 
     proptest! {
         #[test]
