@@ -149,9 +149,7 @@ impl Search<'_> {
         let explained = found.base.cost - current.cost;
         let minor =
             !found.steps.is_empty() && current.cost - winner.fitted.cost < MINOR * explained;
-        // For the first, the chance decides, unless the criterion speaks against it.
-        let least = if found.steps.is_empty() { 0.0 } else { DECISIVE };
-        if minor || fell < least {
+        if minor || fell < DECISIVE {
             return false;
         }
         for step in &mut found.steps {
