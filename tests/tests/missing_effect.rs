@@ -89,3 +89,11 @@ fn one_short_trace_is_not_made_to_say_more_than_it_knows() {
     };
     assert!(diagnosis.found.steps.iter().any(holds));
 }
+
+#[test]
+fn an_experiment_is_proposed_also_where_traces_have_zeros_of_their_own() {
+    let set = one_short_trace(&scenario(52, &[("zero-shift", LawKind::Reference)], 1.0));
+    let diagnosis = ask(&set);
+    assert_ne!(diagnosis.verdict, Verdict::Adequate);
+    assert!(diagnosis.verdict != Verdict::Ambiguous || diagnosis.next_experiment.is_some());
+}

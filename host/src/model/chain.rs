@@ -255,13 +255,15 @@ impl Chain {
         }
     }
 
-    /// Where among all parameters those stand that belong to one trace alone.
+    /// Where among all parameters those stand that belong to one trace alone: none for a trace that the
+    /// chain was not made for.
     #[must_use]
     pub fn own_of_trace(&self, trace: usize) -> Vec<usize> {
         let own = |index: usize| {
             let count = self.effects[index].each_trace;
+            let known = (trace + 1) * count <= self.effects[index].strengths;
             let begin = self.range(index).start + trace * count;
-            begin..begin + count
+            begin..begin + if known { count } else { 0 }
         };
         (0..self.effects.len()).flat_map(own).collect()
     }
