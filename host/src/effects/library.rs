@@ -3,7 +3,7 @@
 use super::Effect;
 
 /// Every effect of the library.
-pub const LIBRARY: [&Effect; 30] = [
+pub const LIBRARY: &[&Effect] = &[
     &super::contact_offset::EFFECT,
     &super::fixture_compliance::EFFECT,
     &super::backlash::EFFECT,
@@ -39,5 +39,5 @@ pub const LIBRARY: [&Effect; 30] = [
 /// The effect of this name.
 #[must_use]
 pub fn find(name: &str) -> Option<&'static Effect> {
-    LIBRARY.into_iter().find(|effect| effect.name == name)
+    LIBRARY.iter().copied().find(|effect| effect.name == name)
 }

@@ -37,7 +37,7 @@ pub fn library_section() -> Section {
 /// Every effect as one JSON object.
 #[must_use]
 pub fn library_json() -> Value {
-    json!({"palpate_effects": 1, "effects": LIBRARY.map(effect_json)})
+    json!({"palpate_effects": 1, "effects": LIBRARY.iter().copied().map(effect_json).collect::<Vec<_>>()})
 }
 
 /// One effect as a JSON object.
