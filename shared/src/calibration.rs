@@ -4,6 +4,8 @@
 //! it costs one multiplication and loses nothing; formats are those of [`crate::fixed`].
 
 use core::fmt;
+use postcard_schema::Schema;
+use serde::{Deserialize, Serialize};
 
 use crate::fixed::{STRAIN_FRACTION_BITS, temperature_from_celsius};
 use crate::fixed::{STRAIN_MAX, STRAIN_MIN, round_shift, round_to_i32, saturate_to_24_bits};
@@ -18,7 +20,7 @@ pub const MAX_TEMPERATURE_COEFFICIENT: f64 = 100.0;
 const COEFFICIENT_BITS: u32 = 16;
 
 /// What the calibration of one gauge states, in physical units.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 pub struct Sheet {
     /// µε per count; negative if the bridge is wired so that pressing lowers the counts. |gain| within [`GAIN_RANGE`].
     pub gain: f64,
@@ -145,6 +147,12 @@ impl Calibration {
     pub fn tared(&self, counts: i32, temperature: i16) -> Self {
         // At most 24 bits of counts and offset, times a gain below 2^6, fit an i32.
         Self { tare: self.without_tare(counts, temperature) as i32, ..*self }
+    }
+
+    /// The same calibration with a tare, LSB of strain.
+    #[must_use]
+    pub const fn with_tare(&self, tare: i32) -> Self {
+        Self { tare, ..*self }
     }
 
     /// The same calibration without tare.

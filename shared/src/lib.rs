@@ -14,13 +14,14 @@
 //! - [`adaptation`]: the dual-exponential filter that splits strain into a fast and a slow adapting part.
 //! - [`phase`]: the six regions of a grasp, found while streaming, and the type of relaxation.
 //! - [`pipeline`]: the order in which one sample passes through the three above.
+//! - [`wire`]: every message between fingertip and host, and the frames they travel in.
 //! - [`latency`]: the latency model of the dissertation, linear and power law, as exact steps in `f64` and in fixed point.
 //!
 //! Configuration and state are separate types everywhere: a configuration is computed once in `f64`, validated, and serves
 //! any number of channels; a state is a few integers. Nothing here allocates, needs `std`, or panics on any input:
 //! arithmetic that can leave its range saturates, and saturation is reported. "eq. 3.4" and the like refer to the
 //! dissertation on which the project rests.
-#![no_std]
+#![cfg_attr(not(test), no_std)]
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]
 #![cfg_attr(
@@ -42,3 +43,4 @@ pub mod flags;
 pub mod latency;
 pub mod phase;
 pub mod pipeline;
+pub mod wire;

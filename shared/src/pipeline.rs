@@ -4,6 +4,8 @@ use crate::adaptation;
 use crate::calibration::{Calibrated, Calibration};
 use crate::flags::Flags;
 use crate::phase::{self, Region, RelaxationType};
+use postcard_schema::Schema;
+use serde::{Deserialize, Serialize};
 
 /// Gauges of a fingertip.
 pub const GAUGES: usize = 4;
@@ -56,7 +58,7 @@ impl Output {
 }
 
 /// How often something happened on one gauge since the start; each stops at the largest `u32`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize, Schema)]
 pub struct Counters {
     /// Samples taken.
     pub samples: u32,

@@ -1,6 +1,8 @@
 //! The relaxation function and the integer coefficients made of it.
 
 use core::fmt;
+use postcard_schema::Schema;
+use serde::{Deserialize, Serialize};
 
 use crate::fixed::{Coefficient, fraction_31, product, product_high};
 
@@ -11,7 +13,7 @@ pub const MIN_C0: f64 = 1.0 / 32.0;
 pub const MIN_INTERVAL_PER_TIME_CONSTANT: f64 = 1.0 / (1_u32 << 24) as f64;
 
 /// The relaxation function g(t) = c0 + c1 e^(−v1 t) + c2 e^(−v2 t), eq. 3.4; c0 = 1 − c1 − c2.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 pub struct Relaxation {
     /// Share of the fast term, 0 … 1.
     pub c1: f64,

@@ -1,11 +1,13 @@
 //! Thresholds that tell a boundary from noise, in physical units and as integers.
 
 use core::fmt;
+use postcard_schema::Schema;
+use serde::{Deserialize, Serialize};
 
 use super::motion::fine;
 
 /// What tells a boundary from noise. Levels are in LSB of the signal or of the motion, whatever those are.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 pub struct Thresholds {
     /// Signal at or above which there is contact.
     pub touch: i32,

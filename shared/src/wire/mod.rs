@@ -1,0 +1,54 @@
+//! Everything that passes between fingertip and host: the frame, the messages, the coding of samples.
+//!
+//! # Frame
+//! All numbers little-endian; the whole in COBS (consistent overhead byte stuffing), then one zero byte:
+//!
+//! | bytes | what |
+//! |-|-|
+//! | 1 | version of this frame, [`VERSION`] |
+//! | 1 | type: the place of the message in [`ToHost`] or [`ToDevice`] |
+//! | 4 | sequence number of the sender; grows by one with every frame, also with those that were dropped |
+//! | 8 | device time of the message, µs since reset; of a block, that of its first sample. From the host: 0 |
+//! | n | payload, postcard |
+//! | 4 | CRC-32 (ISO-HDLC) of all before it |
+//!
+//! A frame holds at most [`MAX_CONTENT`] bytes, so COBS costs one byte and is done in place.
+//!
+//! # Conversation
+//! The device is silent but for its answers until it is told to start. The first command is `Hello` with the schema, a hash
+//! of every message's type ([`SCHEMA`]): a device of another schema refuses all that follows and says so, and the host sees
+//! the device's schema and version in its `Hello`. The frame and the first fields of both `Hello`, those of [`Introduction`],
+//! never change, so that this works between any two versions.
+//!
+//! Every command is answered by one [`Answer`] that carries the sequence number of the command. A command that comes again
+//! with the same number is not carried out again, only its answer is repeated: a host that hears nothing asks again safely.
+
+mod columns;
+mod frame;
+mod message;
+mod samples;
+mod settings;
+
+pub use columns::{CodingError, pack, unpack};
+pub use frame::{
+    Accumulated, Accumulator, FRAME_MAX, FrameError, HEAD, Head, MAX_CONTENT, decode, encode,
+    introduction,
+};
+pub use message::{
+    Answer, ClockSource, Columns, ConverterFault, Counters, Done, Formats, Hello, HelloToDevice,
+    Inject, Introduction, Log, Refusal, ResetCause, SelfTest, Source, Start, Status, StoreFault,
+    ToDevice, ToHost,
+};
+pub use samples::{BLOCK_ROWS, Block, Row, RowState, Rows};
+pub use settings::{Oversampling, Settings, SettingsError};
+
+/// Version of the frame; a frame of another version is refused.
+pub const VERSION: u8 = 1;
+
+/// Hash of the types of all messages in both directions: equal schemas mean equal messages.
+pub const SCHEMA: u64 = {
+    use postcard_schema::key::Key;
+    let to_host = u64::from_le_bytes(Key::for_path::<ToHost<'_>>("to host").to_bytes());
+    let to_device = u64::from_le_bytes(Key::for_path::<ToDevice<'_>>("to device").to_bytes());
+    to_host.rotate_left(1) ^ to_device
+};

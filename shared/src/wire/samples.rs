@@ -1,0 +1,493 @@
+//! Samples in blocks: each whole in itself, so that one that is lost costs its own rows and no others.
+
+use core::ops::Range;
+
+use postcard_schema::Schema;
+use serde::{Deserialize, Serialize};
+
+use super::columns::{CodingError, pack, unpack};
+use super::{Columns, FRAME_MAX, FrameError, Head, ToHost, encode};
+use crate::flags::Flags;
+use crate::phase::{Region, RelaxationType};
+use crate::pipeline::{GAUGES, Output};
+
+/// Most rows in a block.
+pub const BLOCK_ROWS: usize = 16;
+/// Room for packed rows in a frame; the rest is for its head and the fields of [`Block`].
+const PACKED: usize = 208;
+
+/// Values of one kind, gauge by gauge.
+type Gauges = [i32; GAUGES];
+
+/// Some rows as they travel; device time of the first is in the head of the frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
+pub struct Block<'a> {
+    /// Number of the first row since the start of the stream; a gap means rows that were lost.
+    pub first: u64,
+    /// Which settings made it: grows by one with every change.
+    pub generation: u32,
+    /// Temperature at the first row, 2^-8 °C; none without a sensor.
+    pub temperature: Option<i16>,
+    /// Rows, at most [`BLOCK_ROWS`].
+    pub rows: u8,
+    /// Microseconds since the row before (in the first row: to the next) and the states of four gauges, packed.
+    #[serde(borrow, with = "serde_bytes")]
+    pub course: &'a [u8],
+    /// Raw counts, FA and SA (LSB), packed.
+    #[serde(borrow, with = "serde_bytes")]
+    pub parts: &'a [u8],
+    /// Elastic input and equilibrium (LSB), packed; empty if not asked for.
+    #[serde(borrow, with = "serde_bytes")]
+    pub rest: &'a [u8],
+    /// Samples since a region was entered, plus one, where one is found; empty if none is.
+    #[serde(borrow, with = "serde_bytes")]
+    pub entered: &'a [u8],
+}
+
+/// Region, type of relaxation and warnings of one gauge in one row; one byte on the wire.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RowState {
+    /// Region of the grasp.
+    pub region: Region,
+    /// Type of relaxation.
+    pub relaxation: RelaxationType,
+    /// Warnings.
+    pub flags: Flags,
+}
+
+impl RowState {
+    /// Bits 0 to 2 the region in order of [`Region`], 3 and 4 the type of relaxation, 5 to 7 the flags.
+    #[must_use]
+    pub const fn byte(self) -> u8 {
+        self.region as u8 | (self.relaxation as u8) << 3 | self.flags.bits() << 5
+    }
+
+    /// From its byte; numbers without a meaning are taken as rest and none.
+    #[must_use]
+    pub const fn from_byte(byte: u8) -> Self {
+        let region = match byte & 7 {
+            1 => Region::Preloading,
+            2 => Region::Loading,
+            3 => Region::Transition,
+            4 => Region::Relaxation,
+            5 => Region::Unloading,
+            6 => Region::Recovery,
+            _ => Region::Rest,
+        };
+        let relaxation = match byte >> 3 & 3 {
+            1 => RelaxationType::TypeI,
+            2 => RelaxationType::TypeII,
+            _ => RelaxationType::None,
+        };
+        Self { region, relaxation, flags: Flags::from_bits(byte >> 5) }
+    }
+}
+
+/// One row as it was sent.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Row {
+    /// Number since the start of the stream.
+    pub number: u64,
+    /// Device time, µs.
+    pub time_us: u64,
+    /// Raw counts.
+    pub counts: Gauges,
+    /// Fast adapting part, LSB.
+    pub fa: Gauges,
+    /// Slow adapting part, LSB; FA + SA is the strain.
+    pub sa: Gauges,
+    /// Elastic input and equilibrium, LSB, if asked for.
+    pub rest: Option<(Gauges, Gauges)>,
+    /// Regions and warnings.
+    pub states: [RowState; GAUGES],
+    /// Where a region was found at this row: how many samples ago it was entered.
+    pub entered: [Option<u32>; GAUGES],
+}
+
+/// Consecutive rows, on their way into a frame or out of one.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Rows {
+    /// Number of the first row.
+    pub first: u64,
+    /// Device time of the first row, µs.
+    pub time_us: u64,
+    /// Which settings made them.
+    pub generation: u32,
+    /// Temperature at the first row, 2^-8 °C.
+    pub temperature: Option<i16>,
+    columns: Columns,
+    count: usize,
+    last_us: u64,
+    found_a_region: bool,
+    /// Time since the row before, µs; states, one byte for each gauge.
+    course: [[[i32; 1]; 2]; BLOCK_ROWS],
+    parts: [[Gauges; 3]; BLOCK_ROWS],
+    rest: [[Gauges; 2]; BLOCK_ROWS],
+    entered: [[Gauges; 1]; BLOCK_ROWS],
+}
+
+impl Rows {
+    /// None yet.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self {
+            first: 0,
+            time_us: 0,
+            generation: 0,
+            temperature: None,
+            columns: Columns::Parts,
+            count: 0,
+            last_us: 0,
+            found_a_region: false,
+            course: [[[0]; 2]; BLOCK_ROWS],
+            parts: [[[0; GAUGES]; 3]; BLOCK_ROWS],
+            rest: [[[0; GAUGES]; 2]; BLOCK_ROWS],
+            entered: [[[0; GAUGES]; 1]; BLOCK_ROWS],
+        }
+    }
+
+    /// Forgets the rows and begins again with a row of this number and time.
+    pub const fn begin(&mut self, columns: Columns, first: u64, time_us: u64) {
+        (self.first, self.time_us, self.last_us) = (first, time_us, time_us);
+        (self.columns, self.count, self.found_a_region) = (columns, 0, false);
+    }
+
+    /// How many rows there are.
+    #[must_use]
+    pub const fn len(&self) -> usize {
+        self.count
+    }
+
+    /// Whether there are none.
+    #[must_use]
+    pub const fn is_empty(&self) -> bool {
+        self.count == 0
+    }
+
+    /// Whether no more rows fit.
+    #[must_use]
+    pub const fn is_full(&self) -> bool {
+        self.count >= BLOCK_ROWS
+    }
+
+    /// Time from the first row to the last, µs.
+    #[must_use]
+    pub const fn span_us(&self) -> u64 {
+        self.last_us.wrapping_sub(self.time_us)
+    }
+
+    /// Appends the next row; dropped if there is no room.
+    #[inline]
+    pub fn push(&mut self, time_us: u64, counts: Gauges, outputs: &[Output; GAUGES]) {
+        let at = self.count;
+        let interval = time_us.wrapping_sub(self.last_us) as i32;
+        self.last_us = time_us;
+        let states = outputs.each_ref().map(|out| {
+            RowState { region: out.region, relaxation: out.relaxation, flags: out.flags }.byte()
+        });
+        let Some(course) = self.course.get_mut(at) else { return };
+        *course = [[interval], [i32::from_le_bytes(states)]];
+        if let Some(parts) = self.parts.get_mut(at) {
+            *parts =
+                [counts, outputs.each_ref().map(|out| out.fa), outputs.each_ref().map(Output::sa)];
+        }
+        if self.columns == Columns::All
+            && let Some(rest) = self.rest.get_mut(at)
+        {
+            *rest = [
+                outputs.each_ref().map(|out| out.elastic),
+                outputs.each_ref().map(|out| out.equilibrium),
+            ];
+        }
+        let entered = outputs.each_ref().map(|out| out.entered_samples_ago);
+        if entered.iter().any(Option::is_some) {
+            self.note_regions(at, entered);
+        }
+        self.count = at.wrapping_add(1);
+    }
+
+    #[cold]
+    fn note_regions(&mut self, at: usize, entered: [Option<u32>; GAUGES]) {
+        if !core::mem::replace(&mut self.found_a_region, true) {
+            self.entered = [[[0; GAUGES]; 1]; BLOCK_ROWS];
+        }
+        if let Some(row) = self.entered.get_mut(at) {
+            *row = [entered.map(|ago| ago.map_or(0, |ago| ago.saturating_add(1).cast_signed()))];
+        }
+    }
+
+    /// Puts the rows from `from` on into a frame, as many as fit; returns it and how many they are.
+    ///
+    /// # Errors
+    /// [`FrameError::TooLong`] if not even one row fits; no row is that long.
+    pub fn encode<'f>(
+        &self,
+        from: usize,
+        sequence: u32,
+        frame: &'f mut [u8; FRAME_MAX],
+    ) -> Result<(&'f [u8], usize), FrameError> {
+        let mut packed = [0; PACKED];
+        let mut rows = from..self.count;
+        loop {
+            if let Some(block) = self.block(rows.clone(), &mut packed) {
+                let head = Head { sequence, time_us: self.time_of(from) };
+                return Ok((encode(head, &ToHost::Samples(block), frame)?, rows.len()));
+            }
+            // Three quarters of what was too much may fit.
+            let fewer = rows.len().saturating_mul(3) / 4;
+            if fewer == 0 {
+                return Err(FrameError::TooLong);
+            }
+            rows.end = from.saturating_add(fewer);
+        }
+    }
+
+    /// A block of the rows, if they fit.
+    fn block<'b>(&self, rows: Range<usize>, packed: &'b mut [u8]) -> Option<Block<'b>> {
+        let mut course = [[[0; 1]; 2]; BLOCK_ROWS];
+        let course = course.get_mut(..rows.len())?;
+        course.copy_from_slice(self.course.get(rows.clone())?);
+        // The time before the first row is not its own business; this way the second's differs little.
+        let next = course.get(1).map_or(0, |[[interval], _]| *interval);
+        if let Some([[interval], _]) = course.first_mut() {
+            *interval = next;
+        }
+        let rows_if = |asked: bool| if asked { rows.clone() } else { 0..0 };
+        let (course, room) = packed_into(course, packed)?;
+        let (parts, room) = packed_into(self.parts.get(rows.clone())?, room)?;
+        let (rest, room) =
+            packed_into(self.rest.get(rows_if(self.columns == Columns::All))?, room)?;
+        let (entered, _) = packed_into(self.entered.get(rows_if(self.found_a_region))?, room)?;
+        Some(Block {
+            first: self.first.saturating_add(rows.start as u64),
+            generation: self.generation,
+            temperature: self.temperature,
+            rows: rows.len() as u8,
+            course,
+            parts,
+            rest,
+            entered,
+        })
+    }
+
+    fn time_of(&self, row: usize) -> u64 {
+        let later = self.course.iter().take(row.saturating_add(1)).skip(1);
+        later.fold(self.time_us, |time, [[interval], _]| {
+            time.wrapping_add(u64::from(interval.cast_unsigned()))
+        })
+    }
+
+    /// The rows of a block whose frame had this head.
+    ///
+    /// # Errors
+    /// [`CodingError`] if the block contradicts itself.
+    pub fn decode(head: Head, block: &Block<'_>) -> Result<Self, CodingError> {
+        let mut rows = Self::new();
+        let columns = if block.rest.is_empty() { Columns::Parts } else { Columns::All };
+        rows.begin(columns, block.first, head.time_us);
+        (rows.generation, rows.temperature) = (block.generation, block.temperature);
+        rows.count = usize::from(block.rows);
+        let count = rows.count;
+        unpack(block.course, rows.course.get_mut(..count).ok_or(CodingError::Length)?)?;
+        unpack(block.parts, rows.parts.get_mut(..count).ok_or(CodingError::Length)?)?;
+        if !block.rest.is_empty() {
+            unpack(block.rest, rows.rest.get_mut(..count).ok_or(CodingError::Length)?)?;
+        }
+        if !block.entered.is_empty() {
+            rows.found_a_region = true;
+            unpack(block.entered, rows.entered.get_mut(..count).ok_or(CodingError::Length)?)?;
+        }
+        if let Some([[interval], _]) = rows.course.first_mut() {
+            *interval = 0;
+        }
+        rows.last_us = rows.time_of(count.saturating_sub(1));
+        Ok(rows)
+    }
+
+    /// The rows one by one.
+    pub fn iter(&self) -> impl Iterator<Item = Row> {
+        let values = self.parts.iter().zip(&self.rest).zip(&self.entered).zip(&self.course);
+        let mut time_us = self.time_us;
+        (self.first..).zip(values).take(self.count).map(
+            move |(number, (((parts, rest), [entered]), [[interval], [states]]))| {
+                if number != self.first {
+                    time_us = time_us.wrapping_add(u64::from(interval.cast_unsigned()));
+                }
+                let [counts, fa, sa] = *parts;
+                let [elastic, equilibrium] = *rest;
+                Row {
+                    number,
+                    time_us,
+                    counts,
+                    fa,
+                    sa,
+                    rest: (self.columns == Columns::All).then_some((elastic, equilibrium)),
+                    states: states.to_le_bytes().map(RowState::from_byte),
+                    entered: entered.map(|ago| {
+                        if self.found_a_region { ago.cast_unsigned().checked_sub(1) } else { None }
+                    }),
+                }
+            },
+        )
+    }
+}
+
+impl Default for Rows {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// The packed rows, nothing for none, and the room that is left.
+fn packed_into<'b, const K: usize, const L: usize>(
+    rows: &[[[i32; L]; K]],
+    room: &'b mut [u8],
+) -> Option<(&'b [u8], &'b mut [u8])> {
+    if rows.is_empty() {
+        return Some((&[], room));
+    }
+    let length = pack(rows, room).ok()?.len();
+    let (packed, left) = room.split_at_mut_checked(length)?;
+    Some((packed, left))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pipeline::Pipeline;
+    use crate::wire::{Accumulated, Accumulator, Settings, decode};
+    use proptest::prelude::*;
+
+    /// Everything that frames of these rows say, and how many frames it took.
+    fn through_the_line(rows: &Rows) -> (Vec<Row>, usize) {
+        let (mut heard, mut from, mut frames) = (Vec::new(), 0, 0);
+        let mut line = Accumulator::new();
+        while from < rows.len() {
+            let mut frame = [0; FRAME_MAX];
+            let (bytes, held) = rows.encode(from, 7, &mut frame).unwrap();
+            for byte in bytes {
+                if let Accumulated::Frame(bytes) = line.push(*byte) {
+                    let (head, message) = decode(bytes).unwrap();
+                    let ToHost::Samples(block) = message else { panic!("{message:?}") };
+                    heard.extend(Rows::decode(head, &block).unwrap().iter());
+                }
+            }
+            (from, frames) = (from + held, frames + 1);
+        }
+        (heard, frames)
+    }
+
+    #[test]
+    fn a_press_is_sent_whole_in_less_than_thirty_bytes_a_row() {
+        let config = Settings::DEFAULT.config(1.024e-3).unwrap();
+        let mut pipeline = Pipeline::new();
+        let (mut sent, mut bytes, mut frame) = (0, 0, [0; FRAME_MAX]);
+        let mut noise = 1_u32;
+        for block in 0..200_u64 {
+            let mut rows = Rows::new();
+            rows.begin(Columns::Parts, block * 16, block * 16_384);
+            for row in 0..16 {
+                let t = (block * 16 + row) as f64 * 1.024e-3;
+                let press = 2e6 * (t.clamp(0.5, 1.0) - 0.5) - 1e6 * (t.clamp(2.0, 2.5) - 2.0);
+                let counts = [1, 2, 3, 4].map(|gauge| {
+                    noise = noise.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                    (press / f64::from(gauge)) as i32 + (noise >> 24) as i32
+                });
+                let time = (block * 16 + row) * 1_024 + u64::from(row % 5 == 0);
+                rows.push(time, counts, &pipeline.process(&config, counts, 0));
+            }
+            sent += rows.len();
+            let mut from = 0;
+            while from < rows.len() {
+                let (framed, held) = rows.encode(from, 0, &mut frame).unwrap();
+                (from, bytes) = (from + held, bytes + framed.len());
+            }
+        }
+        assert!(bytes <= 30 * sent, "{} bytes a row", bytes / sent);
+    }
+
+    #[test]
+    fn a_state_is_one_byte_and_comes_back() {
+        for byte in 0..=u8::MAX {
+            let state = RowState::from_byte(byte);
+            assert_eq!(RowState::from_byte(state.byte()), state);
+        }
+        let settled = RowState {
+            region: Region::Recovery,
+            relaxation: RelaxationType::TypeII,
+            flags: Flags::FILTER_SATURATED,
+        };
+        assert_eq!(settled.byte(), 0b1001_0110);
+    }
+
+    fn any_output() -> impl Strategy<Value = Output> {
+        let number = prop_oneof![-(1 << 24)..1 << 24, -1_000..1_000_i32, any::<i32>()];
+        let entered = prop_oneof![9 => Just(None), 1 => (0..u32::MAX - 1).prop_map(Some)];
+        (prop::array::uniform4(number), any::<u8>(), entered).prop_map(
+            |(values, state, entered)| {
+                let [strain, fa, elastic, equilibrium] = values;
+                let RowState { region, relaxation, flags } = RowState::from_byte(state);
+                Output {
+                    strain,
+                    fa,
+                    elastic,
+                    equilibrium,
+                    region,
+                    entered_samples_ago: entered,
+                    relaxation,
+                    flags,
+                }
+            },
+        )
+    }
+
+    proptest! {
+        #[test]
+        fn whatever_the_rows_are_they_arrive_as_they_were(
+            given in prop::collection::vec(
+                (prop::array::uniform4(any::<i32>()), prop::array::uniform4(any_output()), 0..100_000_u64),
+                1..=BLOCK_ROWS,
+            ),
+            first in any::<u32>(),
+            all in any::<bool>(),
+        ) {
+            let mut rows = Rows::new();
+            let mut time = 1_000_000;
+            rows.begin(if all { Columns::All } else { Columns::Parts }, first.into(), time);
+            (rows.generation, rows.temperature) = (3, Some(-5));
+            for (row, (counts, outputs, interval)) in given.iter().enumerate() {
+                if row > 0 {
+                    time += interval;
+                }
+                rows.push(time, *counts, outputs);
+            }
+            let (heard, _) = through_the_line(&rows);
+            prop_assert_eq!(&heard, &rows.iter().collect::<Vec<_>>());
+            for (row, (counts, outputs, _)) in heard.iter().zip(&given) {
+                prop_assert_eq!(row.counts, *counts);
+                for (gauge, output) in outputs.iter().enumerate() {
+                    prop_assert_eq!((row.fa[gauge], row.sa[gauge]), (output.fa, output.sa()));
+                    prop_assert_eq!(row.entered[gauge], output.entered_samples_ago);
+                    if let Some((elastic, equilibrium)) = row.rest {
+                        prop_assert_eq!(elastic[gauge], output.elastic);
+                        prop_assert_eq!(equilibrium[gauge], output.equilibrium);
+                    }
+                }
+            }
+            prop_assert_eq!(heard.last().map(|row| row.time_us), Some(time));
+        }
+
+        #[test]
+        fn no_block_panics(
+            rows: u8, course in prop::collection::vec(any::<u8>(), 0..30), parts in prop::collection::vec(any::<u8>(), 0..30),
+        ) {
+            let block = Block {
+                first: u64::MAX, generation: 0, temperature: None, rows,
+                course: &course, parts: &parts, rest: &parts, entered: &course,
+            };
+            if let Ok(rows) = Rows::decode(Head::default(), &block) {
+                rows.iter().for_each(drop);
+            }
+        }
+    }
+}
