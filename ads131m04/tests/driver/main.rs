@@ -1,0 +1,6 @@
+//! What the driver promises, on a scripted bus.
+
+mod rate;
+mod reading;
+mod script;
+mod start;
