@@ -113,28 +113,11 @@ fn stuff(sent: &mut [u8]) {
     }
 }
 
-/// Reads the bytes of a frame, without its zero byte; they are decoded in place and the message borrows from them.
+/// Checks the bytes of a frame, without its zero byte, and decodes them in place: the head, and the message for [`read`].
 ///
 /// # Errors
 /// [`FrameError`] says what is wrong with them.
-pub fn decode<'f, M: Deserialize<'f>>(bytes: &'f mut [u8]) -> Result<(Head, M), FrameError> {
-    let (head, body) = open(bytes)?;
-    let (message, rest) = postcard::take_from_bytes(body).map_err(|_| FrameError::Message)?;
-    if rest.is_empty() { Ok((head, message)) } else { Err(FrameError::Message) }
-}
-
-/// Reads no more than who speaks: works on the `Hello` of any version. `None` if the frame is whole but no `Hello`.
-///
-/// # Errors
-/// [`FrameError`] if the bytes are no frame.
-pub fn introduction(bytes: &mut [u8]) -> Result<Option<(Head, Introduction<'_>)>, FrameError> {
-    let (head, body) = open(bytes)?;
-    let Some((0, fields)) = body.split_first() else { return Ok(None) };
-    Ok(postcard::take_from_bytes(fields).ok().map(|(introduction, _)| (head, introduction)))
-}
-
-/// Head and message (type and payload) of a frame.
-fn open(bytes: &mut [u8]) -> Result<(Head, &[u8]), FrameError> {
+pub fn open(bytes: &mut [u8]) -> Result<(Head, &[u8]), FrameError> {
     let length = cobs::decode_in_place(bytes).map_err(|_| FrameError::Shape)?;
     let content = bytes.get_mut(..length).ok_or(FrameError::Shape)?;
     let (covered, check) = content.split_last_chunk_mut::<CHECK>().ok_or(FrameError::Shape)?;
@@ -152,6 +135,34 @@ fn open(bytes: &mut [u8]) -> Result<(Head, &[u8]), FrameError> {
     let message = covered.get_mut(HEAD.saturating_sub(1)..).ok_or(FrameError::Shape)?;
     *message.first_mut().ok_or(FrameError::Shape)? = kind;
     Ok((head, message))
+}
+
+/// Reads the message of an opened frame.
+///
+/// # Errors
+/// [`FrameError::Message`].
+pub fn read<'f, M: Deserialize<'f>>(message: &'f [u8]) -> Result<M, FrameError> {
+    match postcard::take_from_bytes(message) {
+        Ok((message, [])) => Ok(message),
+        _ => Err(FrameError::Message),
+    }
+}
+
+/// Who speaks, if the message of an opened frame is a `Hello`, of whatever schema.
+#[must_use]
+pub fn introduction(message: &[u8]) -> Option<Introduction<'_>> {
+    let (kind, fields) = message.split_first()?;
+    let (introduction, _) = postcard::take_from_bytes(fields).ok()?;
+    (*kind == 0).then_some(introduction)
+}
+
+/// [`open`] and [`read`].
+///
+/// # Errors
+/// [`FrameError`] says what is wrong with the bytes.
+pub fn decode<'f, M: Deserialize<'f>>(bytes: &'f mut [u8]) -> Result<(Head, M), FrameError> {
+    let (head, message) = open(bytes)?;
+    Ok((head, read(message)?))
 }
 
 /// What one more byte completed.

@@ -212,6 +212,8 @@ pub struct Status {
     pub streaming: Option<Source>,
     /// Temperature, 2^-8 °C; none without a sensor.
     pub temperature: Option<i16>,
+    /// What is wrong with the converter.
+    pub converter: Option<ConverterFault>,
     /// Most bytes of stack that were ever used.
     pub stack_used: u32,
     /// Most rows that ever waited between interrupt and filter.
@@ -376,7 +378,7 @@ pub struct Log<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::wire::{FRAME_MAX, Head, SCHEMA, decode, encode, introduction};
+    use crate::wire::{FRAME_MAX, Head, SCHEMA, decode, encode, introduction, open};
 
     const LONGEST: Counters = Counters {
         conversions_missed: u32::MAX,
@@ -425,6 +427,7 @@ mod tests {
             rows: u64::MAX,
             streaming: Some(Source::Link { interval_ns: u32::MAX }),
             temperature: Some(i16::MIN),
+            converter: Some(ConverterFault::Wrong(u16::MAX)),
             stack_used: u32::MAX,
             queue_most: u8::MAX,
         }));
@@ -444,13 +447,13 @@ mod tests {
         let mut frame = [0; FRAME_MAX];
         let hello = HelloToDevice { schema: 12, version: "9.9.9" };
         let sent = encode(Head::default(), &ToDevice::Hello(hello), &mut frame).unwrap().len();
-        let (_, who) = introduction(&mut frame[..sent - 1]).unwrap().unwrap();
-        assert_eq!(who, Introduction { schema: 12, version: "9.9.9" });
+        let (_, message) = open(&mut frame[..sent - 1]).unwrap();
+        assert_eq!(introduction(message).unwrap(), Introduction { schema: 12, version: "9.9.9" });
     }
 
     #[test]
     fn the_schema_changes_with_the_messages_and_with_nothing_else() {
         // A change of any message must change this number, and this number must not change without one.
-        assert_eq!(SCHEMA, 0x03d9_b8e3_91ed_7621, "{SCHEMA:#018x}");
+        assert_eq!(SCHEMA, 0x450a_dcc3_e6d2_1d54, "{SCHEMA:#018x}");
     }
 }

@@ -15,7 +15,8 @@
 //! A frame holds at most [`MAX_CONTENT`] bytes, so COBS costs one byte and is done in place.
 //!
 //! # Conversation
-//! The device is silent but for its answers until it is told to start. The first command is `Hello` with the schema, a hash
+//! The device only answers until it is told to start; then it streams samples and, once a second, its status. Its log comes
+//! at any time after `Hello`. The first command is `Hello` with the schema, a hash
 //! of every message's type ([`SCHEMA`]): a device of another schema refuses all that follows and says so, and the host sees
 //! the device's schema and version in its `Hello`. The frame and the first fields of both `Hello`, those of [`Introduction`],
 //! never change, so that this works between any two versions.
@@ -32,7 +33,7 @@ mod settings;
 pub use columns::{CodingError, pack, unpack};
 pub use frame::{
     Accumulated, Accumulator, FRAME_MAX, FrameError, HEAD, Head, MAX_CONTENT, decode, encode,
-    introduction,
+    introduction, open, read,
 };
 pub use message::{
     Answer, ClockSource, Columns, ConverterFault, Counters, Done, Formats, Hello, HelloToDevice,
