@@ -1,0 +1,1 @@
+//! What the fingertip does, without its hardware.
