@@ -9,7 +9,7 @@ use crate::blocks::Blocks;
 /// Injected rows that may wait for the filter.
 pub const INJECTED_ROWS: usize = 2 * BLOCK_ROWS;
 
-/// A block is sent when it spans this, µs, even if more rows would fit.
+/// A block of live rows is sent when it spans this, µs, even if more rows would fit.
 const SPAN_US: u64 = 12_000;
 
 /// A conversion of all gauges.
@@ -162,7 +162,7 @@ impl Stream {
         counts: [i32; GAUGES],
         temperature: Temperature,
     ) {
-        let Some(Start { columns, .. }) = self.on else { return };
+        let Some(Start { columns, source }) = self.on else { return };
         let outputs = self.pipeline.process(config, counts, temperature.used);
         let rows = self.blocks.filling();
         if rows.is_empty() {
@@ -171,7 +171,8 @@ impl Stream {
         }
         rows.push(time_us, counts, &outputs);
         self.next_row = self.next_row.wrapping_add(1);
-        if rows.is_full() || rows.span_us() >= SPAN_US {
+        let late = source == Source::Converter && rows.span_us() >= SPAN_US;
+        if rows.is_full() || late {
             self.close();
         }
     }
