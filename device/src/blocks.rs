@@ -6,9 +6,9 @@ use shared::wire::{Columns, Rows};
 const WAITING: usize = 3;
 const PLACES: usize = WAITING + 1;
 
-/// A ring of blocks; the one that is filled follows those that wait.
+/// A ring of blocks; the one that is filled follows those that wait. 7 KB, which is why a device borrows it.
 #[derive(Clone, Debug)]
-pub(crate) struct Blocks {
+pub struct Blocks {
     places: [Rows; PLACES],
     oldest: usize,
     waiting: usize,
@@ -17,7 +17,9 @@ pub(crate) struct Blocks {
 }
 
 impl Blocks {
-    pub(crate) const fn new() -> Self {
+    /// Empty.
+    #[must_use]
+    pub const fn new() -> Self {
         Self { places: [const { Rows::new() }; PLACES], oldest: 0, waiting: 0, sent: 0 }
     }
 
@@ -73,5 +75,11 @@ impl Blocks {
             self.waiting = self.waiting.saturating_sub(1);
             self.sent = 0;
         }
+    }
+}
+
+impl Default for Blocks {
+    fn default() -> Self {
+        Self::new()
     }
 }

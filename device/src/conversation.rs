@@ -6,6 +6,7 @@ use shared::wire::{
     Log, Oversampling, Refusal, ResetCause, Settings, Source, Status, ToDevice, ToHost,
 };
 
+use crate::blocks::Blocks;
 use crate::board::{Board, Restart};
 use crate::outgoing::Outgoing;
 use crate::self_test::SelfTest;
@@ -43,7 +44,7 @@ pub struct Device<'a> {
     pub(crate) identity: Identity<'a>,
     pub(crate) settings: Settings,
     pub(crate) config: Config,
-    pub(crate) stream: Stream,
+    pub(crate) stream: Stream<'a>,
     pub(crate) outgoing: Outgoing,
     pub(crate) counters: Counters,
     pub(crate) test: Option<SelfTest>,
@@ -64,7 +65,7 @@ pub struct Device<'a> {
 impl<'a> Device<'a> {
     /// A device that begins with these settings, or with the defaults where they are out of range.
     #[must_use]
-    pub fn new(identity: Identity<'a>, settings: Settings) -> Option<Self> {
+    pub fn new(identity: Identity<'a>, settings: Settings, blocks: &'a mut Blocks) -> Option<Self> {
         let interval =
             |settings: &Settings| settings.oversampling.interval_s(identity.converter_clock_hz);
         let (settings, config) = match settings.config(interval(&settings)) {
@@ -78,7 +79,7 @@ impl<'a> Device<'a> {
             identity,
             settings,
             config,
-            stream: Stream::new(Pipeline::new()),
+            stream: Stream::new(Pipeline::new(), blocks),
             outgoing: Outgoing::new(),
             counters: Counters::default(),
             test: None,

@@ -43,10 +43,10 @@ impl Lost {
 }
 
 /// The stream that is on, or the last one.
-#[derive(Clone, Debug)]
-pub struct Stream {
+#[derive(Debug)]
+pub(crate) struct Stream<'a> {
     pipeline: Pipeline,
-    pub(crate) blocks: Blocks,
+    pub(crate) blocks: &'a mut Blocks,
     injected: Deque<([i32; GAUGES], i16), INJECTED_ROWS>,
     on: Option<Start>,
     next_row: u64,
@@ -57,11 +57,11 @@ pub struct Stream {
     pub(crate) link_full: u32,
 }
 
-impl Stream {
-    pub(crate) const fn new(pipeline: Pipeline) -> Self {
+impl<'a> Stream<'a> {
+    pub(crate) const fn new(pipeline: Pipeline, blocks: &'a mut Blocks) -> Self {
         Self {
             pipeline,
-            blocks: Blocks::new(),
+            blocks,
             injected: Deque::new(),
             on: None,
             next_row: 0,

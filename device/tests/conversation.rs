@@ -67,7 +67,7 @@ struct Host {
 impl Host {
     fn new() -> Self {
         Self {
-            device: Device::new(IDENTITY, Settings::DEFAULT).unwrap(),
+            device: Device::new(IDENTITY, Settings::DEFAULT, Box::leak(Box::default())).unwrap(),
             board: Bench::default(),
             sequence: 0,
             now_us: 0,
