@@ -26,7 +26,7 @@ impl Blocks {
     /// Forgets everything.
     pub(crate) fn clear(&mut self) {
         (self.oldest, self.waiting, self.sent) = (0, 0, 0);
-        self.filling().begin(Columns::Parts, 0, 0);
+        self.filling().begin(Columns::Parts, 0, 0, 0);
     }
 
     /// The block that is filled.
@@ -52,11 +52,11 @@ impl Blocks {
             return 0;
         }
         if self.waiting == WAITING {
-            self.filling().begin(Columns::Parts, 0, 0);
+            self.filling().begin(Columns::Parts, 0, 0, 0);
             return rows;
         }
         self.waiting = self.waiting.wrapping_add(1);
-        self.filling().begin(Columns::Parts, 0, 0);
+        self.filling().begin(Columns::Parts, 0, 0, 0);
         0
     }
 

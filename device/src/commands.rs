@@ -6,7 +6,7 @@ use shared::wire::{
 };
 
 use crate::board::{Board, Restart};
-use crate::conversation::{Device, REFERENCE};
+use crate::conversation::Device;
 use crate::self_test::SelfTest;
 
 impl Device<'_> {
@@ -150,7 +150,7 @@ impl Device<'_> {
             Some(Source::Converter) => return Err(Refusal::NotFromLink),
             Some(Source::Link { .. }) => {}
         }
-        let taken = self.stream.inject(inject, REFERENCE);
+        let taken = self.stream.inject(inject);
         let (taken, lost) = taken.map_err(|_| Refusal::Rows)?;
         self.stream.skip(&self.config, lost);
         self.counters.queue_full = self.counters.queue_full.saturating_add(lost.into());

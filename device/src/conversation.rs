@@ -10,7 +10,7 @@ use crate::blocks::Blocks;
 use crate::board::{Board, Restart};
 use crate::outgoing::Outgoing;
 use crate::self_test::SelfTest;
-use crate::stream::{Sample, Stream, Temperature};
+use crate::stream::{Sample, Stream};
 
 /// Status messages of a stream are this far apart, µs.
 const STATUS_US: u64 = 1_000_000;
@@ -144,9 +144,7 @@ impl<'a> Device<'a> {
             test.take(sample);
         }
         if self.stream.source() == Some(Source::Converter) {
-            let used = self.temperature.unwrap_or(REFERENCE);
-            let temperature = Temperature { known: self.temperature, used };
-            self.stream.sample(&self.config, sample, temperature);
+            self.stream.sample(&self.config, sample, self.temperature);
         }
     }
 
@@ -250,7 +248,7 @@ impl<'a> Device<'a> {
         let sent = if self.outgoing.hello {
             self.outgoing.hello = false;
             wire::encode(head, &ToHost::Hello(self.introduction()), frame)
-        } else if self.outgoing.settings {
+        } else if self.outgoing.settings && self.settings_are_next() {
             self.outgoing.settings = false;
             let settings =
                 ToHost::Settings { generation: self.stream.generation, settings: self.settings };
@@ -275,6 +273,12 @@ impl<'a> Device<'a> {
         };
         self.sequence = self.sequence.wrapping_add(1);
         sent.ok()
+    }
+
+    /// Blocks of older settings go before the new ones, so that a host always has those of the block it hears.
+    fn settings_are_next(&mut self) -> bool {
+        let generation = self.stream.generation;
+        self.stream.blocks.next().is_none_or(|(rows, _)| rows.generation == generation)
     }
 
     /// What to do now that everything was sent, if the host asked for it.
@@ -326,6 +330,3 @@ impl<'a> Device<'a> {
         }
     }
 }
-
-/// The temperature at which the calibration compensates nothing, by default; taken without a sensor.
-pub(crate) const REFERENCE: i16 = 25 * 256;
