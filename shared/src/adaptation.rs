@@ -90,22 +90,39 @@ impl State {
     /// and counted.
     #[inline(always)]
     pub fn step(&mut self, config: &Config, signal: i32) -> Output {
-        let signal = self.admit(signal);
-        // 25 bits and six zeros: fits.
+        let admitted = signal.clamp(STRAIN_MIN, STRAIN_MAX);
+        if admitted != signal {
+            self.count_saturation();
+        }
+        self.advance(config, admitted);
+        self.output(config)
+    }
+
+    /// Takes the next sample, of 24 bits; whether a memory had to be saturated.
+    #[inline(always)]
+    pub(crate) fn advance(&mut self, config: &Config, signal: i32) -> bool {
         let raised = signal << 6;
+        // 25 bits and six zeros: fits.
         let change = raised.wrapping_sub(self.raised);
         self.raised = raised;
 
         let (fast, slow) = (multiplied(self.fast), multiplied(self.slow));
         self.fast = config.fast.advance(self.fast, fast, slow, change);
         self.slow = config.slow.advance(self.slow, slow, fast, change);
-        if (beyond(self.fast) | beyond(self.slow)) >= 1 << 30 {
+        let saturates = (beyond(self.fast) | beyond(self.slow)) >= 1 << 30;
+        if saturates {
             self.saturate_memories();
         }
+        saturates
+    }
 
-        let equilibrium = less(less(raised, self.fast), self.slow);
+    /// What the filter says about its last sample.
+    #[inline(always)]
+    #[must_use]
+    pub const fn output(&self, config: &Config) -> Output {
+        let equilibrium = less(less(self.raised, self.fast), self.slow);
         Output {
-            signal,
+            signal: self.raised >> 6,
             fa: upper_word(self.fast).wrapping_add(16) >> 5,
             equilibrium: halve_rounded(equilibrium >> 5),
             // 6 + 31 fractional bits, and 1/c0 is 32 times its coefficient.
@@ -125,19 +142,15 @@ impl State {
         self.saturations
     }
 
-    #[inline]
-    fn admit(&mut self, signal: i32) -> i32 {
-        if (STRAIN_MIN..=STRAIN_MAX).contains(&signal) {
-            return signal;
-        }
+    #[cold]
+    fn count_saturation(&mut self) {
         self.saturations = self.saturations.saturating_add(1);
-        signal.clamp(STRAIN_MIN, STRAIN_MAX)
     }
 
     /// Only an exchange of shares or rates can bring a memory here.
     #[cold]
     fn saturate_memories(&mut self) {
-        self.saturations = self.saturations.saturating_add(1);
+        self.count_saturation();
         self.fast = self.fast.clamp(MEMORY_MIN, MEMORY_MAX);
         self.slow = self.slow.clamp(MEMORY_MIN, MEMORY_MAX);
     }

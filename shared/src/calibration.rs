@@ -2,15 +2,15 @@
 //!
 //! strain = gain (counts − offset) − κ (T − T0) − tare, saturated to 24 bits; formats are those of [`crate::fixed`].
 //!
-//! The gain is a 31-bit mantissa and a power of two, so it loses nothing and costs two multiplications of 32 bits. What
-//! does not change from sample to sample, κ (T − T0) + tare, is computed once for a temperature: the zero of a
-//! [`Conversion`].
+//! The gain is a 31-bit mantissa and a power of two and costs two multiplications of 32 bits; their rounding moves a strain
+//! by at most 0.75 LSB, that of κ (T − T0) by 0.5. What does not change from sample to sample, κ (T − T0) + tare, is
+//! computed once for a temperature: the zero of a [`Conversion`].
 
 use core::fmt;
 
 use crate::fixed::{STRAIN_FRACTION_BITS, TEMPERATURE_FRACTION_BITS, temperature_from_celsius};
 use crate::fixed::{STRAIN_MAX, STRAIN_MIN, round_shift, round_to_i32};
-use crate::fixed::{product, product_high, product_high_rounded};
+use crate::fixed::{product, product_high_rounded};
 use crate::flags::Flags;
 
 /// Smallest and largest |gain|, µε per count.
@@ -201,39 +201,46 @@ impl Conversion {
     #[inline]
     #[must_use]
     pub fn apply(&self, counts: i32) -> Calibrated {
-        let strain = self.unlimited(counts);
-        if at_rail(counts) | (strain != strain.clamp(STRAIN_MIN, STRAIN_MAX)) {
-            return self.apply_limited(counts);
+        match self.ordinary(counts) {
+            Some(strain) => Calibrated { strain, flags: Flags::NONE },
+            None => self.limited(counts),
         }
-        Calibrated { strain, flags: Flags::NONE }
     }
 
-    /// Rare, so that an ordinary sample is spared limits and flags.
+    /// Strain of a count, if there is nothing to warn of.
+    #[inline(always)]
+    pub(crate) fn ordinary(&self, counts: i32) -> Option<i32> {
+        let strain = self.unlimited(counts);
+        // One test for both: the rails of the converter are its largest sizes, a strain may have them.
+        let warn = (size(counts).wrapping_add(1) | size(strain)) >= 1 << 23;
+        if warn { None } else { Some(strain) }
+    }
+
+    /// Strain of any count. Rare, so that an ordinary sample is spared limits and flags.
     #[cold]
-    fn apply_limited(&self, counts: i32) -> Calibrated {
+    pub(crate) fn limited(&self, counts: i32) -> Calibrated {
         let unlimited = self.unlimited(counts.clamp(STRAIN_MIN, STRAIN_MAX));
         let strain = unlimited.clamp(STRAIN_MIN, STRAIN_MAX);
-        let flags = Flags::CONVERTER_AT_RAIL.when(at_rail(counts))
+        let at_rail = counts >= STRAIN_MAX || counts <= STRAIN_MIN;
+        let flags = Flags::CONVERTER_AT_RAIL.when(at_rail)
             | Flags::STRAIN_SATURATED.when(strain != unlimited);
         Calibrated { strain, flags }
     }
 
     /// Strain of 24 bits of counts before it is limited: a difference of 25 bits times a gain up to 2^5 LSB, less a zero
     /// that is smaller than twice that.
-    #[inline]
+    #[inline(always)]
     fn unlimited(&self, counts: i32) -> i32 {
         let difference = (counts << DIFFERENCE_BITS).wrapping_sub(self.offset);
-        product_high_rounded(product_high(difference, self.mantissa), self.scale)
+        product_high_rounded(product_high_rounded(difference, self.mantissa), self.scale)
             .wrapping_sub(self.zero)
     }
 }
 
-/// Whether the converter stands at −2^23 or below, or 2^23 − 1 or above.
+/// How large a number is; one less for a negative one, so that a number of 24 bits has a size below 2^23.
 #[inline]
-const fn at_rail(counts: i32) -> bool {
-    // The complement of a negative count is one less than its size.
-    let size = if counts < 0 { !counts } else { counts };
-    size >= STRAIN_MAX
+const fn size(value: i32) -> u32 {
+    (value ^ (value >> 31)) as u32
 }
 
 #[cfg(test)]
