@@ -1,6 +1,6 @@
 //! The device as the host sees it.
 
-use shared::pipeline::{Config, Pipeline};
+use shared::pipeline::Pipeline;
 use shared::wire::{
     self, Answer, ClockSource, ConverterFault, Counters, Done, FRAME_MAX, Formats, Head, Hello,
     Log, Oversampling, Refusal, ResetCause, Settings, Source, Status, ToDevice, ToHost,
@@ -43,7 +43,6 @@ pub struct Identity<'a> {
 pub struct Device<'a> {
     pub(crate) identity: Identity<'a>,
     pub(crate) settings: Settings,
-    pub(crate) config: Config,
     pub(crate) stream: Stream<'a>,
     pub(crate) outgoing: Outgoing,
     pub(crate) counters: Counters,
@@ -78,8 +77,7 @@ impl<'a> Device<'a> {
         Some(Self {
             identity,
             settings,
-            config,
-            stream: Stream::new(Pipeline::new(), blocks),
+            stream: Stream::new(Pipeline::new(&config), blocks),
             outgoing: Outgoing::new(),
             counters: Counters::default(),
             test: None,
@@ -144,13 +142,13 @@ impl<'a> Device<'a> {
             test.take(sample);
         }
         if self.stream.source() == Some(Source::Converter) {
-            self.stream.sample(&self.config, sample, self.temperature);
+            self.stream.sample(sample, self.temperature);
         }
     }
 
     /// Processes one injected row; whether there was one.
     pub fn process_injected(&mut self) -> bool {
-        self.stream.injected(&self.config)
+        self.stream.injected()
     }
 
     /// To be called every 10 ms or so.

@@ -198,7 +198,7 @@ fn injected_rows_come_back_as_the_pipeline_makes_them_bit_for_bit() {
     let mut host = Host::introduced();
     host.start(LINK);
     let config = Settings::DEFAULT.config(0.005).unwrap();
-    let mut pipeline = Pipeline::new();
+    let mut pipeline = Pipeline::new(&config);
     let rows: Vec<_> = (0..600).map(press).collect();
     for chunk in rows.chunks(BLOCK_ROWS) {
         assert!(matches!(host.inject(chunk), Ok(Done::Injected { lost: 0, .. })));
@@ -211,7 +211,8 @@ fn injected_rows_come_back_as_the_pipeline_makes_them_bit_for_bit() {
             (row.number, row.time_us, row.counts),
             (number as u64, 5_000 * number as u64, counts)
         );
-        let outputs = pipeline.process(&config, counts, 25 * 256);
+        pipeline.process(&counts, 25 * 256);
+        let outputs = pipeline.outputs();
         assert_eq!(row.fa, outputs.map(|out| out.fa));
         assert_eq!(row.sa, outputs.map(|out| out.sa()));
         assert_eq!(

@@ -408,7 +408,7 @@ mod tests {
     #[test]
     fn a_press_is_sent_whole_in_less_than_thirty_bytes_a_row() {
         let config = Settings::DEFAULT.config(1.024e-3).unwrap();
-        let mut pipeline = Pipeline::new();
+        let mut pipeline = Pipeline::new(&config);
         let (mut sent, mut bytes, mut frame) = (0, 0, [0; FRAME_MAX]);
         let mut noise = 1_u32;
         for block in 0..200_u64 {
@@ -423,7 +423,8 @@ mod tests {
                     (press / f64::from(gauge)) as i32 + (noise >> 24) as i32
                 });
                 let time = (block * 16 + row) * 1_024 + u64::from(row % 5 == 0);
-                rows.push(time, counts, &pipeline.process(&config, counts, 0));
+                pipeline.process(&counts, 0);
+                rows.push(time, counts, &pipeline.outputs());
             }
             sent += rows.len();
             let mut from = 0;
