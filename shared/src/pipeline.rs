@@ -81,9 +81,11 @@ impl Counters {
 
 /// Four gauges: their configuration and what they remember between samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(C)]
 pub struct Pipeline {
-    config: Config,
+    /// First in memory: within reach of the instructions that load and store two words at once.
     channels: [Channel; GAUGES],
+    config: Config,
     samples: u32,
     /// Of the last sample, if it came as counts.
     counts: Option<[i32; GAUGES]>,
