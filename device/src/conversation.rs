@@ -1,9 +1,10 @@
 //! The device as the host sees it.
 
-use shared::pipeline::Pipeline;
+use shared::pipeline::{Config, Pipeline};
 use shared::wire::{
     self, Answer, ClockSource, ConverterFault, Counters, Done, FRAME_MAX, Formats, Head, Hello,
-    Log, Oversampling, Refusal, ResetCause, Settings, Source, Status, ToDevice, ToHost,
+    Log, Oversampling, Refusal, ResetCause, Settings, SettingsError, Source, Status, ToDevice,
+    ToHost,
 };
 
 use crate::blocks::Blocks;
@@ -38,6 +39,22 @@ pub struct Identity<'a> {
     pub panic: &'a str,
 }
 
+/// Settings to begin with: those that were kept, or the defaults where there are none or they are out of range. With what
+/// the pipeline makes of them, at a converter clock (Hz).
+///
+/// # Errors
+/// [`SettingsError`] if even the defaults are out of range at this clock.
+pub fn begin_with(
+    kept: Option<Settings>,
+    converter_clock_hz: u32,
+) -> Result<(Settings, Config), SettingsError> {
+    let made = |settings: Settings| {
+        let config = settings.config(settings.oversampling.interval_s(converter_clock_hz))?;
+        Ok((settings, config))
+    };
+    kept.and_then(|settings| made(settings).ok()).map_or_else(|| made(Settings::DEFAULT), Ok)
+}
+
 /// A fingertip: takes samples and the host's frames, gives frames for the host.
 #[derive(Debug)]
 pub struct Device<'a> {
@@ -62,22 +79,17 @@ pub struct Device<'a> {
 }
 
 impl<'a> Device<'a> {
-    /// A device that begins with these settings, or with the defaults where they are out of range.
+    /// A device that begins with these settings and what [`begin_with`] made of them.
     #[must_use]
-    pub fn new(identity: Identity<'a>, settings: Settings, blocks: &'a mut Blocks) -> Option<Self> {
-        let interval =
-            |settings: &Settings| settings.oversampling.interval_s(identity.converter_clock_hz);
-        let (settings, config) = match settings.config(interval(&settings)) {
-            Ok(config) => (settings, config),
-            Err(_) => {
-                let settings = Settings::DEFAULT;
-                (settings, settings.config(interval(&settings)).ok()?)
-            }
-        };
-        Some(Self {
+    pub fn new(
+        identity: Identity<'a>,
+        (settings, config): &(Settings, Config),
+        blocks: &'a mut Blocks,
+    ) -> Self {
+        Self {
             identity,
-            settings,
-            stream: Stream::new(Pipeline::new(&config), blocks),
+            settings: *settings,
+            stream: Stream::new(Pipeline::new(config), blocks),
             outgoing: Outgoing::new(),
             counters: Counters::default(),
             test: None,
@@ -91,7 +103,7 @@ impl<'a> Device<'a> {
             stack_used: 0,
             queue_most: 0,
             status_at_us: 0,
-        })
+        }
     }
 
     /// The settings, for the hardware to begin with.

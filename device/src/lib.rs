@@ -40,5 +40,5 @@ mod stream;
 
 pub use blocks::Blocks;
 pub use board::{Board, Restart};
-pub use conversation::{Device, Identity};
+pub use conversation::{Device, Identity, begin_with};
 pub use stream::{INJECTED_ROWS, Lost, Sample};

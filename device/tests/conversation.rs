@@ -1,6 +1,6 @@
 //! What a host may rely on, command by command.
 
-use device::{Board, Device, INJECTED_ROWS, Identity, Lost, Restart, Sample};
+use device::{Board, Device, INJECTED_ROWS, Identity, Lost, Restart, Sample, begin_with};
 use proptest::prelude::*;
 use shared::calibration::Sheet;
 use shared::pipeline::{GAUGES, Pipeline};
@@ -67,7 +67,11 @@ struct Host {
 impl Host {
     fn new() -> Self {
         Self {
-            device: Device::new(IDENTITY, Settings::DEFAULT, Box::leak(Box::default())).unwrap(),
+            device: Device::new(
+                IDENTITY,
+                &begin_with(None, IDENTITY.converter_clock_hz).unwrap(),
+                Box::leak(Box::default()),
+            ),
             board: Bench::default(),
             sequence: 0,
             now_us: 0,

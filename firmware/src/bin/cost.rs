@@ -6,10 +6,11 @@
 #![no_main]
 
 use core::hint::black_box;
+use core::mem::MaybeUninit;
 
 use cortex_m::peripheral::{SYST, syst::SystClkSource};
 use cortex_m_semihosting::{debug, hprintln};
-use device::{Blocks, Device, Identity, Lost, Sample};
+use device::{Blocks, Device, Identity, Lost, Sample, begin_with};
 use dsp_fixedpoint::Q32;
 use dsp_process::SplitProcess;
 use idsp::iir::{Biquad, DirectForm1, DirectForm1Wide};
@@ -47,12 +48,11 @@ fn main() -> ! {
 
 fn measure_all() {
     rivals();
-    let settings = Settings::DEFAULT;
-    let interval_s = settings.oversampling.interval_s(8_000_000);
-    let Ok(config) = settings.config(interval_s) else { return };
+    let Ok(settings) = begin_with(None, IDENTITY.converter_clock_hz) else { return };
+    let config = black_box(settings.1);
     decomposition(&config.adaptation);
     pipeline(&config);
-    everything(settings);
+    everything(&settings);
 }
 
 #[inline(never)]
@@ -86,12 +86,16 @@ fn pipeline(config: &Config) {
 }
 
 #[inline(never)]
-fn everything(settings: Settings) {
+fn everything(settings: &(Settings, Config)) {
     let Some(blocks) = cortex_m::singleton!(: Blocks = Blocks::new()) else { return };
-    let Some(mut device) = Device::new(IDENTITY, settings, blocks) else { return };
-    say(&mut device, 1, &ToDevice::Hello(HelloToDevice { schema: SCHEMA, version: "" }));
+    let Some(place) = cortex_m::singleton!(: MaybeUninit<Device<'static>> = MaybeUninit::uninit())
+    else {
+        return;
+    };
+    let device = place.write(Device::new(IDENTITY, settings, blocks));
+    say(device, 1, &ToDevice::Hello(HelloToDevice { schema: SCHEMA, version: "" }));
     let start = Start { source: Source::Converter, columns: wire::Columns::Parts };
-    say(&mut device, 2, &ToDevice::Start(start));
+    say(device, 2, &ToDevice::Start(start));
     let mut frame = [0; FRAME_MAX];
     let mut time_us = 0;
     let mut sent = 0;
