@@ -190,13 +190,15 @@ impl Rows {
         self.last_us.wrapping_sub(self.time_us)
     }
 
-    /// Appends the next row; dropped if there is no room.
+    /// Appends the next row, counts and what the pipeline made of them ([`crate::pipeline::Pipeline::outputs`], as a function:
+    /// what a row does not need is not computed); dropped if there is no room.
     #[inline]
-    pub fn push(&mut self, time_us: u64, counts: Gauges, outputs: &[Output; GAUGES]) {
+    pub fn push(&mut self, time_us: u64, counts: Gauges, made: impl Fn() -> [Output; GAUGES]) {
         let at = self.count;
+        let outputs = made();
         let interval = [time_us.wrapping_sub(self.last_us) as i32];
-        let states = [i32::from_le_bytes(outputs.each_ref().map(|out| out.state().byte()))];
-        let fa = outputs.each_ref().map(|out| out.fa);
+        let states = [i32::from_le_bytes(outputs.map(|out| out.state().byte()))];
+        let fa = outputs.map(|out| out.fa);
         if at == 0 {
             self.intervals.begin(interval);
             self.states.begin(states);
@@ -209,20 +211,22 @@ impl Rows {
             self.fa.set(at, fa);
         }
         if self.columns == Columns::All {
-            self.note_rest(at, outputs);
+            self.note_rest(at, &made);
         }
-        let entered = outputs.each_ref().map(|out| out.entered_samples_ago);
-        if self.found_a_region || entered.iter().any(Option::is_some) {
-            self.note_regions(at, entered);
+        if self.found_a_region || outputs.iter().any(|out| out.entered_samples_ago.is_some()) {
+            self.note_regions(at, &made);
         }
         self.last_us = time_us;
-        self.count = at.saturating_add(1).min(BLOCK_ROWS);
+        self.count = at.wrapping_add(1);
     }
 
+    /// Beyond the values of every row, so that those cost no more than they must.
     #[cold]
-    fn note_rest(&mut self, at: usize, outputs: &[Output; GAUGES]) {
-        let elastic = outputs.each_ref().map(|out| out.elastic);
-        let equilibrium = outputs.each_ref().map(|out| out.equilibrium);
+    #[inline(never)]
+    fn note_rest(&mut self, at: usize, made: impl Fn() -> [Output; GAUGES]) {
+        let outputs = made();
+        let elastic = outputs.map(|out| out.elastic);
+        let equilibrium = outputs.map(|out| out.equilibrium);
         if at == 0 {
             self.elastic.begin(elastic);
             self.equilibrium.begin(equilibrium);
@@ -233,7 +237,8 @@ impl Rows {
     }
 
     #[cold]
-    fn note_regions(&mut self, at: usize, entered: [Option<u32>; GAUGES]) {
+    #[inline(never)]
+    fn note_regions(&mut self, at: usize, made: impl Fn() -> [Output; GAUGES]) {
         if !core::mem::replace(&mut self.found_a_region, true) {
             self.entered.begin([0; GAUGES]);
             for before in 1..at {
@@ -241,7 +246,7 @@ impl Rows {
             }
         }
         let code = |ago: u32| ago.saturating_add(1).cast_signed();
-        let codes = entered.map(|ago| ago.map_or(0, code));
+        let codes = made().map(|out| out.entered_samples_ago.map_or(0, code));
         if at == 0 { self.entered.begin(codes) } else { self.entered.set(at, codes) }
     }
 
@@ -424,7 +429,7 @@ mod tests {
                 });
                 let time = (block * 16 + row) * 1_024 + u64::from(row % 5 == 0);
                 pipeline.process(&counts, 0);
-                rows.push(time, counts, &pipeline.outputs());
+                rows.push(time, counts, || pipeline.outputs());
             }
             sent += rows.len();
             let mut from = 0;
@@ -489,7 +494,7 @@ mod tests {
                 if row > 0 {
                     time += interval;
                 }
-                rows.push(time, *counts, outputs);
+                rows.push(time, *counts, || *outputs);
             }
             let (heard, _) = through_the_line(&rows);
             prop_assert_eq!(&heard, &rows.iter(&calibration()).collect::<Vec<_>>());
