@@ -170,7 +170,7 @@ impl<'a> Stream<'a> {
             (rows.generation, rows.temperature) = (self.generation, temperature);
         }
         self.last_us = time_us;
-        rows.push(time_us, counts, || self.pipeline.outputs());
+        rows.push(time_us, counts, &self.pipeline);
         self.next_row = self.next_row.wrapping_add(1);
         let late = source == Source::Converter && rows.span_us() >= SPAN_US;
         if rows.is_full() || late {

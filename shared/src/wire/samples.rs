@@ -10,7 +10,7 @@ use super::{Columns, FRAME_MAX, FrameError, Head, ToHost, encode};
 use crate::calibration::Calibration;
 use crate::flags::Flags;
 use crate::phase::{Region, RelaxationType};
-use crate::pipeline::{GAUGES, Output};
+use crate::pipeline::{GAUGES, Output, Pipeline};
 
 /// Temperature at which a calibration is applied where none is measured, 2^-8 °C.
 pub const REFERENCE_TEMPERATURE: i16 = 25 * 256;
@@ -110,6 +110,25 @@ pub struct Row {
     pub entered: [Option<u32>; GAUGES],
 }
 
+/// What knows the outputs of a row. A pipeline computes only those that are looked at.
+pub trait Made {
+    /// What was made of the counts, gauge by gauge.
+    fn outputs(&self) -> [Output; GAUGES];
+}
+
+impl Made for Pipeline {
+    #[inline(always)]
+    fn outputs(&self) -> [Output; GAUGES] {
+        Pipeline::outputs(self)
+    }
+}
+
+impl Made for [Output; GAUGES] {
+    fn outputs(&self) -> [Output; GAUGES] {
+        *self
+    }
+}
+
 /// Consecutive rows, on their way into a frame or out of one.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Rows {
@@ -190,12 +209,11 @@ impl Rows {
         self.last_us.wrapping_sub(self.time_us)
     }
 
-    /// Appends the next row, counts and what the pipeline made of them ([`crate::pipeline::Pipeline::outputs`], as a function:
-    /// what a row does not need is not computed); dropped if there is no room.
+    /// Appends the next row, counts and what was made of them; dropped if there is no room.
     #[inline]
-    pub fn push(&mut self, time_us: u64, counts: Gauges, made: impl Fn() -> [Output; GAUGES]) {
+    pub fn push(&mut self, time_us: u64, counts: Gauges, made: &impl Made) {
         let at = self.count;
-        let outputs = made();
+        let outputs = made.outputs();
         let interval = [time_us.wrapping_sub(self.last_us) as i32];
         let states = [i32::from_le_bytes(outputs.map(|out| out.state().byte()))];
         let fa = outputs.map(|out| out.fa);
@@ -211,10 +229,10 @@ impl Rows {
             self.fa.set(at, fa);
         }
         if self.columns == Columns::All {
-            self.note_rest(at, &made);
+            self.note_rest(at, made);
         }
         if self.found_a_region || outputs.iter().any(|out| out.entered_samples_ago.is_some()) {
-            self.note_regions(at, &made);
+            self.note_regions(at, made);
         }
         self.last_us = time_us;
         self.count = at.wrapping_add(1);
@@ -223,8 +241,8 @@ impl Rows {
     /// Beyond the values of every row, so that those cost no more than they must.
     #[cold]
     #[inline(never)]
-    fn note_rest(&mut self, at: usize, made: impl Fn() -> [Output; GAUGES]) {
-        let outputs = made();
+    fn note_rest(&mut self, at: usize, made: &impl Made) {
+        let outputs = made.outputs();
         let elastic = outputs.map(|out| out.elastic);
         let equilibrium = outputs.map(|out| out.equilibrium);
         if at == 0 {
@@ -238,7 +256,7 @@ impl Rows {
 
     #[cold]
     #[inline(never)]
-    fn note_regions(&mut self, at: usize, made: impl Fn() -> [Output; GAUGES]) {
+    fn note_regions(&mut self, at: usize, made: &impl Made) {
         if !core::mem::replace(&mut self.found_a_region, true) {
             self.entered.begin([0; GAUGES]);
             for before in 1..at {
@@ -246,7 +264,7 @@ impl Rows {
             }
         }
         let code = |ago: u32| ago.saturating_add(1).cast_signed();
-        let codes = made().map(|out| out.entered_samples_ago.map_or(0, code));
+        let codes = made.outputs().map(|out| out.entered_samples_ago.map_or(0, code));
         if at == 0 { self.entered.begin(codes) } else { self.entered.set(at, codes) }
     }
 
@@ -429,7 +447,7 @@ mod tests {
                 });
                 let time = (block * 16 + row) * 1_024 + u64::from(row % 5 == 0);
                 pipeline.process(&counts, 0);
-                rows.push(time, counts, || pipeline.outputs());
+                rows.push(time, counts, &pipeline);
             }
             sent += rows.len();
             let mut from = 0;
@@ -494,7 +512,7 @@ mod tests {
                 if row > 0 {
                     time += interval;
                 }
-                rows.push(time, *counts, || *outputs);
+                rows.push(time, *counts, outputs);
             }
             let (heard, _) = through_the_line(&rows);
             prop_assert_eq!(&heard, &rows.iter(&calibration()).collect::<Vec<_>>());
