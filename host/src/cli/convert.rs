@@ -123,6 +123,7 @@ fn read_all(args: &Args) -> Result<Recorded, Failure> {
             let recorded = read_recording(input, &options).map_err(Failure::input)?;
             all.traces.extend(recorded.traces);
             all.rows_lost += recorded.rows_lost;
+            all.rows_unknown += recorded.rows_unknown;
             all.damaged += recorded.damaged;
             all.closed &= recorded.closed;
         } else {
@@ -179,6 +180,13 @@ fn warnings(read: &Recorded) -> Vec<String> {
         }
     };
     warn(read.rows_lost > 0, format!("{} rows were lost while recording", read.rows_lost));
+    warn(
+        read.rows_unknown > 0,
+        format!(
+            "{} rows were left out: the settings that made them are not in the recording",
+            read.rows_unknown
+        ),
+    );
     warn(read.damaged > 0, format!("{} damaged frames were left out", read.damaged));
     warn(
         !read.closed,
@@ -206,6 +214,7 @@ fn to_json(read: &Recorded, files: &[PathBuf]) -> Value {
         "palpate_conversion": 1,
         "written": written,
         "rows_lost": read.rows_lost,
+        "rows_without_settings": read.rows_unknown,
         "damaged_frames": read.damaged,
         "ended_in_order": read.closed,
     })

@@ -4,6 +4,7 @@
 //! names carry their unit, then numbers; the same as Parquet. Compression is positive in displacement and
 //! force. [`recorded`] makes traces of a recording of a device, [`recordable`] a recording of a trace.
 
+mod caught;
 mod error;
 mod gaps;
 mod head;

@@ -211,7 +211,7 @@ impl<W: Write> Device<W> {
             self.send_rows()?;
         }
         if self.rows.is_empty() {
-            self.rows.begin(Columns::All, number, time_us);
+            self.rows.begin(Columns::All, number, time_us, self.now_us);
             (self.rows.generation, self.rows.temperature) = (1, temperature);
         }
         let outputs = self.pipeline.process(&self.config, counts, temperature.unwrap_or(0));
@@ -236,7 +236,7 @@ impl<W: Write> Device<W> {
             self.writer.frame(self.now_us, &bytes[..bytes.len() - 1])?;
             from += held;
         }
-        self.rows.begin(Columns::All, 0, 0);
+        self.rows.begin(Columns::All, 0, 0, 0);
         Ok(())
     }
 

@@ -4,6 +4,9 @@
 //! started, or the settings changed, for a trace has one head. Rows that were lost within it are a gap in its time; nothing
 //! is put in their place. The time is that of the device since the first row of the stretch, unless that of the host is
 //! asked for. A region that the device recognised late is put back to where it was entered.
+//!
+//! SA is the calibrated strain less FA, so a block can be read only with the settings that made it, which the device says
+//! before. Rows whose settings were lost on the line are left out and counted.
 
 mod columns;
 
@@ -11,6 +14,8 @@ use std::collections::HashMap;
 use std::io::BufRead;
 use std::path::Path;
 
+use shared::calibration::Calibration;
+use shared::pipeline::GAUGES;
 use shared::wire::{Block, Head as FrameHead, Hello, Rows, Settings, Source, ToHost};
 
 use self::columns::{Origin, Stretch};
@@ -36,6 +41,8 @@ pub struct Recorded {
     pub traces: Vec<Trace>,
     /// Rows that were lost within them.
     pub rows_lost: u64,
+    /// Rows that were left out because their settings are not in the recording.
+    pub rows_unknown: u64,
     /// Damaged frames that were left out.
     pub damaged: u64,
     /// Whether the recording was ended in order; if not, something may be missing at its end.
@@ -74,6 +81,7 @@ pub fn to_traces(
     }
     stream.end();
     recorded.closed = reader.closed();
+    recorded.rows_unknown = stream.rows_unknown;
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let several = stream.ended.len() > 1;
     for (index, (stretch, clock)) in stream.ended.into_iter().enumerate() {
@@ -119,7 +127,8 @@ impl Device {
 struct Stream {
     opened_ns: u64,
     device: Option<Device>,
-    settings: HashMap<u32, Settings>,
+    settings: HashMap<u32, (Settings, [Calibration; GAUGES])>,
+    rows_unknown: u64,
     source: Option<Source>,
     arrived_us: Option<u64>,
     clock: Clock,
@@ -156,7 +165,8 @@ impl Stream {
                 self.source = None;
             }
             ToHost::Settings { generation, settings } => {
-                self.settings.insert(*generation, *settings);
+                let calibrated = calibration(settings).map(|gauges| (*settings, gauges));
+                self.settings.extend(calibrated.map(|settings| (*generation, settings)));
             }
             ToHost::Status(status) => self.source = status.streaming,
             ToHost::Samples(block) => self.hear_rows(head, block),
@@ -167,24 +177,24 @@ impl Stream {
     fn hear_rows(&mut self, head: FrameHead, block: &Block<'_>) {
         // A block that passed its CRC and contradicts itself was made so; its rows are lost as others are.
         let Ok(rows) = Rows::decode(head, block) else { return };
-        for row in rows.iter() {
+        let Some((settings, calibration)) = self.settings.get(&rows.generation).copied() else {
+            self.rows_unknown += rows.len() as u64;
+            return;
+        };
+        for row in rows.iter(&calibration) {
             let goes_on = |stretch: &Stretch| stretch.goes_on(rows.generation, &row);
             if !self.stretch.as_ref().is_some_and(goes_on) {
                 self.end();
-                self.stretch = Some(Stretch::new(self.origin(rows.generation)));
+                self.stretch = Some(Stretch::new(Origin {
+                    device: self.device.clone(),
+                    generation: rows.generation,
+                    settings,
+                    start_s: self.start_s(),
+                }));
             }
             if let Some(stretch) = &mut self.stretch {
                 stretch.push(&row, rows.temperature);
             }
-        }
-    }
-
-    fn origin(&self, generation: u32) -> Origin {
-        Origin {
-            device: self.device.clone(),
-            generation,
-            settings: self.settings.get(&generation).copied(),
-            start_s: self.start_s(),
         }
     }
 
@@ -212,6 +222,14 @@ impl Stream {
     }
 }
 
+/// What made strain of counts; none if the device could not have said so.
+fn calibration(settings: &Settings) -> Option<[Calibration; GAUGES]> {
+    let gauges = settings.calibration.iter().zip(settings.tare);
+    let calibrated =
+        gauges.map(|(sheet, tare)| Some(Calibration::new(sheet).ok()?.with_tare(tare)));
+    calibrated.collect::<Option<Vec<_>>>()?.try_into().ok()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -219,7 +237,7 @@ mod tests {
     use proptest::prelude::*;
     use shared::flags::Flags;
     use shared::phase::{Region, RelaxationType};
-    use shared::pipeline::{GAUGES, Output};
+    use shared::pipeline::Output;
     use shared::wire::{Columns, FRAME_MAX, encode};
 
     const QUIET: Output = Output {
@@ -242,7 +260,7 @@ mod tests {
         outputs: &[Output; GAUGES],
     ) -> Vec<u8> {
         let mut block = Rows::new();
-        block.begin(Columns::Parts, first, time_us);
+        block.begin(Columns::Parts, first, time_us, time_us.saturating_sub(1_000));
         (block.generation, block.temperature) = (generation, Some(23 * 256));
         for row in 0..rows {
             block.push(time_us + 1_000 * row, [1, -2, 3, -4], outputs);
@@ -259,8 +277,17 @@ mod tests {
         bytes[..bytes.len() - 1].to_vec()
     }
 
+    /// Settings with a calibration of 1/2 µε per count and a gauge that rests at −6 counts.
+    fn set() -> Settings {
+        let mut settings = Settings::DEFAULT;
+        for sheet in &mut settings.calibration {
+            (sheet.gain, sheet.offset) = (0.125, -18);
+        }
+        settings
+    }
+
     fn settings(generation: u32) -> Vec<u8> {
-        said(0, &ToHost::Settings { generation, settings: Settings::DEFAULT })
+        said(0, &ToHost::Settings { generation, settings: set() })
     }
 
     fn recorded(
@@ -300,7 +327,7 @@ mod tests {
         assert_eq!(trace.head.setup.other["rate_Hz"].as_float(), Some(1000.0));
         assert_eq!(trace.head.setup.start_s, Some(6.0));
         let settings = trace.head.other["device"][SETTINGS].clone().try_into::<Settings>();
-        assert_eq!(settings, Ok(Settings::DEFAULT));
+        assert_eq!(settings, Ok(set()));
     }
 
     #[test]
@@ -338,8 +365,11 @@ mod tests {
     fn a_region_found_late_is_put_back_to_where_it_was_entered() {
         let late = Output { region: Region::Relaxation, entered_samples_ago: Some(3), ..QUIET };
         let quiet = &[QUIET; GAUGES];
-        let found =
-            traces(&[Ok(block(0, 0, 1, 6, quiet)), Ok(block(6, 6_000, 1, 1, &[late; GAUGES]))]);
+        let found = traces(&[
+            Ok(settings(1)),
+            Ok(block(0, 0, 1, 6, quiet)),
+            Ok(block(6, 6_000, 1, 1, &[late; GAUGES])),
+        ]);
         assert_eq!(found[0].column("gauge1_region").unwrap(), [2.0, 2.0, 2.0, 4.0, 4.0, 4.0, 4.0]);
     }
 
@@ -349,21 +379,31 @@ mod tests {
         let options = Options { host_time: true, ..Options::default() };
         // Messages arrive half a second apart; on the device that is a whole one.
         let entries = [
-            Ok(said(0, &ToHost::Log(shared::wire::Log { bytes: &[] }))),
+            Ok(settings(1)),
             Ok(said(1_000_000, &ToHost::Log(shared::wire::Log { bytes: &[] }))),
             Ok(block(0, 2_000_000, 1, 3, quiet)),
         ];
         let found = recorded(&entries, &options).unwrap();
         assert_eq!(found.traces[0].time, [0.0, 0.0005, 0.001]);
-        let error = recorded(&entries[2..], &options).unwrap_err().to_string();
+        let unclear = [entries[0].clone(), entries[2].clone()];
+        let error = recorded(&unclear, &options).unwrap_err().to_string();
         assert!(error.contains("clock of the device cannot be told"), "{error}");
     }
 
     #[test]
     fn a_recording_without_rows_is_refused() {
-        for entries in [&[][..], &[Ok(block(0, 0, 1, 1, &[QUIET; GAUGES]))]] {
+        for entries in [&[][..], &[Ok(settings(1)), Ok(block(0, 0, 1, 1, &[QUIET; GAUGES]))]] {
             assert!(matches!(recorded(entries, &Options::default()), Err(Error::NoStream { .. })));
         }
+    }
+
+    #[test]
+    fn rows_whose_settings_were_lost_are_left_out_and_counted() {
+        let quiet = &[QUIET; GAUGES];
+        let entries =
+            [Ok(block(0, 0, 1, 8, quiet)), Ok(settings(2)), Ok(block(8, 8_000, 2, 8, quiet))];
+        let found = recorded(&entries, &Options::default()).unwrap();
+        assert_eq!((found.rows_unknown, found.traces.len(), found.traces[0].len()), (8, 1, 8));
     }
 
     proptest! {
@@ -375,7 +415,8 @@ mod tests {
                 let output = Output { entered_samples_ago: entered.map(|ago| ago / 2), ..QUIET };
                 Ok(block(first, time_us, generation, rows, &[output; GAUGES]))
             });
-            if let Ok(found) = recorded(&frames.collect::<Vec<_>>(), &Options::default()) {
+            let entries: Vec<_> = [Ok(settings(1)), Ok(settings(2))].into_iter().chain(frames).collect();
+            if let Ok(found) = recorded(&entries, &Options::default()) {
                 for trace in &found.traces {
                     crate::trace::write_to(Vec::new(), trace).unwrap();
                 }

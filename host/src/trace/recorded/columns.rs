@@ -14,7 +14,7 @@ pub(super) struct Origin {
     pub device: Option<Device>,
     /// Which settings it was made with, and they.
     pub generation: u32,
-    pub settings: Option<Settings>,
+    pub settings: Settings,
     /// When it began, s since 1970.
     pub start_s: Option<f64>,
 }
@@ -134,7 +134,7 @@ impl Stretch {
                 table.insert(key.into(), value.clone().into());
             }
         }
-        if let Some(Ok(settings)) = self.origin.settings.map(Value::try_from) {
+        if let Ok(settings) = Value::try_from(self.origin.settings) {
             table.insert(super::SETTINGS.into(), settings);
         }
         table
