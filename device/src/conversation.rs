@@ -3,11 +3,11 @@
 use shared::pipeline::{Config, Pipeline};
 use shared::wire::{
     self, Answer, ClockSource, ConverterFault, Counters, Done, FRAME_MAX, Formats, Head, Hello,
-    Log, Oversampling, Refusal, ResetCause, Settings, Source, Status, ToDevice, ToHost,
+    Oversampling, Refusal, ResetCause, Settings, SettingsError, Source, Status, ToDevice, ToHost,
 };
 
 use crate::blocks::Blocks;
-use crate::board::{Board, Restart};
+use crate::board::{Board, Log, Restart};
 use crate::outgoing::Outgoing;
 use crate::self_test::SelfTest;
 use crate::stream::{Sample, Stream};
@@ -38,12 +38,27 @@ pub struct Identity<'a> {
     pub panic: &'a str,
 }
 
+/// Settings to begin with: those that were kept, or the defaults where there are none or they are out of range. With what
+/// the pipeline makes of them, at a converter clock (Hz).
+///
+/// # Errors
+/// [`SettingsError`] if even the defaults are out of range at this clock.
+pub fn begin_with(
+    kept: Option<Settings>,
+    converter_clock_hz: u32,
+) -> Result<(Settings, Config), SettingsError> {
+    let made = |settings: Settings| {
+        let config = settings.config(settings.oversampling.interval_s(converter_clock_hz))?;
+        Ok((settings, config))
+    };
+    kept.and_then(|settings| made(settings).ok()).map_or_else(|| made(Settings::DEFAULT), Ok)
+}
+
 /// A fingertip: takes samples and the host's frames, gives frames for the host.
 #[derive(Debug)]
 pub struct Device<'a> {
     pub(crate) identity: Identity<'a>,
     pub(crate) settings: Settings,
-    pub(crate) config: Config,
     pub(crate) stream: Stream<'a>,
     pub(crate) outgoing: Outgoing,
     pub(crate) counters: Counters,
@@ -63,23 +78,17 @@ pub struct Device<'a> {
 }
 
 impl<'a> Device<'a> {
-    /// A device that begins with these settings, or with the defaults where they are out of range.
+    /// A device that begins with these settings and what [`begin_with`] made of them.
     #[must_use]
-    pub fn new(identity: Identity<'a>, settings: Settings, blocks: &'a mut Blocks) -> Option<Self> {
-        let interval =
-            |settings: &Settings| settings.oversampling.interval_s(identity.converter_clock_hz);
-        let (settings, config) = match settings.config(interval(&settings)) {
-            Ok(config) => (settings, config),
-            Err(_) => {
-                let settings = Settings::DEFAULT;
-                (settings, settings.config(interval(&settings)).ok()?)
-            }
-        };
-        Some(Self {
+    pub fn new(
+        identity: Identity<'a>,
+        (settings, config): &(Settings, Config),
+        blocks: &'a mut Blocks,
+    ) -> Self {
+        Self {
             identity,
-            settings,
-            config,
-            stream: Stream::new(Pipeline::new(), blocks),
+            settings: *settings,
+            stream: Stream::new(Pipeline::new(config), blocks),
             outgoing: Outgoing::new(),
             counters: Counters::default(),
             test: None,
@@ -93,7 +102,7 @@ impl<'a> Device<'a> {
             stack_used: 0,
             queue_most: 0,
             status_at_us: 0,
-        })
+        }
     }
 
     /// The settings, for the hardware to begin with.
@@ -144,13 +153,13 @@ impl<'a> Device<'a> {
             test.take(sample);
         }
         if self.stream.source() == Some(Source::Converter) {
-            self.stream.sample(&self.config, sample, self.temperature);
+            self.stream.sample(sample, self.temperature);
         }
     }
 
     /// Processes one injected row; whether there was one.
     pub fn process_injected(&mut self) -> bool {
-        self.stream.injected(&self.config)
+        self.stream.injected()
     }
 
     /// To be called every 10 ms or so.
@@ -237,11 +246,11 @@ impl<'a> Device<'a> {
         self.heard = Some(sequence);
     }
 
-    /// Puts the next message into `frame`, if there is one; the bytes to send. `log` fills a buffer with what was logged.
+    /// Puts the next message into `frame`, if there is one; the bytes to send. What was logged comes last.
     pub fn next_frame<'f>(
         &mut self,
         now_us: u64,
-        log: impl FnOnce(&mut [u8]) -> usize,
+        log: &mut impl Log,
         frame: &'f mut [u8; FRAME_MAX],
     ) -> Option<&'f [u8]> {
         let head = Head { sequence: self.sequence, time_us: now_us };
@@ -263,11 +272,11 @@ impl<'a> Device<'a> {
         } else if self.outgoing.status {
             self.outgoing.status = false;
             wire::encode(head, &ToHost::Status(self.status()), frame)
-        } else if self.host == Some(true) {
+        } else if self.host == Some(true) && log.is_waiting() {
             let mut piece = [0; LOG_PIECE];
-            let length = log(&mut piece);
+            let length = log.take(&mut piece);
             let bytes = piece.get(..length).filter(|bytes| !bytes.is_empty())?;
-            wire::encode(head, &ToHost::Log(Log { bytes }), frame)
+            wire::encode(head, &ToHost::Log(wire::Log { bytes }), frame)
         } else {
             return None;
         };

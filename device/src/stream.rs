@@ -74,8 +74,8 @@ impl<'a> Stream<'a> {
         }
     }
 
-    pub(crate) fn start(&mut self, start: Start) {
-        self.pipeline = Pipeline::new();
+    pub(crate) fn start(&mut self, start: Start, config: &Config) {
+        self.pipeline = Pipeline::new(config);
         self.blocks.clear();
         self.injected.clear();
         (self.on, self.next_row, self.last_us, self.seen_waiting) = (Some(start), 0, 0, 0);
@@ -104,13 +104,13 @@ impl<'a> Stream<'a> {
 
     /// A sample of the converter, at a temperature.
     #[inline]
-    pub(crate) fn sample(&mut self, config: &Config, sample: &Sample, temperature: Option<i16>) {
+    pub(crate) fn sample(&mut self, sample: &Sample, temperature: Option<i16>) {
         if sample.lost != Lost::default() {
             // A block has no gaps.
             self.close();
             self.next_row = self.next_row.saturating_add(sample.lost.all());
         }
-        self.row(config, sample.time_us, sample.counts, temperature);
+        self.row(sample.time_us, sample.counts, temperature);
     }
 
     /// Takes injected rows into the queue: how many found room, how many did not.
@@ -133,9 +133,9 @@ impl<'a> Stream<'a> {
     }
 
     /// Numbers go on where injected rows found no room. They are lost behind those that wait, so those come first.
-    pub(crate) fn skip(&mut self, config: &Config, rows: u8) {
+    pub(crate) fn skip(&mut self, rows: u8) {
         if rows > 0 {
-            while self.injected(config) {}
+            while self.injected() {}
             self.close();
             self.next_row = self.next_row.saturating_add(u64::from(rows));
         }
@@ -147,35 +147,30 @@ impl<'a> Stream<'a> {
     }
 
     /// Takes one injected row from the queue; whether there was one.
-    pub(crate) fn injected(&mut self, config: &Config) -> bool {
+    pub(crate) fn injected(&mut self) -> bool {
         let Some(Source::Link { interval_ns }) = self.source() else { return false };
         let Some((counts, temperature)) = self.injected.pop_front() else { return false };
         let time_us = self.next_row.saturating_mul(u64::from(interval_ns)) / 1_000;
-        self.row(config, time_us, counts, temperature);
+        self.row(time_us, counts, temperature);
         true
     }
 
-    fn row(
-        &mut self,
-        config: &Config,
-        time_us: u64,
-        counts: [i32; GAUGES],
-        temperature: Option<i16>,
-    ) {
+    fn row(&mut self, time_us: u64, counts: [i32; GAUGES], temperature: Option<i16>) {
         let Some(Start { columns, source }) = self.on else { return };
         let used = temperature.unwrap_or(REFERENCE_TEMPERATURE);
-        let outputs = self.pipeline.process(config, counts, used);
-        if self.blocks.filling().temperature != temperature {
+        self.pipeline.process(&counts, used);
+        let mut rows = self.blocks.filling();
+        if rows.temperature != temperature {
             // A block has one temperature.
             self.close();
+            rows = self.blocks.filling();
         }
-        let rows = self.blocks.filling();
         if rows.is_empty() {
             rows.begin(columns, self.next_row, time_us, self.last_us);
             (rows.generation, rows.temperature) = (self.generation, temperature);
         }
         self.last_us = time_us;
-        rows.push(time_us, counts, &outputs);
+        rows.push(time_us, counts, &self.pipeline);
         self.next_row = self.next_row.wrapping_add(1);
         let late = source == Source::Converter && rows.span_us() >= SPAN_US;
         if rows.is_full() || late {

@@ -1,6 +1,6 @@
 //! What a host may rely on, command by command.
 
-use device::{Board, Device, INJECTED_ROWS, Identity, Lost, Restart, Sample};
+use device::{Board, Device, INJECTED_ROWS, Identity, Lost, Restart, Sample, begin_with};
 use proptest::prelude::*;
 use shared::calibration::Sheet;
 use shared::pipeline::{GAUGES, Pipeline};
@@ -67,7 +67,11 @@ struct Host {
 impl Host {
     fn new() -> Self {
         Self {
-            device: Device::new(IDENTITY, Settings::DEFAULT, Box::leak(Box::default())).unwrap(),
+            device: Device::new(
+                IDENTITY,
+                &begin_with(None, IDENTITY.converter_clock_hz).unwrap(),
+                Box::leak(Box::default()),
+            ),
             board: Bench::default(),
             sequence: 0,
             now_us: 0,
@@ -105,7 +109,7 @@ impl Host {
     fn hear(&mut self) {
         let mut line = Accumulator::new();
         let mut frame = [0; FRAME_MAX];
-        while let Some(bytes) = self.device.next_frame(self.now_us, |_| 0, &mut frame) {
+        while let Some(bytes) = self.device.next_frame(self.now_us, &mut (), &mut frame) {
             for byte in bytes {
                 if let Accumulated::Frame(frame) = line.push(*byte) {
                     let (head, message) = wire::decode(frame).unwrap();
@@ -198,7 +202,7 @@ fn injected_rows_come_back_as_the_pipeline_makes_them_bit_for_bit() {
     let mut host = Host::introduced();
     host.start(LINK);
     let config = Settings::DEFAULT.config(0.005).unwrap();
-    let mut pipeline = Pipeline::new();
+    let mut pipeline = Pipeline::new(&config);
     let rows: Vec<_> = (0..600).map(press).collect();
     for chunk in rows.chunks(BLOCK_ROWS) {
         assert!(matches!(host.inject(chunk), Ok(Done::Injected { lost: 0, .. })));
@@ -211,7 +215,8 @@ fn injected_rows_come_back_as_the_pipeline_makes_them_bit_for_bit() {
             (row.number, row.time_us, row.counts),
             (number as u64, 5_000 * number as u64, counts)
         );
-        let outputs = pipeline.process(&config, counts, 25 * 256);
+        pipeline.process(&counts, 25 * 256);
+        let outputs = pipeline.outputs();
         assert_eq!(row.fa, outputs.map(|out| out.fa));
         assert_eq!(row.sa, outputs.map(|out| out.sa()));
         assert_eq!(

@@ -39,13 +39,14 @@ type Frame = heapless::Vec<u8, { shared::wire::FRAME_MAX }>;
 mod app {
     use core::sync::atomic::{AtomicU32, Ordering};
     use defmt::{info, warn};
-    use device::{Blocks, Device, Identity, Sample};
+    use core::mem::MaybeUninit;
+    use device::{Blocks, Device, Identity, Sample, begin_with};
     use embedded_hal_bus::spi::{ExclusiveDevice, NoDelay};
     use embedded_hal_nb::serial::{Read, Write};
     use heapless::spsc::{Consumer, Producer, Queue};
     use rtic_monotonics::{Timebase, fugit, systick_monotonic};
     use rtic_sync::signal::SignalReader;
-    use shared::wire::{Accumulated, Accumulator, FRAME_MAX, Hello, Settings};
+    use shared::wire::{Accumulated, Accumulator, FRAME_MAX, Hello};
     use stm32f4xx_hal::gpio::{Edge, Input, Output, PB8, PB9, PC7, Speed};
     use stm32f4xx_hal::pac::{Interrupt, SPI2, USART3};
     use stm32f4xx_hal::prelude::*;
@@ -71,7 +72,7 @@ mod app {
 
     #[shared]
     struct Shared {
-        device: Device<'static>,
+        device: &'static mut Device<'static>,
         hardware: Board,
     }
 
@@ -98,6 +99,7 @@ mod app {
         byte_queue: Queue<u8, BYTES> = Queue::new(),
         frame_queue: Queue<Frame, FRAMES> = Queue::new(),
         blocks: Blocks = Blocks::new(),
+        device_place: MaybeUninit<Device<'static>> = MaybeUninit::uninit(),
         panic: [u8; Hello::PANIC] = [0; Hello::PANIC],
     ])]
     fn init(cx: init::Context) -> (Shared, Local) {
@@ -143,7 +145,9 @@ mod app {
         rx.listen();
 
         let mut memory = Memory::new(p.FLASH, fingerprint.is_some());
-        let settings = memory.load().unwrap_or(Settings::DEFAULT);
+        let Ok(settings) = begin_with(memory.load(), board::CONVERTER_CLOCK_HZ) else {
+            reset::die("the default settings are out of range");
+        };
         let identity = Identity {
             version: env!("CARGO_PKG_VERSION"),
             git: env!("PALPATE_GIT"),
@@ -154,9 +158,8 @@ mod app {
             reset: why,
             panic,
         };
-        let Some(device) = Device::new(identity, settings, cx.local.blocks) else {
-            reset::die("the default settings are out of range");
-        };
+        // Made where it stays: the stack has no room for copies.
+        let device = cx.local.device_place.write(Device::new(identity, &settings, cx.local.blocks));
         info!("palpate {} on {}, {} MHz", identity.version, board::NAME, sysclk.to_MHz());
 
         let (samples_in, samples) = cx.local.sample_queue.split();
@@ -280,7 +283,7 @@ mod app {
             while frames_in.ready() {
                 let mut room = [0; FRAME_MAX];
                 let (frame, restart) = cx.shared.device.lock(|device| {
-                    let bytes = device.next_frame(time::now_us(), log::take, &mut room);
+                    let bytes = device.next_frame(time::now_us(), &mut log::Waiting, &mut room);
                     let frame = bytes.and_then(|bytes| Frame::from_slice(bytes).ok());
                     (frame, device.restart_due())
                 });
@@ -342,7 +345,7 @@ mod app {
             while let Some(sample) = samples.dequeue() {
                 cx.shared.device.lock(|device| device.sample(&sample));
             }
-            while cx.shared.device.lock(Device::process_injected) {}
+            while cx.shared.device.lock(|device| device.process_injected()) {}
             wake(&wake::SEND);
         }
     }

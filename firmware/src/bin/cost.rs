@@ -6,10 +6,11 @@
 #![no_main]
 
 use core::hint::black_box;
+use core::mem::MaybeUninit;
 
 use cortex_m::peripheral::{SYST, syst::SystClkSource};
 use cortex_m_semihosting::{debug, hprintln};
-use device::{Blocks, Device, Identity, Lost, Sample};
+use device::{Blocks, Device, Identity, Lost, Sample, begin_with};
 use dsp_fixedpoint::Q32;
 use dsp_process::SplitProcess;
 use idsp::iir::{Biquad, DirectForm1, DirectForm1Wide};
@@ -18,7 +19,7 @@ use panic_semihosting as _;
 // The table of interrupts.
 use stm32f4xx_hal as _;
 use shared::adaptation;
-use shared::pipeline::{GAUGES, Pipeline};
+use shared::pipeline::{Config, GAUGES, Pipeline};
 use shared::wire::{
     self, ClockSource, ConverterFault, FRAME_MAX, Head, HelloToDevice, Oversampling, ResetCause, SCHEMA, Settings,
     Source, Start, StoreFault, ToDevice,
@@ -46,41 +47,62 @@ fn main() -> ! {
 }
 
 fn measure_all() {
-    let settings = Settings::DEFAULT;
-    let interval_s = settings.oversampling.interval_s(8_000_000);
-    let Ok(config) = settings.config(interval_s) else { return };
-    let config = black_box(config);
+    rivals();
+    let Ok(settings) = begin_with(None, IDENTITY.converter_clock_hz) else { return };
+    let config = black_box(settings.1);
+    decomposition(&config.adaptation);
+    pipeline(&config);
+    everything(&settings);
+}
 
+#[inline(never)]
+fn rivals() {
     let lowpass = black_box(Lowpass([1 << 24]));
     rival("idsp Lowpass, first order", &lowpass, LowpassState::default);
     let biquad: Biquad<Q32<30>> = [[0.1, 0.2, 0.1], [1.0, -0.9, 0.3]].into();
     let biquad = black_box(biquad);
     rival("idsp Biquad", &biquad, DirectForm1::default);
     rival("idsp Biquad, wide state", &biquad, DirectForm1Wide::default);
+}
 
-    let mut states = [adaptation::State::at_rest(0); GAUGES];
+#[inline(never)]
+fn decomposition(config: &adaptation::Config) {
+    // As the pipeline holds them: side by side.
+    let mut channels = [(*config, adaptation::State::at_rest(0)); GAUGES];
     report("decomposition", |counts| {
-        for (state, signal) in states.iter_mut().zip(counts) {
-            black_box(state.step(&config.adaptation, signal));
+        for ((config, state), signal) in channels.iter_mut().zip(counts) {
+            black_box(state.step(config, signal));
         }
     });
-    let mut pipeline = Pipeline::new();
-    report("calibration, decomposition, regions", |counts| {
-        black_box(pipeline.process(&config, counts, 25 * 256));
-    });
+}
 
+#[inline(never)]
+fn pipeline(config: &Config) {
+    let mut pipeline = Pipeline::new(config);
+    report("calibration, decomposition, regions", |counts| {
+        pipeline.process(&counts, 25 * 256);
+        black_box(&pipeline);
+    });
+}
+
+#[inline(never)]
+fn everything(settings: &(Settings, Config)) {
     let Some(blocks) = cortex_m::singleton!(: Blocks = Blocks::new()) else { return };
-    let Some(mut device) = Device::new(IDENTITY, settings, blocks) else { return };
-    say(&mut device, 1, &ToDevice::Hello(HelloToDevice { schema: SCHEMA, version: "" }));
+    let Some(place) = cortex_m::singleton!(: MaybeUninit<Device<'static>> = MaybeUninit::uninit())
+    else {
+        return;
+    };
+    let device = place.write(Device::new(IDENTITY, settings, blocks));
+    say(device, 1, &ToDevice::Hello(HelloToDevice { schema: SCHEMA, version: "" }));
     let start = Start { source: Source::Converter, columns: wire::Columns::Parts };
-    say(&mut device, 2, &ToDevice::Start(start));
+    say(device, 2, &ToDevice::Start(start));
     let mut frame = [0; FRAME_MAX];
     let mut time_us = 0;
     let mut sent = 0;
     report("whole pipeline with framing", |counts| {
         time_us += 1_024;
         device.sample(&Sample { time_us, counts, lost: Lost::default() });
-        while let Some(bytes) = device.next_frame(time_us, |_| 0, &mut frame) {
+        while let Some(bytes) = device.next_frame(time_us, &mut (), &mut frame) {
             sent += black_box(bytes).len();
         }
     });
