@@ -1,1 +1,45 @@
-//! What the fingertip does, without its hardware.
+//! What the fingertip does, without its hardware: it takes samples and commands and gives frames.
+//!
+//! The firmware wraps it in interrupts and a serial line, the host's simulated device in a pseudo-terminal; both behave
+//! alike because this is all there is to behave.
+//!
+//! ```text
+//! converter ── Sample ──┐                                  ┌── answers, status, settings, log
+//!                       ├─ pipeline ── rows ── blocks ─────┴── frames ── line
+//! line ── Inject ───────┘
+//! ```
+//!
+//! Nothing waits for the host. Where something finds no room it is dropped and counted, and the numbers of rows and frames
+//! go on, so that the host sees every loss: [`shared::wire::Counters`] says at which stage.
+//!
+//! - [`Device`]: the conversation, and what the parts below do in it.
+//! - [`Board`]: what a device asks of its hardware.
+//! - [`Sample`], [`Stream`]: from samples to blocks.
+//! - [`SelfTest`]: what a self-test gathers.
+#![cfg_attr(not(test), no_std)]
+#![forbid(unsafe_code)]
+#![deny(missing_docs)]
+#![cfg_attr(
+    not(test),
+    deny(
+        clippy::arithmetic_side_effects,
+        clippy::indexing_slicing,
+        clippy::unwrap_used,
+        clippy::expect_used,
+        clippy::panic,
+        clippy::unreachable
+    )
+)]
+
+mod blocks;
+mod board;
+mod commands;
+mod conversation;
+mod outgoing;
+mod self_test;
+mod stream;
+
+pub use board::{Board, Restart};
+pub use conversation::{Device, Identity};
+pub use self_test::SelfTest;
+pub use stream::{INJECTED_ROWS, Lost, Sample, Stream};

@@ -62,7 +62,7 @@ impl core::error::Error for FrameError {}
 ///
 /// # Errors
 /// [`FrameError::TooLong`].
-pub fn encode<'f, M: Serialize>(
+pub fn encode<'f, M: Serialize + ?Sized>(
     head: Head,
     message: &M,
     frame: &'f mut [u8; FRAME_MAX],

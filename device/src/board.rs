@@ -1,0 +1,38 @@
+//! What a device asks of its hardware.
+
+use shared::pipeline::GAUGES;
+use shared::wire::{ConverterFault, Oversampling, StoreFault};
+
+/// The hardware behind a device.
+pub trait Board {
+    /// Sets rate and gains of the converter; begins it if it was not begun.
+    ///
+    /// # Errors
+    /// What is wrong with the converter.
+    fn configure(
+        &mut self,
+        oversampling: Oversampling,
+        gain: [u8; GAUGES],
+    ) -> Result<(), ConverterFault>;
+
+    /// Lets samples of the converter through, or not.
+    fn listen(&mut self, to_converter: bool);
+
+    /// Keeps a record over a loss of power. May stop everything else for seconds.
+    ///
+    /// # Errors
+    /// What is wrong with the memory.
+    fn store(&mut self, record: &[u8]) -> Result<(), StoreFault>;
+
+    /// Whether [`Restart`] can be done.
+    fn can_restart(&self, into: Restart) -> bool;
+}
+
+/// How to begin again.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Restart {
+    /// As after power-on.
+    Firmware,
+    /// In the loader in ROM.
+    Bootloader,
+}

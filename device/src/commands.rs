@@ -1,0 +1,190 @@
+//! What each command does.
+
+use shared::pipeline::GAUGES;
+use shared::wire::{
+    ConverterFault, Done, Inject, Refusal, Settings, SettingsError, Source, Start, ToDevice,
+};
+
+use crate::board::{Board, Restart};
+use crate::conversation::{Device, REFERENCE};
+use crate::self_test::SelfTest;
+
+impl Device<'_> {
+    /// Carries out a command; `None` if the answer comes later.
+    pub(crate) fn carry_out(
+        &mut self,
+        command: &ToDevice<'_>,
+        number: u32,
+        now_us: u64,
+        board: &mut impl Board,
+    ) -> Result<Option<Done>, Refusal> {
+        let settings = self.settings;
+        match *command {
+            // Answered before a command is read.
+            ToDevice::Hello(_) => Ok(()),
+            ToDevice::Start(start) => self.start(start, board),
+            ToDevice::Stop => self.stop(board),
+            ToDevice::SetRate(oversampling) => {
+                self.convert(Settings { oversampling, ..settings }, board)
+            }
+            ToDevice::SetGain(gain) => self.convert(settings.with_gain(gain), board),
+            ToDevice::SetFilter(relaxation) => self.apply(Settings { relaxation, ..settings }),
+            ToDevice::SetThresholds(thresholds) => self.apply(Settings { thresholds, ..settings }),
+            ToDevice::SetCalibration { gauge, sheet } => {
+                let mut settings = settings;
+                let at = usize::from(gauge);
+                let sheets = settings.calibration.get_mut(at).zip(settings.tare.get_mut(at));
+                sheets
+                    .ok_or(Refusal::Gauge(gauge))
+                    .map(|place| (*place.0, *place.1) = (sheet, 0))?;
+                self.apply(settings)
+            }
+            ToDevice::Tare => self.tare(),
+            ToDevice::Untare => self.apply(Settings { tare: [0; GAUGES], ..settings }),
+            ToDevice::Save => self.save(board),
+            ToDevice::LoadDefaults => self.convert(Settings::DEFAULT, board),
+            ToDevice::Inject(inject) => return self.inject(&inject).map(Some),
+            ToDevice::Settings => {
+                self.outgoing.settings = true;
+                Ok(())
+            }
+            ToDevice::Status => {
+                self.outgoing.status = true;
+                Ok(())
+            }
+            ToDevice::SelfTest => return self.test(number, now_us, board),
+            ToDevice::Reboot => self.restart(Restart::Firmware, board),
+            ToDevice::Bootloader => self.restart(Restart::Bootloader, board),
+        }
+        .map(|()| Some(Done::Carried))
+    }
+
+    fn idle(&self) -> Result<(), Refusal> {
+        if self.stream.source().is_some() || self.test.is_some() {
+            Err(Refusal::Streaming)
+        } else {
+            Ok(())
+        }
+    }
+
+    fn start(&mut self, start: Start, board: &mut impl Board) -> Result<(), Refusal> {
+        self.idle()?;
+        let interval_s = match start.source {
+            Source::Converter => self.interval_s(self.settings.oversampling),
+            Source::Link { interval_ns: 0 } => return Err(Refusal::Interval),
+            Source::Link { interval_ns } => f64::from(interval_ns) * 1e-9,
+        };
+        let config = self.settings.config(interval_s).map_err(refused)?;
+        if start.source == Source::Converter {
+            self.configure(&self.settings.clone(), board)?;
+            board.listen(true);
+        }
+        self.config = config;
+        self.stream.start(start);
+        Ok(())
+    }
+
+    fn stop(&mut self, board: &mut impl Board) -> Result<(), Refusal> {
+        self.stream.source().ok_or(Refusal::NotStreaming)?;
+        board.listen(false);
+        while self.process_injected() {}
+        self.stream.stop();
+        Ok(())
+    }
+
+    /// Settings that the converter must take too. Without one they are kept for when it is there.
+    fn convert(&mut self, settings: Settings, board: &mut impl Board) -> Result<(), Refusal> {
+        let interval_s = self.interval_s(settings.oversampling);
+        settings.config(interval_s).map_err(refused)?;
+        match self.configure(&settings, board) {
+            Err(Refusal::Converter(ConverterFault::Missing)) | Ok(()) => self.apply(settings),
+            refused => refused,
+        }
+    }
+
+    fn configure(&mut self, settings: &Settings, board: &mut impl Board) -> Result<(), Refusal> {
+        let outcome = board.configure(settings.oversampling, settings.gain);
+        self.set_converter(outcome.err());
+        outcome.map_err(Refusal::Converter)
+    }
+
+    /// Settings from the next sample on.
+    fn apply(&mut self, settings: Settings) -> Result<(), Refusal> {
+        self.config = settings.config(self.interval_s(settings.oversampling)).map_err(refused)?;
+        let calibrated = (settings.calibration, settings.tare);
+        if (self.settings.calibration, self.settings.tare) != calibrated {
+            self.stream.pipeline().recalibrate(&self.config);
+        }
+        self.settings = settings;
+        self.changed();
+        Ok(())
+    }
+
+    /// What comes next is of other settings than what came before.
+    fn changed(&mut self) {
+        self.stream.close();
+        self.stream.generation = self.stream.generation.wrapping_add(1);
+        self.outgoing.settings = true;
+    }
+
+    fn tare(&mut self) -> Result<(), Refusal> {
+        self.stream.source().ok_or(Refusal::NotStreaming)?;
+        if self.stream.rows() == 0 {
+            return Err(Refusal::NoSample);
+        }
+        self.stream.pipeline().tare(&mut self.config);
+        self.settings.tare = self.config.calibration.map(|calibration| calibration.tare());
+        self.changed();
+        Ok(())
+    }
+
+    fn save(&mut self, board: &mut impl Board) -> Result<(), Refusal> {
+        self.idle()?;
+        let (record, length) = self.settings.record();
+        board.store(record.get(..length).unwrap_or(&[])).map_err(Refusal::Store)
+    }
+
+    fn inject(&mut self, inject: &Inject<'_>) -> Result<Done, Refusal> {
+        match self.stream.source() {
+            None => return Err(Refusal::NotStreaming),
+            Some(Source::Converter) => return Err(Refusal::NotFromLink),
+            Some(Source::Link { .. }) => {}
+        }
+        let taken = self.stream.inject(inject, REFERENCE);
+        let (taken, lost) = taken.map_err(|_| Refusal::Rows)?;
+        self.stream.skip(&self.config, lost);
+        self.counters.queue_full = self.counters.queue_full.saturating_add(lost.into());
+        Ok(Done::Injected { taken, lost, room: self.stream.room() })
+    }
+
+    fn test(
+        &mut self,
+        number: u32,
+        now_us: u64,
+        board: &mut impl Board,
+    ) -> Result<Option<Done>, Refusal> {
+        self.idle()?;
+        self.configure(&self.settings.clone(), board)?;
+        board.listen(true);
+        let interval_s = self.interval_s(self.settings.oversampling);
+        self.test = Some(SelfTest::begin(number, now_us, interval_s));
+        Ok(None)
+    }
+
+    fn restart(&mut self, into: Restart, board: &mut impl Board) -> Result<(), Refusal> {
+        if !board.can_restart(into) {
+            return Err(Refusal::NotHere);
+        }
+        self.restart = Some(into);
+        Ok(())
+    }
+}
+
+fn refused(error: SettingsError) -> Refusal {
+    match error {
+        SettingsError::Gain { .. } => Refusal::Gain,
+        SettingsError::Calibration { .. } => Refusal::Calibration,
+        SettingsError::Relaxation(_) => Refusal::Filter,
+        SettingsError::Thresholds(_) => Refusal::Thresholds,
+    }
+}

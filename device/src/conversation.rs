@@ -1,0 +1,330 @@
+//! The device as the host sees it.
+
+use shared::pipeline::{Config, Pipeline};
+use shared::wire::{
+    self, Answer, ClockSource, ConverterFault, Counters, Done, FRAME_MAX, Formats, Head, Hello,
+    Log, Oversampling, Refusal, ResetCause, Settings, Source, Status, ToDevice, ToHost,
+};
+
+use crate::board::{Board, Restart};
+use crate::outgoing::Outgoing;
+use crate::self_test::SelfTest;
+use crate::stream::{Sample, Stream, Temperature};
+
+/// Status messages of a stream are this far apart, µs.
+const STATUS_US: u64 = 1_000_000;
+/// Longest piece of log in one frame.
+const LOG_PIECE: usize = 192;
+
+/// What does not change before the next reset.
+#[derive(Clone, Copy, Debug)]
+pub struct Identity<'a> {
+    /// Version of the firmware.
+    pub version: &'a str,
+    /// Git state it was made from.
+    pub git: &'a str,
+    /// The board.
+    pub board: &'a str,
+    /// 96 bits that no other device has.
+    pub serial: [u32; 3],
+    /// Clock of the converter, Hz.
+    pub converter_clock_hz: u32,
+    /// Where the processor's clock comes from.
+    pub clock: ClockSource,
+    /// Why it began.
+    pub reset: ResetCause,
+    /// What the last panic said; empty without.
+    pub panic: &'a str,
+}
+
+/// A fingertip: takes samples and the host's frames, gives frames for the host.
+#[derive(Debug)]
+pub struct Device<'a> {
+    pub(crate) identity: Identity<'a>,
+    pub(crate) settings: Settings,
+    pub(crate) config: Config,
+    pub(crate) stream: Stream,
+    pub(crate) outgoing: Outgoing,
+    pub(crate) counters: Counters,
+    pub(crate) test: Option<SelfTest>,
+    pub(crate) restart: Option<Restart>,
+    /// Whether the host speaks our schema; none before its `Hello`.
+    host: Option<bool>,
+    /// The last command and its answer.
+    last: Option<Answer>,
+    heard: Option<u32>,
+    sequence: u32,
+    temperature: Option<i16>,
+    converter: Option<ConverterFault>,
+    stack_used: u32,
+    queue_most: u8,
+    status_at_us: u64,
+}
+
+impl<'a> Device<'a> {
+    /// A device that begins with these settings, or with the defaults where they are out of range.
+    #[must_use]
+    pub fn new(identity: Identity<'a>, settings: Settings) -> Option<Self> {
+        let interval =
+            |settings: &Settings| settings.oversampling.interval_s(identity.converter_clock_hz);
+        let (settings, config) = match settings.config(interval(&settings)) {
+            Ok(config) => (settings, config),
+            Err(_) => {
+                let settings = Settings::DEFAULT;
+                (settings, settings.config(interval(&settings)).ok()?)
+            }
+        };
+        Some(Self {
+            identity,
+            settings,
+            config,
+            stream: Stream::new(Pipeline::new()),
+            outgoing: Outgoing::new(),
+            counters: Counters::default(),
+            test: None,
+            restart: None,
+            host: None,
+            last: None,
+            heard: None,
+            sequence: 0,
+            temperature: None,
+            converter: None,
+            stack_used: 0,
+            queue_most: 0,
+            status_at_us: 0,
+        })
+    }
+
+    /// The settings, for the hardware to begin with.
+    #[must_use]
+    pub const fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    /// Notes a temperature, 2^-8 °C.
+    pub const fn set_temperature(&mut self, temperature: Option<i16>) {
+        self.temperature = temperature;
+    }
+
+    /// Notes what is wrong with the converter.
+    pub const fn set_converter(&mut self, fault: Option<ConverterFault>) {
+        self.converter = fault;
+    }
+
+    /// Notes the most bytes of stack that were used.
+    pub const fn set_stack_used(&mut self, bytes: u32) {
+        self.stack_used = bytes;
+    }
+
+    /// Notes how many rows wait between interrupt and filter.
+    pub fn note_queue(&mut self, rows: u8) {
+        self.queue_most = self.queue_most.max(rows);
+    }
+
+    /// Counts bytes from the host that were lost.
+    pub const fn count_bytes_lost(&mut self, bytes: u32) {
+        self.counters.bytes_lost = self.counters.bytes_lost.saturating_add(bytes);
+    }
+
+    /// Counts bytes of log that found no room.
+    pub const fn count_log_lost(&mut self, bytes: u32) {
+        self.counters.log_full = self.counters.log_full.saturating_add(bytes);
+    }
+
+    /// Takes a sample of the converter.
+    #[inline]
+    pub fn sample(&mut self, sample: &Sample) {
+        let counters = &mut self.counters;
+        let lost = sample.lost;
+        counters.conversions_missed = counters.conversions_missed.saturating_add(lost.missed);
+        counters.conversions_damaged = counters.conversions_damaged.saturating_add(lost.damaged);
+        counters.queue_full = counters.queue_full.saturating_add(lost.queue_full);
+        if let Some(test) = &mut self.test {
+            test.take(sample);
+        }
+        if self.stream.source() == Some(Source::Converter) {
+            let used = self.temperature.unwrap_or(REFERENCE);
+            let temperature = Temperature { known: self.temperature, used };
+            self.stream.sample(&self.config, sample, temperature);
+        }
+    }
+
+    /// Processes one injected row; whether there was one.
+    pub fn process_injected(&mut self) -> bool {
+        self.stream.injected(&self.config)
+    }
+
+    /// To be called every 10 ms or so.
+    pub fn tick(&mut self, now_us: u64, board: &mut impl Board) {
+        self.stream.tick();
+        if self.stream.source().is_some() && now_us.saturating_sub(self.status_at_us) >= STATUS_US {
+            (self.status_at_us, self.outgoing.status) = (now_us, true);
+        }
+        if let Some(test) = &self.test
+            && let Some(result) = test.result(now_us)
+        {
+            let to = test.to;
+            self.test = None;
+            board.listen(false);
+            self.answer(to, Ok(Done::Tested(result)));
+        }
+    }
+
+    /// Whether a frame may be given to [`Self::receive`]: its answer would find room.
+    #[must_use]
+    pub fn can_receive(&self) -> bool {
+        self.outgoing.has_room()
+    }
+
+    /// Takes a frame of the host, as [`wire::Accumulator`] cuts it; it is decoded in place.
+    pub fn receive(&mut self, frame: &mut [u8], now_us: u64, board: &mut impl Board) {
+        let Ok((head, message)) = wire::open(frame) else {
+            return self.count_damaged();
+        };
+        if let Some(who) = wire::introduction(message) {
+            return self.hello(head.sequence, who.schema == wire::SCHEMA);
+        }
+        if self.host != Some(true) {
+            let refusal = match self.host {
+                None => Refusal::NoHello,
+                Some(_) => Refusal::Schema(wire::SCHEMA),
+            };
+            return self.outgoing.answer(Answer { to: head.sequence, outcome: Err(refusal) });
+        }
+        if let Some(answer) = self.last.filter(|answer| answer.to == head.sequence) {
+            return self.outgoing.answer(answer);
+        }
+        if self.test.as_ref().is_some_and(|test| test.to == head.sequence) {
+            return; // Its answer is under way.
+        }
+        let Ok(command) = wire::read::<ToDevice<'_>>(message) else {
+            return self.count_damaged();
+        };
+        self.count_missed(head.sequence);
+        if let Some(outcome) = self.carry_out(&command, head.sequence, now_us, board).transpose() {
+            self.answer(head.sequence, outcome);
+        }
+    }
+
+    /// Counts bytes that were no frame.
+    pub const fn count_damaged(&mut self) {
+        self.counters.frames_damaged = self.counters.frames_damaged.saturating_add(1);
+    }
+
+    fn hello(&mut self, sequence: u32, ours: bool) {
+        (self.host, self.last, self.heard) = (Some(ours), None, Some(sequence));
+        self.outgoing = Outgoing::new();
+        self.outgoing.hello = true;
+        if ours {
+            self.outgoing.settings = true;
+            self.answer(sequence, Ok(Done::Carried));
+        } else {
+            self.answer(sequence, Err(Refusal::Schema(wire::SCHEMA)));
+        }
+    }
+
+    fn answer(&mut self, to: u32, outcome: Result<Done, Refusal>) {
+        let answer = Answer { to, outcome };
+        self.last = Some(answer);
+        self.outgoing.answer(answer);
+    }
+
+    fn count_missed(&mut self, sequence: u32) {
+        let missed = self.heard.map_or(0, |heard| sequence.wrapping_sub(heard).wrapping_sub(1));
+        // Numbers that go back are a host that began anew.
+        if missed < 1 << 31 {
+            self.counters.frames_missed = self.counters.frames_missed.saturating_add(missed);
+        }
+        self.heard = Some(sequence);
+    }
+
+    /// Puts the next message into `frame`, if there is one; the bytes to send. `log` fills a buffer with what was logged.
+    pub fn next_frame<'f>(
+        &mut self,
+        now_us: u64,
+        log: impl FnOnce(&mut [u8]) -> usize,
+        frame: &'f mut [u8; FRAME_MAX],
+    ) -> Option<&'f [u8]> {
+        let head = Head { sequence: self.sequence, time_us: now_us };
+        let sent = if self.outgoing.hello {
+            self.outgoing.hello = false;
+            wire::encode(head, &ToHost::Hello(self.introduction()), frame)
+        } else if self.outgoing.settings {
+            self.outgoing.settings = false;
+            let settings =
+                ToHost::Settings { generation: self.stream.generation, settings: self.settings };
+            wire::encode(head, &settings, frame)
+        } else if let Some(answer) = self.outgoing.next_answer() {
+            wire::encode(head, &ToHost::Answer(answer), frame)
+        } else if let Some((rows, from)) = self.stream.blocks.next() {
+            rows.encode(from, self.sequence, frame).map(|(bytes, held)| {
+                self.stream.blocks.sent(held);
+                bytes
+            })
+        } else if self.outgoing.status {
+            self.outgoing.status = false;
+            wire::encode(head, &ToHost::Status(self.status()), frame)
+        } else if self.host == Some(true) {
+            let mut piece = [0; LOG_PIECE];
+            let length = log(&mut piece);
+            let bytes = piece.get(..length).filter(|bytes| !bytes.is_empty())?;
+            wire::encode(head, &ToHost::Log(Log { bytes }), frame)
+        } else {
+            return None;
+        };
+        self.sequence = self.sequence.wrapping_add(1);
+        sent.ok()
+    }
+
+    /// What to do now that everything was sent, if the host asked for it.
+    #[must_use]
+    pub fn restart_due(&self) -> Option<Restart> {
+        self.restart.filter(|_| self.outgoing.is_empty())
+    }
+
+    fn introduction(&self) -> Hello<'a> {
+        let identity = self.identity;
+        Hello {
+            schema: wire::SCHEMA,
+            version: identity.version,
+            git: identity.git,
+            board: identity.board,
+            serial: identity.serial,
+            channels: shared::pipeline::GAUGES as u8,
+            converter_clock_hz: identity.converter_clock_hz,
+            clock: identity.clock,
+            formats: Formats::OURS,
+            reset: identity.reset,
+            panic: identity.panic,
+            counters: self.counters(),
+        }
+    }
+
+    fn counters(&self) -> Counters {
+        Counters { link_full: self.stream.link_full, ..self.counters }
+    }
+
+    fn status(&self) -> Status {
+        Status {
+            counters: self.counters(),
+            gauges: self.stream.gauges(),
+            rows: self.stream.rows(),
+            streaming: self.stream.source(),
+            temperature: self.temperature,
+            converter: self.converter,
+            stack_used: self.stack_used,
+            queue_most: self.queue_most,
+        }
+    }
+
+    /// Time between two rows, s, with an oversampling.
+    pub(crate) fn interval_s(&self, oversampling: Oversampling) -> f64 {
+        match self.stream.source() {
+            Some(Source::Link { interval_ns }) => f64::from(interval_ns) * 1e-9,
+            _ => oversampling.interval_s(self.identity.converter_clock_hz),
+        }
+    }
+}
+
+/// The temperature at which the calibration compensates nothing, by default; taken without a sensor.
+pub(crate) const REFERENCE: i16 = 25 * 256;

@@ -1,0 +1,443 @@
+//! What a host may rely on, command by command.
+
+use device::{Board, Device, INJECTED_ROWS, Identity, Lost, Restart, Sample};
+use proptest::prelude::*;
+use shared::calibration::Sheet;
+use shared::pipeline::{GAUGES, Pipeline};
+use shared::wire::{
+    self, Accumulated, Accumulator, BLOCK_ROWS, ClockSource, Columns, ConverterFault, Done,
+    FRAME_MAX, Head, HelloToDevice, Inject, Oversampling, Refusal, ResetCause, Row, Rows, SCHEMA,
+    Settings, Source, Start, Status, StoreFault, ToDevice, ToHost,
+};
+
+const IDENTITY: Identity<'static> = Identity {
+    version: "1.2.3",
+    git: "abcdef0",
+    board: "none",
+    serial: [1, 2, 3],
+    converter_clock_hz: 8_000_000,
+    clock: ClockSource::Simulated,
+    reset: ResetCause::PowerOn,
+    panic: "",
+};
+
+#[derive(Default)]
+struct Bench {
+    converter: Option<ConverterFault>,
+    set: Option<(Oversampling, [u8; GAUGES])>,
+    listening: bool,
+    stored: Vec<u8>,
+}
+
+impl Board for Bench {
+    fn configure(
+        &mut self,
+        oversampling: Oversampling,
+        gain: [u8; GAUGES],
+    ) -> Result<(), ConverterFault> {
+        self.set = Some((oversampling, gain));
+        self.converter.map_or(Ok(()), Err)
+    }
+    fn listen(&mut self, to_converter: bool) {
+        self.listening = to_converter;
+    }
+    fn store(&mut self, record: &[u8]) -> Result<(), StoreFault> {
+        self.stored = record.to_vec();
+        Ok(())
+    }
+    fn can_restart(&self, into: Restart) -> bool {
+        into == Restart::Firmware
+    }
+}
+
+/// A host that speaks to a device on the same desk.
+struct Host {
+    device: Device<'static>,
+    board: Bench,
+    sequence: u32,
+    now_us: u64,
+    rows: Vec<Row>,
+    generations: Vec<u32>,
+    answers: Vec<(u32, Result<Done, Refusal>)>,
+    settings: Option<(u32, Settings)>,
+    status: Option<Status>,
+    hello: Option<(u64, String)>,
+}
+
+impl Host {
+    fn new() -> Self {
+        Self {
+            device: Device::new(IDENTITY, Settings::DEFAULT).unwrap(),
+            board: Bench::default(),
+            sequence: 0,
+            now_us: 0,
+            rows: Vec::new(),
+            generations: Vec::new(),
+            answers: Vec::new(),
+            settings: None,
+            status: None,
+            hello: None,
+        }
+    }
+
+    fn introduced() -> Self {
+        let mut host = Self::new();
+        host.say(&ToDevice::Hello(HelloToDevice { schema: SCHEMA, version: "1" })).unwrap();
+        host
+    }
+
+    fn send(&mut self, sequence: u32, command: &ToDevice<'_>) {
+        let mut frame = [0; FRAME_MAX];
+        let bytes = wire::encode(Head { sequence, time_us: 0 }, command, &mut frame).unwrap().len();
+        self.device.receive(&mut frame[..bytes - 1], self.now_us, &mut self.board);
+    }
+
+    /// Sends a command and hears everything until nothing is left to hear.
+    fn say(&mut self, command: &ToDevice<'_>) -> Result<Done, Refusal> {
+        self.sequence += 1;
+        self.send(self.sequence, command);
+        self.hear();
+        let (to, outcome) = *self.answers.last().expect("an answer");
+        assert_eq!(to, self.sequence);
+        outcome
+    }
+
+    fn hear(&mut self) {
+        let mut line = Accumulator::new();
+        let mut frame = [0; FRAME_MAX];
+        while let Some(bytes) = self.device.next_frame(self.now_us, |_| 0, &mut frame) {
+            for byte in bytes {
+                if let Accumulated::Frame(frame) = line.push(*byte) {
+                    let (head, message) = wire::decode(frame).unwrap();
+                    match message {
+                        ToHost::Hello(hello) => {
+                            self.hello = Some((hello.schema, hello.version.into()));
+                        }
+                        ToHost::Answer(answer) => self.answers.push((answer.to, answer.outcome)),
+                        ToHost::Settings { generation, settings } => {
+                            self.settings = Some((generation, settings));
+                        }
+                        ToHost::Status(status) => self.status = Some(status),
+                        ToHost::Samples(block) => {
+                            let rows = Rows::decode(head, &block).unwrap();
+                            self.generations.extend(rows.iter().map(|_| block.generation));
+                            self.rows.extend(rows.iter());
+                        }
+                        ToHost::Log(_) => unreachable!("nothing is logged here"),
+                    }
+                }
+            }
+        }
+    }
+
+    fn start(&mut self, source: Source) {
+        self.say(&ToDevice::Start(Start { source, columns: Columns::All })).unwrap();
+    }
+
+    fn inject(&mut self, rows: &[[i32; GAUGES]]) -> Result<Done, Refusal> {
+        let table: Vec<_> = rows.iter().map(|row| [*row]).collect();
+        let mut packed = [0; 300];
+        let counts = wire::pack(&table, &mut packed).unwrap();
+        self.say(&ToDevice::Inject(Inject { rows: rows.len() as u8, temperature: None, counts }))
+    }
+
+    fn sample(&mut self, counts: [i32; GAUGES], lost: Lost) {
+        self.now_us += 1_024;
+        self.device.sample(&Sample { time_us: self.now_us, counts, lost });
+    }
+
+    fn status(&mut self) -> Status {
+        self.say(&ToDevice::Status).unwrap();
+        self.status.unwrap()
+    }
+}
+
+const LINK: Source = Source::Link { interval_ns: 5_000_000 };
+
+fn press(row: usize) -> [i32; GAUGES] {
+    let t = row as f64 / 200.0;
+    let up = (t.clamp(0.3, 0.6) - 0.3) / 0.3 - 0.6 * (t.clamp(1.5, 1.8) - 1.5) / 0.3;
+    std::array::from_fn(|gauge| {
+        (1e6 * up) as i32 + 1_000 * gauge as i32 + (row * 7_919 % 101) as i32
+    })
+}
+
+#[test]
+fn a_host_of_our_schema_is_told_who_we_are_and_how_we_are_set() {
+    let host = Host::introduced();
+    assert_eq!(host.hello, Some((SCHEMA, "1.2.3".into())));
+    assert_eq!(host.settings, Some((0, Settings::DEFAULT)));
+}
+
+#[test]
+fn a_host_of_another_schema_is_told_so_and_nothing_is_done_for_it() {
+    let mut host = Host::new();
+    let hello = ToDevice::Hello(HelloToDevice { schema: SCHEMA ^ 1, version: "0" });
+    assert_eq!(host.say(&hello), Err(Refusal::Schema(SCHEMA)));
+    assert_eq!(host.hello, Some((SCHEMA, "1.2.3".into())));
+    assert_eq!(host.say(&ToDevice::LoadDefaults), Err(Refusal::Schema(SCHEMA)));
+}
+
+#[test]
+fn a_host_must_introduce_itself_first() {
+    assert_eq!(Host::new().say(&ToDevice::Stop), Err(Refusal::NoHello));
+}
+
+#[test]
+fn injected_rows_come_back_as_the_pipeline_makes_them_bit_for_bit() {
+    let mut host = Host::introduced();
+    host.start(LINK);
+    let config = Settings::DEFAULT.config(0.005).unwrap();
+    let mut pipeline = Pipeline::new();
+    let rows: Vec<_> = (0..600).map(press).collect();
+    for chunk in rows.chunks(BLOCK_ROWS) {
+        assert!(matches!(host.inject(chunk), Ok(Done::Injected { lost: 0, .. })));
+        while host.device.process_injected() {}
+    }
+    host.say(&ToDevice::Stop).unwrap();
+    assert_eq!(host.rows.len(), rows.len());
+    for (number, (row, counts)) in host.rows.iter().zip(rows).enumerate() {
+        assert_eq!(
+            (row.number, row.time_us, row.counts),
+            (number as u64, 5_000 * number as u64, counts)
+        );
+        let outputs = pipeline.process(&config, counts, 25 * 256);
+        assert_eq!(row.fa, outputs.map(|out| out.fa));
+        assert_eq!(row.sa, outputs.map(|out| out.sa()));
+        assert_eq!(
+            row.rest,
+            Some((outputs.map(|out| out.elastic), outputs.map(|out| out.equilibrium)))
+        );
+        assert_eq!(row.states.map(|state| state.region), outputs.map(|out| out.region));
+        assert_eq!(row.entered, outputs.map(|out| out.entered_samples_ago));
+    }
+}
+
+#[test]
+fn in_a_flood_what_was_sent_is_what_came_back_and_what_was_counted() {
+    let mut host = Host::introduced();
+    host.start(LINK);
+    let mut sent = 0;
+    for i in 0..50 {
+        let rows = vec![press(i); BLOCK_ROWS];
+        host.inject(&rows).unwrap();
+        sent += rows.len();
+        if i % 7 == 0 {
+            while host.device.process_injected() {}
+        }
+    }
+    host.say(&ToDevice::Stop).unwrap();
+    let counted = host.status().counters;
+    assert!(counted.queue_full > 0, "a queue of {INJECTED_ROWS} rows must have been full");
+    assert_eq!(sent, host.rows.len() + (counted.queue_full + counted.link_full) as usize);
+    assert_eq!(host.status.unwrap().rows, sent as u64);
+    let numbers: Vec<_> = host.rows.iter().map(|row| row.number).collect();
+    assert!(numbers.is_sorted_by(|a, b| a < b), "numbers grow");
+}
+
+#[test]
+fn a_host_that_does_not_listen_costs_rows_that_are_counted_and_nothing_else() {
+    let mut host = Host::introduced();
+    host.start(Source::Converter);
+    for row in 0..1_000 {
+        host.sample(press(row), Lost::default());
+    }
+    host.say(&ToDevice::Stop).unwrap();
+    let lost = host.status().counters.link_full;
+    assert!(lost > 800);
+    assert_eq!(host.rows.len() + lost as usize, 1_000);
+}
+
+#[test]
+fn what_the_interrupt_lost_is_a_gap_in_the_numbers_and_counted_by_cause() {
+    let mut host = Host::introduced();
+    host.start(Source::Converter);
+    assert!(host.board.listening);
+    host.sample([0; GAUGES], Lost::default());
+    host.sample([1; GAUGES], Lost { missed: 2, damaged: 1, queue_full: 4 });
+    host.say(&ToDevice::Stop).unwrap();
+    assert_eq!(host.rows.iter().map(|row| row.number).collect::<Vec<_>>(), [0, 8]);
+    let counted = host.status().counters;
+    assert_eq!(
+        (counted.conversions_missed, counted.conversions_damaged, counted.queue_full),
+        (2, 1, 4)
+    );
+}
+
+#[test]
+fn rows_that_nothing_follows_are_sent_soon() {
+    let mut host = Host::introduced();
+    host.start(LINK);
+    host.inject(&[press(0)]).unwrap();
+    while host.device.process_injected() {}
+    host.hear();
+    assert!(host.rows.is_empty());
+    for _ in 0..2 {
+        host.device.tick(0, &mut host.board);
+    }
+    host.hear();
+    assert_eq!(host.rows.len(), 1);
+}
+
+#[test]
+fn a_command_that_comes_again_is_answered_again_and_not_carried_out_again() {
+    let mut host = Host::introduced();
+    host.start(LINK);
+    host.inject(&[press(0); 3]).unwrap();
+    let (again, said) = (host.sequence, host.answers.len());
+    let mut packed = [0; 100];
+    let counts = wire::pack(&[[press(0)]; 3], &mut packed).unwrap();
+    host.send(again, &ToDevice::Inject(Inject { rows: 3, temperature: None, counts }));
+    host.hear();
+    assert_eq!(host.answers.len(), said + 1);
+    assert_eq!(host.answers[said], host.answers[said - 1]);
+    host.say(&ToDevice::Stop).unwrap();
+    assert_eq!(host.rows.len(), 3);
+}
+
+#[test]
+fn commands_that_never_came_and_frames_that_were_damaged_are_counted() {
+    let mut host = Host::introduced();
+    host.sequence += 3;
+    host.device.receive(&mut [1, 2, 3], 0, &mut host.board);
+    let counters = host.status().counters;
+    assert_eq!((counters.frames_missed, counters.frames_damaged), (3, 1));
+}
+
+#[test]
+fn settings_change_between_two_rows_and_blocks_say_which_made_them() {
+    let mut host = Host::introduced();
+    host.start(LINK);
+    host.inject(&[press(0); 5]).unwrap();
+    while host.device.process_injected() {}
+    let filter = shared::adaptation::Relaxation { c1: 0.3, v1: 10.0, c2: 0.1, v2: 1.0 };
+    host.say(&ToDevice::SetFilter(filter)).unwrap();
+    assert_eq!(host.settings.unwrap().0, 1);
+    host.inject(&[press(1); 5]).unwrap();
+    host.say(&ToDevice::Stop).unwrap();
+    assert_eq!(host.generations, [0, 0, 0, 0, 0, 1, 1, 1, 1, 1]);
+}
+
+#[test]
+fn a_tare_reads_zero_leaves_the_counts_alone_and_can_be_taken_back() {
+    let mut host = Host::introduced();
+    assert_eq!(host.say(&ToDevice::Tare), Err(Refusal::NotStreaming));
+    host.start(Source::Converter);
+    assert_eq!(host.say(&ToDevice::Tare), Err(Refusal::NoSample));
+    let counts = [100_000, -50_000, 7, 0];
+    for command in [ToDevice::Status, ToDevice::Tare, ToDevice::Untare] {
+        host.say(&command).unwrap();
+        host.sample(counts, Lost::default());
+    }
+    host.say(&ToDevice::Stop).unwrap();
+    let strain = |row: &Row| -> [i32; GAUGES] { std::array::from_fn(|i| row.fa[i] + row.sa[i]) };
+    let [before, tared, after] = &host.rows[..] else { panic!("{:?}", host.rows) };
+    assert_eq!(strain(tared), [0; GAUGES]);
+    assert_eq!((strain(before), before.counts, tared.counts), (strain(after), counts, counts));
+    assert_ne!(strain(before), [0; GAUGES]);
+}
+
+#[test]
+fn settings_are_kept_on_request_and_only_then() {
+    let mut host = Host::introduced();
+    let sheet =
+        Sheet { gain: 0.01, offset: 5, temperature_coefficient: 0.0, reference_celsius: 20.0 };
+    host.say(&ToDevice::SetCalibration { gauge: 2, sheet }).unwrap();
+    assert!(host.board.stored.is_empty());
+    host.start(Source::Converter);
+    assert_eq!(host.say(&ToDevice::Save), Err(Refusal::Streaming));
+    host.say(&ToDevice::Stop).unwrap();
+    host.say(&ToDevice::Save).unwrap();
+    let kept = Settings::from_record(&host.board.stored).unwrap();
+    assert_eq!(kept.calibration[2], sheet);
+    host.say(&ToDevice::LoadDefaults).unwrap();
+    assert_eq!(host.settings.unwrap().1, Settings::DEFAULT);
+}
+
+#[test]
+fn what_is_out_of_range_is_refused_by_kind_and_changes_nothing() {
+    let mut host = Host::introduced();
+    let sheet = Sheet { gain: 0.0, ..Settings::DEFAULT.calibration[0] };
+    let filter = shared::adaptation::Relaxation { c1: 2.0, ..Settings::DEFAULT.relaxation };
+    for (command, refusal) in [
+        (ToDevice::SetCalibration { gauge: 0, sheet }, Refusal::Calibration),
+        (ToDevice::SetCalibration { gauge: 4, sheet }, Refusal::Gauge(4)),
+        (ToDevice::SetFilter(filter), Refusal::Filter),
+        (ToDevice::SetGain([1, 2, 3, 4]), Refusal::Gain),
+        (ToDevice::Stop, Refusal::NotStreaming),
+        (
+            ToDevice::Start(Start {
+                source: Source::Link { interval_ns: 0 },
+                columns: Columns::All,
+            }),
+            Refusal::Interval,
+        ),
+        (ToDevice::Bootloader, Refusal::NotHere),
+    ] {
+        assert_eq!(host.say(&command), Err(refusal), "{command:?}");
+    }
+    host.say(&ToDevice::Settings).unwrap();
+    assert_eq!(host.settings, Some((0, Settings::DEFAULT)));
+}
+
+#[test]
+fn without_a_converter_streaming_is_refused_but_rows_can_be_injected_and_rates_set() {
+    let mut host = Host::introduced();
+    host.board.converter = Some(ConverterFault::Missing);
+    let start = |source| ToDevice::Start(Start { source, columns: Columns::Parts });
+    let missing = Err(Refusal::Converter(ConverterFault::Missing));
+    assert_eq!(host.say(&start(Source::Converter)), missing);
+    assert_eq!(host.say(&ToDevice::SelfTest), missing);
+    assert_eq!(host.status().converter, Some(ConverterFault::Missing));
+    host.say(&ToDevice::SetRate(Oversampling::X1024)).unwrap();
+    host.say(&start(LINK)).unwrap();
+}
+
+#[test]
+fn a_self_test_is_answered_when_it_has_its_samples() {
+    let mut host = Host::introduced();
+    host.sequence += 1;
+    host.send(host.sequence, &ToDevice::SelfTest);
+    for row in 0..256 {
+        host.sample([row, 0, 0, 0], Lost::default());
+    }
+    host.hear();
+    let said = host.answers.len();
+    host.device.tick(host.now_us, &mut host.board);
+    host.hear();
+    let (to, Ok(Done::Tested(test))) = host.answers[said] else { panic!("{:?}", host.answers) };
+    assert_eq!((to, test.converter, test.samples), (host.sequence, Ok(()), 256));
+    assert!(!host.board.listening);
+}
+
+#[test]
+fn a_restart_is_answered_before_it_is_done() {
+    let mut host = Host::introduced();
+    host.sequence += 1;
+    host.send(host.sequence, &ToDevice::Reboot);
+    assert_eq!(host.device.restart_due(), None);
+    host.hear();
+    assert_eq!(host.answers.last(), Some(&(host.sequence, Ok(Done::Carried))));
+    assert_eq!(host.device.restart_due(), Some(Restart::Firmware));
+}
+
+proptest! {
+    #[test]
+    fn no_frame_and_no_sample_makes_it_panic(
+        frames in prop::collection::vec(prop::collection::vec(any::<u8>(), 0..80), 0..40),
+        counts in prop::collection::vec(prop::array::uniform4(any::<i32>()), 0..40),
+    ) {
+        let mut host = Host::introduced();
+        host.start(Source::Converter);
+        for (mut frame, counts) in frames.into_iter().zip(counts) {
+            host.device.receive(&mut frame, host.now_us, &mut host.board);
+            // Also what is a whole frame, but no sensible message.
+            let mut whole = [0; FRAME_MAX];
+            let bytes = wire::encode(Head::default(), &frame[..], &mut whole).unwrap().len();
+            host.device.receive(&mut whole[..bytes - 1], host.now_us, &mut host.board);
+            host.sample(counts, Lost { missed: frame.len() as u32, ..Lost::default() });
+            host.device.tick(host.now_us, &mut host.board);
+            host.hear();
+        }
+    }
+}
