@@ -18,6 +18,7 @@
 pub mod cli;
 pub mod criticism;
 pub mod decomposition;
+pub mod device;
 pub mod dissertation;
 pub mod effects;
 pub mod files;
