@@ -26,6 +26,7 @@ pub mod fit;
 pub mod model;
 pub mod practice;
 pub mod press;
+pub mod recording;
 pub mod regions;
 pub mod report;
 pub mod summary;
