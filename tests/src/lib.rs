@@ -1,5 +1,6 @@
 //! What the whole-product tests share: the binary under test and the folders they read.
 
+pub mod device;
 pub mod hidden;
 
 use std::path::{Path, PathBuf};

@@ -1,6 +1,11 @@
 //! Gain and offset of a gauge, from counts under known strains.
 
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use serde::Deserialize;
 use shared::calibration::Sheet;
+use shared::pipeline::GAUGES;
 
 /// One known strain, and what the converter made of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -66,6 +71,49 @@ pub fn line(points: &[Point]) -> Result<Line, CalibrateError> {
     let range = ends.clone().fold(f64::MIN, f64::max) - ends.fold(f64::MAX, f64::min);
     let most = points.iter().map(|point| (away(point) * gain).abs()).fold(0.0, f64::max);
     Ok(Line { gain, offset, errors, nonlinearity: most / range })
+}
+
+/// Why a file gives no points.
+#[derive(Debug, thiserror::Error)]
+#[error("{}: {reason}", path.display())]
+pub struct PointsError {
+    path: PathBuf,
+    reason: String,
+}
+
+#[derive(Deserialize)]
+struct Record {
+    gauge: u8,
+    strain_ustrain: f64,
+    counts: f64,
+}
+
+/// Points of each gauge, counted from 0, from a CSV file with the columns `gauge` (from 1), `strain_ustrain` and `counts`.
+///
+/// # Errors
+/// [`PointsError`] names the line.
+pub fn read_points(path: &Path) -> Result<Vec<(u8, Vec<Point>)>, PointsError> {
+    let wrong = |reason: String| PointsError { path: path.into(), reason };
+    let mut reader = csv::ReaderBuilder::new()
+        .trim(csv::Trim::All)
+        .comment(Some(b'#'))
+        .from_path(path)
+        .map_err(|error| wrong(error.to_string()))?;
+    let mut points: BTreeMap<u8, Vec<Point>> = BTreeMap::new();
+    for record in reader.deserialize() {
+        let Record { gauge, strain_ustrain: strain, counts } =
+            record.map_err(|error| wrong(error.to_string()))?;
+        let at = gauge.checked_sub(1).filter(|at| usize::from(*at) < GAUGES);
+        let at = at.ok_or_else(|| wrong(format!("there is no gauge {gauge}; they are 1 to 4")))?;
+        if !(strain.is_finite() && counts.is_finite()) {
+            return Err(wrong(format!("gauge {gauge}: strain and counts must be finite")));
+        }
+        points.entry(at).or_default().push(Point { strain, counts });
+    }
+    if points.is_empty() {
+        return Err(wrong("there are no points in it".into()));
+    }
+    Ok(points.into_iter().collect())
 }
 
 impl Line {

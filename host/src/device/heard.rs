@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use shared::wire::{
-    Answer, ClockSource, Counters, FrameError, Hello, Head, Introduction, ResetCause, Rows, SCHEMA,
+    Answer, ClockSource, Counters, FrameError, Head, Hello, Introduction, ResetCause, Rows, SCHEMA,
     Settings, Status, ToHost, introduction, open, read,
 };
 

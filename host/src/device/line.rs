@@ -1,7 +1,7 @@
 //! A line to a device: a thread that does nothing but read, and a writer.
 
 use std::io::{ErrorKind, Read, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
@@ -22,8 +22,8 @@ const WRITING: Duration = Duration::from_secs(2);
 #[derive(Debug, thiserror::Error)]
 #[allow(missing_docs)]
 pub enum LineError {
-    #[error("{} cannot be opened: {source}{}", path.display(), advice(source))]
-    Open { path: PathBuf, source: serialport::Error },
+    #[error("cannot be opened: {0}{advice}", advice = advice(.0))]
+    Open(serialport::Error),
     #[error("the line is gone: {0}")]
     Gone(std::io::Error),
 }
@@ -95,7 +95,6 @@ impl Line {
     /// # Errors
     /// [`LineError::Open`].
     pub fn open(path: &Path) -> Result<Self, LineError> {
-        let refused = |source| LineError::Open { path: path.into(), source };
         let port = |baud| {
             serialport::new(path.to_string_lossy(), baud)
                 .timeout(PATIENCE)
@@ -107,9 +106,11 @@ impl Line {
             Err(_) if cfg!(target_os = "macos") => port(0),
             opened => opened,
         }
-        .map_err(refused)?;
-        let reader = writer.try_clone().map_err(refused)?;
-        writer.set_timeout(WRITING).map_err(refused)?;
+        .map_err(LineError::Open)?;
+        let reader = writer.try_clone().map_err(LineError::Open)?;
+        // What came before the handshake is of no use; a port that cannot forget it is no worse.
+        let _ = writer.clear(serialport::ClearBuffer::Input);
+        writer.set_timeout(WRITING).map_err(LineError::Open)?;
         Ok(Self::over(reader, writer))
     }
 

@@ -11,15 +11,21 @@
 //! - [`stream`]: frames and rows that are missing.
 //! - [`record`]: into a file, through whatever happens to the line.
 //! - [`replay`]: rows put into a device as if its converter had given them.
+//! - [`change`]: settings, checked before they are sent.
+//! - [`measure`]: short streams, to read zero and to average.
 //! - [`calibrate`]: gain and offset of a gauge.
 //! - [`log`]: the device's log in words.
+//! - [`describe`]: everything else in words.
 //! - [`simulate`]: a device without hardware, behind a pseudo-terminal.
 
 pub mod calibrate;
+pub mod change;
+pub mod describe;
 pub mod discover;
 pub mod heard;
 pub mod line;
 pub mod log;
+pub mod measure;
 #[cfg(unix)]
 pub mod pty;
 pub mod record;

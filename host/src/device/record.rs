@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use shared::pipeline::GAUGES;
-use shared::wire::{Columns, Counters, Row, Source, Start, ToDevice};
+use shared::wire::{Counters, Row, Start, ToDevice};
 
 use super::heard::{Heard, Identity, Said};
 use super::session::{LinkError, Session};
@@ -17,6 +17,8 @@ use crate::recording::{Gap, Note, Opened, Writer};
 const SILENCE: Duration = Duration::from_millis(2_500);
 /// How long to listen before looking at the clock.
 const SLICE: Duration = Duration::from_millis(50);
+/// Time between two views.
+const WATCH: Duration = Duration::from_millis(100);
 /// A device may take so long to answer when it is there again.
 const PATIENCE: Duration = Duration::from_millis(750);
 /// Between two attempts to open a port that went away.
@@ -27,8 +29,8 @@ const PAUSE: Duration = Duration::from_millis(100);
 pub struct Plan {
     /// The port, to open it again.
     pub port: PathBuf,
-    /// What the device is to send.
-    pub columns: Columns,
+    /// What the device is to stream.
+    pub start: Start,
     /// When to end, if not when told.
     pub duration: Option<Duration>,
 }
@@ -37,6 +39,8 @@ pub struct Plan {
 #[derive(Debug, thiserror::Error)]
 #[allow(missing_docs)]
 pub enum RecordError {
+    #[error("{} is there already; give --force to write over it", .0.display())]
+    Exists(PathBuf),
     #[error("{}: {source}", path.display())]
     File { path: PathBuf, source: io::Error },
     #[error(transparent)]
@@ -66,7 +70,24 @@ pub struct View {
     pub linked: bool,
 }
 
-/// Records until the plan or `ended` says so. `watch` sees the recording about ten times in a second, and at the end.
+/// What goes on beside a recording.
+pub trait Beside {
+    /// Whether the recording shall end.
+    fn ended(&mut self) -> bool;
+
+    /// Sees the recording about ten times in a second, and at the end.
+    fn watch(&mut self, view: &View);
+
+    /// May give commands, as to inject rows; about twenty times in a second.
+    ///
+    /// # Errors
+    /// Those of the session.
+    fn command(&mut self, _: &mut Session) -> Result<(), LinkError> {
+        Ok(())
+    }
+}
+
+/// Records until the plan or `beside` says so.
 ///
 /// # Errors
 /// [`RecordError`].
@@ -75,26 +96,29 @@ pub fn record(
     plan: &Plan,
     file: &Path,
     overwrite: bool,
-    ended: &dyn Fn() -> bool,
-    watch: &mut dyn FnMut(&View),
+    beside: &mut dyn Beside,
 ) -> Result<View, RecordError> {
     let failed = |source| RecordError::File { path: file.into(), source };
     let port = plan.port.to_string_lossy();
     let began = Instant::now();
-    let writer = Writer::create(file, overwrite, &Opened::now(&port)).map_err(failed)?;
+    let writer = match Writer::create(file, overwrite, &Opened::now(&port)) {
+        Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {
+            return Err(RecordError::Exists(file.into()));
+        }
+        created => created.map_err(failed)?,
+    };
     let mut recorder = Recorder::new(plan, writer, began, session.identity().clone());
-    let outcome = recorder.run(session, ended, watch);
+    let outcome = recorder.run(session, beside);
     let view = recorder.view();
     let now_us = recorder.now_us(Instant::now());
     let closed = recorder.writer.close(now_us);
-    watch(&view);
+    beside.watch(&view);
     match outcome {
         Err(Stop::Link(error)) => Err(error.into()),
         Err(Stop::File(source)) => Err(failed(source)),
-        Err(Stop::Another(now)) => Err(RecordError::AnotherDevice {
-            before: recorder.identity.serial_number(),
-            now,
-        }),
+        Err(Stop::Another(now)) => {
+            Err(RecordError::AnotherDevice { before: recorder.identity.serial_number(), now })
+        }
         Ok(()) => closed.map(|()| view).map_err(failed),
     }
 }
@@ -162,41 +186,34 @@ impl<'p> Recorder<'p> {
         at.saturating_duration_since(self.began).as_micros() as u64
     }
 
-    fn run(
-        &mut self,
-        mut session: Session,
-        ended: &dyn Fn() -> bool,
-        watch: &mut dyn FnMut(&View),
-    ) -> Result<(), Stop> {
-        begin(&mut session, self.plan.columns)?;
+    fn run(&mut self, mut session: Session, beside: &mut dyn Beside) -> Result<(), Stop> {
+        begin(&mut session, self.plan.start)?;
         self.heard_at = Instant::now();
         let mut watched = self.began;
-        loop {
-            let over = || {
-                ended() || self.plan.duration.is_some_and(|most| self.began.elapsed() >= most)
-            };
-            if over() {
-                return self.finish(&mut session);
-            }
+        while !self.is_over(beside) {
             let until = Instant::now() + SLICE;
-            let listened = self.listen(&mut session, until);
+            let listened =
+                self.listen(&mut session, until).and_then(|()| Ok(beside.command(&mut session)?));
             let silent = self.heard_at.elapsed() > SILENCE;
             match listened {
                 Ok(()) if !silent => {}
-                Ok(()) | Err(Stop::Link(LinkError::Line(_))) => {
-                    let Some(again) = self.reconnect(session, ended, watch)? else {
-                        return Ok(());
-                    };
+                Ok(()) | Err(Stop::Link(LinkError::Line(_) | LinkError::Silent { .. })) => {
+                    let Some(again) = self.reconnect(session, beside)? else { return Ok(()) };
                     session = again;
                 }
                 Err(stop) => return Err(stop),
             }
             self.writer.tick(self.now_us(Instant::now()))?;
-            if watched.elapsed() >= Duration::from_millis(100) {
+            if watched.elapsed() >= WATCH {
                 watched = Instant::now();
-                watch(&self.view());
+                beside.watch(&self.view());
             }
         }
+        self.finish(&mut session)
+    }
+
+    fn is_over(&self, beside: &mut dyn Beside) -> bool {
+        beside.ended() || self.plan.duration.is_some_and(|most| self.began.elapsed() >= most)
     }
 
     /// Writes what is heard until then.
@@ -241,17 +258,13 @@ impl<'p> Recorder<'p> {
     fn reconnect(
         &mut self,
         session: Session,
-        ended: &dyn Fn() -> bool,
-        watch: &mut dyn FnMut(&View),
+        beside: &mut dyn Beside,
     ) -> Result<Option<Session>, Stop> {
         self.linked = false;
         self.gap(self.now_us(Instant::now()), Gap::LinkLost)?;
         drop(session);
-        loop {
-            if ended() || self.plan.duration.is_some_and(|most| self.began.elapsed() >= most) {
-                return Ok(None);
-            }
-            watch(&self.view());
+        while !self.is_over(beside) {
+            beside.watch(&self.view());
             self.writer.tick(self.now_us(Instant::now()))?;
             match self.resume() {
                 Ok(session) => return Ok(Some(session)),
@@ -261,6 +274,7 @@ impl<'p> Recorder<'p> {
                 Err(stop) => return Err(stop),
             }
         }
+        Ok(None)
     }
 
     fn resume(&mut self) -> Result<Session, Stop> {
@@ -271,14 +285,14 @@ impl<'p> Recorder<'p> {
         let status = session.status()?;
         let now_us = self.now_us(Instant::now());
         self.writer.note(now_us, &Note::Gap(Gap::LinkBack))?;
-        if status.streaming != Some(Source::Converter) {
+        if status.streaming != Some(self.plan.start.source) {
             // It does not stop on its own, so it began anew.
             self.gap(now_us, Gap::Reset)?;
             self.stream.restart();
             let before = self.drops.1 - self.drops.0;
             self.drops_before_resets += before;
             self.drops = (0, 0);
-            begin(&mut session, self.plan.columns)?;
+            begin(&mut session, self.plan.start)?;
         }
         self.linked = true;
         self.heard_at = Instant::now();
@@ -319,13 +333,13 @@ impl<'p> Recorder<'p> {
     }
 }
 
-/// Begins a stream of the converter's rows; what is heard from here on begins with who the device is and its settings.
-fn begin(session: &mut Session, columns: Columns) -> Result<(), LinkError> {
+/// Begins a stream; what is heard from here on begins with who the device is and its settings.
+fn begin(session: &mut Session, start: Start) -> Result<(), LinkError> {
     session.quiet()?;
     session.status()?;
     session.forget();
     session.again(PATIENCE)?;
-    session.command(&ToDevice::Start(Start { source: Source::Converter, columns }))?;
+    session.command(&ToDevice::Start(start))?;
     Ok(())
 }
 

@@ -13,10 +13,9 @@ impl fmt::Display for Refused {
         write!(f, "the device refused: ")?;
         match self.0 {
             Refusal::NoHello => f.write_str("it was reset meanwhile; call again"),
-            Refusal::Schema(schema) => write!(
-                f,
-                "its schema is {schema:#018x}; take firmware and program of one release"
-            ),
+            Refusal::Schema(schema) => {
+                write!(f, "its schema is {schema:#018x}; take firmware and program of one release")
+            }
             Refusal::Streaming => f.write_str("not while it streams; stop the recording first"),
             Refusal::NotStreaming => f.write_str("only while it streams"),
             Refusal::NotFromLink => f.write_str("its samples come from the converter"),

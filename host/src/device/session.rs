@@ -5,8 +5,7 @@ use std::path::Path;
 use std::time::{Duration, Instant, SystemTime};
 
 use shared::wire::{
-    Done, FRAME_MAX, FrameError, Head, Refusal, SCHEMA, Settings, Status, ToDevice,
-    encode,
+    Done, FRAME_MAX, FrameError, Head, Refusal, SCHEMA, Settings, Status, ToDevice, encode,
 };
 
 use super::handshake::introduce;
@@ -39,6 +38,8 @@ pub enum LinkError {
     Refused(#[from] Refused),
     #[error("the device answered `{0:?}`, which does not belong to the question")]
     Unsuited(Done),
+    #[error("the stream brings no rows; `palpate device self-test` says more")]
+    NoRows,
     #[error("the command is too long for a frame")]
     TooLong(#[from] FrameError),
 }

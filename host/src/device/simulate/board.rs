@@ -1,6 +1,6 @@
 //! The simulated board: a converter that is never in doubt, and a file for flash.
 
-use std::io::{ErrorKind, Write as _};
+use std::io::ErrorKind;
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -38,8 +38,7 @@ impl Board {
     /// The settings that are kept, or the defaults.
     pub(super) fn settings(&self) -> Result<Settings, SimulationError> {
         let Some(path) = &self.settings else { return Ok(Settings::DEFAULT) };
-        let refused =
-            |reason: String| SimulationError::Settings { path: path.clone(), reason };
+        let refused = |reason: String| SimulationError::Settings { path: path.clone(), reason };
         match std::fs::read(path) {
             Ok(record) => Settings::from_record(&record)
                 .ok_or_else(|| refused("it is of another version, or no settings".into())),
