@@ -6,9 +6,9 @@ use shared::wire::{Columns, Rows};
 const WAITING: usize = 3;
 const PLACES: usize = WAITING + 1;
 
-/// A ring of blocks; the one that is filled follows those that wait.
+/// A ring of blocks; the one that is filled follows those that wait. 7 KB, which is why a device borrows it.
 #[derive(Clone, Debug)]
-pub(crate) struct Blocks {
+pub struct Blocks {
     places: [Rows; PLACES],
     oldest: usize,
     waiting: usize,
@@ -17,14 +17,16 @@ pub(crate) struct Blocks {
 }
 
 impl Blocks {
-    pub(crate) const fn new() -> Self {
+    /// Empty.
+    #[must_use]
+    pub const fn new() -> Self {
         Self { places: [const { Rows::new() }; PLACES], oldest: 0, waiting: 0, sent: 0 }
     }
 
     /// Forgets everything.
     pub(crate) fn clear(&mut self) {
         (self.oldest, self.waiting, self.sent) = (0, 0, 0);
-        self.filling().begin(Columns::Parts, 0, 0);
+        self.filling().begin(Columns::Parts, 0, 0, 0);
     }
 
     /// The block that is filled.
@@ -50,11 +52,11 @@ impl Blocks {
             return 0;
         }
         if self.waiting == WAITING {
-            self.filling().begin(Columns::Parts, 0, 0);
+            self.filling().begin(Columns::Parts, 0, 0, 0);
             return rows;
         }
         self.waiting = self.waiting.wrapping_add(1);
-        self.filling().begin(Columns::Parts, 0, 0);
+        self.filling().begin(Columns::Parts, 0, 0, 0);
         0
     }
 
@@ -73,5 +75,11 @@ impl Blocks {
             self.waiting = self.waiting.saturating_sub(1);
             self.sent = 0;
         }
+    }
+}
+
+impl Default for Blocks {
+    fn default() -> Self {
+        Self::new()
     }
 }

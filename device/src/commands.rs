@@ -6,7 +6,7 @@ use shared::wire::{
 };
 
 use crate::board::{Board, Restart};
-use crate::conversation::{Device, REFERENCE};
+use crate::conversation::Device;
 use crate::self_test::SelfTest;
 
 impl Device<'_> {
@@ -79,8 +79,7 @@ impl Device<'_> {
             self.configure(&self.settings.clone(), board)?;
             board.listen(true);
         }
-        self.config = config;
-        self.stream.start(start);
+        self.stream.start(start, &config);
         Ok(())
     }
 
@@ -110,11 +109,9 @@ impl Device<'_> {
 
     /// Settings from the next sample on.
     fn apply(&mut self, settings: Settings) -> Result<(), Refusal> {
-        self.config = settings.config(self.interval_s(settings.oversampling)).map_err(refused)?;
-        let calibrated = (settings.calibration, settings.tare);
-        if (self.settings.calibration, self.settings.tare) != calibrated {
-            self.stream.pipeline().recalibrate(&self.config);
-        }
+        let interval_s = self.interval_s(settings.oversampling);
+        let config = settings.config(interval_s).map_err(refused)?;
+        self.stream.pipeline().configure(&config);
         self.settings = settings;
         self.changed();
         Ok(())
@@ -132,8 +129,9 @@ impl Device<'_> {
         if self.stream.rows() == 0 {
             return Err(Refusal::NoSample);
         }
-        self.stream.pipeline().tare(&mut self.config);
-        self.settings.tare = self.config.calibration.map(|calibration| calibration.tare());
+        self.stream.pipeline().tare();
+        self.settings.tare =
+            self.stream.pipeline().config().calibration.map(|calibration| calibration.tare());
         self.changed();
         Ok(())
     }
@@ -150,9 +148,9 @@ impl Device<'_> {
             Some(Source::Converter) => return Err(Refusal::NotFromLink),
             Some(Source::Link { .. }) => {}
         }
-        let taken = self.stream.inject(inject, REFERENCE);
+        let taken = self.stream.inject(inject);
         let (taken, lost) = taken.map_err(|_| Refusal::Rows)?;
-        self.stream.skip(&self.config, lost);
+        self.stream.skip(lost);
         self.counters.queue_full = self.counters.queue_full.saturating_add(lost.into());
         Ok(Done::Injected { taken, lost, room: self.stream.room() })
     }

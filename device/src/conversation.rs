@@ -3,13 +3,15 @@
 use shared::pipeline::{Config, Pipeline};
 use shared::wire::{
     self, Answer, ClockSource, ConverterFault, Counters, Done, FRAME_MAX, Formats, Head, Hello,
-    Log, Oversampling, Refusal, ResetCause, Settings, Source, Status, ToDevice, ToHost,
+    Log, Oversampling, Refusal, ResetCause, Settings, SettingsError, Source, Status, ToDevice,
+    ToHost,
 };
 
+use crate::blocks::Blocks;
 use crate::board::{Board, Restart};
 use crate::outgoing::Outgoing;
 use crate::self_test::SelfTest;
-use crate::stream::{Sample, Stream, Temperature};
+use crate::stream::{Sample, Stream};
 
 /// Status messages of a stream are this far apart, µs.
 const STATUS_US: u64 = 1_000_000;
@@ -37,13 +39,28 @@ pub struct Identity<'a> {
     pub panic: &'a str,
 }
 
+/// Settings to begin with: those that were kept, or the defaults where there are none or they are out of range. With what
+/// the pipeline makes of them, at a converter clock (Hz).
+///
+/// # Errors
+/// [`SettingsError`] if even the defaults are out of range at this clock.
+pub fn begin_with(
+    kept: Option<Settings>,
+    converter_clock_hz: u32,
+) -> Result<(Settings, Config), SettingsError> {
+    let made = |settings: Settings| {
+        let config = settings.config(settings.oversampling.interval_s(converter_clock_hz))?;
+        Ok((settings, config))
+    };
+    kept.and_then(|settings| made(settings).ok()).map_or_else(|| made(Settings::DEFAULT), Ok)
+}
+
 /// A fingertip: takes samples and the host's frames, gives frames for the host.
 #[derive(Debug)]
 pub struct Device<'a> {
     pub(crate) identity: Identity<'a>,
     pub(crate) settings: Settings,
-    pub(crate) config: Config,
-    pub(crate) stream: Stream,
+    pub(crate) stream: Stream<'a>,
     pub(crate) outgoing: Outgoing,
     pub(crate) counters: Counters,
     pub(crate) test: Option<SelfTest>,
@@ -62,23 +79,17 @@ pub struct Device<'a> {
 }
 
 impl<'a> Device<'a> {
-    /// A device that begins with these settings, or with the defaults where they are out of range.
+    /// A device that begins with these settings and what [`begin_with`] made of them.
     #[must_use]
-    pub fn new(identity: Identity<'a>, settings: Settings) -> Option<Self> {
-        let interval =
-            |settings: &Settings| settings.oversampling.interval_s(identity.converter_clock_hz);
-        let (settings, config) = match settings.config(interval(&settings)) {
-            Ok(config) => (settings, config),
-            Err(_) => {
-                let settings = Settings::DEFAULT;
-                (settings, settings.config(interval(&settings)).ok()?)
-            }
-        };
-        Some(Self {
+    pub fn new(
+        identity: Identity<'a>,
+        (settings, config): &(Settings, Config),
+        blocks: &'a mut Blocks,
+    ) -> Self {
+        Self {
             identity,
-            settings,
-            config,
-            stream: Stream::new(Pipeline::new()),
+            settings: *settings,
+            stream: Stream::new(Pipeline::new(config), blocks),
             outgoing: Outgoing::new(),
             counters: Counters::default(),
             test: None,
@@ -92,7 +103,7 @@ impl<'a> Device<'a> {
             stack_used: 0,
             queue_most: 0,
             status_at_us: 0,
-        })
+        }
     }
 
     /// The settings, for the hardware to begin with.
@@ -143,15 +154,13 @@ impl<'a> Device<'a> {
             test.take(sample);
         }
         if self.stream.source() == Some(Source::Converter) {
-            let used = self.temperature.unwrap_or(REFERENCE);
-            let temperature = Temperature { known: self.temperature, used };
-            self.stream.sample(&self.config, sample, temperature);
+            self.stream.sample(sample, self.temperature);
         }
     }
 
     /// Processes one injected row; whether there was one.
     pub fn process_injected(&mut self) -> bool {
-        self.stream.injected(&self.config)
+        self.stream.injected()
     }
 
     /// To be called every 10 ms or so.
@@ -249,7 +258,7 @@ impl<'a> Device<'a> {
         let sent = if self.outgoing.hello {
             self.outgoing.hello = false;
             wire::encode(head, &ToHost::Hello(self.introduction()), frame)
-        } else if self.outgoing.settings {
+        } else if self.outgoing.settings && self.settings_are_next() {
             self.outgoing.settings = false;
             let settings =
                 ToHost::Settings { generation: self.stream.generation, settings: self.settings };
@@ -274,6 +283,12 @@ impl<'a> Device<'a> {
         };
         self.sequence = self.sequence.wrapping_add(1);
         sent.ok()
+    }
+
+    /// Blocks of older settings go before the new ones, so that a host always has those of the block it hears.
+    fn settings_are_next(&mut self) -> bool {
+        let generation = self.stream.generation;
+        self.stream.blocks.next().is_none_or(|(rows, _)| rows.generation == generation)
     }
 
     /// What to do now that everything was sent, if the host asked for it.
@@ -325,6 +340,3 @@ impl<'a> Device<'a> {
         }
     }
 }
-
-/// The temperature at which the calibration compensates nothing, by default; taken without a sensor.
-pub(crate) const REFERENCE: i16 = 25 * 256;

@@ -14,8 +14,7 @@
 //!
 //! - [`Device`]: the conversation, and what the parts below do in it.
 //! - [`Board`]: what a device asks of its hardware.
-//! - [`Sample`], [`Stream`]: from samples to blocks.
-//! - [`SelfTest`]: what a self-test gathers.
+//! - [`Sample`], [`Blocks`]: what comes in, and where it waits on its way out.
 #![cfg_attr(not(test), no_std)]
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]
@@ -39,7 +38,7 @@ mod outgoing;
 mod self_test;
 mod stream;
 
+pub use blocks::Blocks;
 pub use board::{Board, Restart};
-pub use conversation::{Device, Identity};
-pub use self_test::SelfTest;
-pub use stream::{INJECTED_ROWS, Lost, Sample, Stream};
+pub use conversation::{Device, Identity, begin_with};
+pub use stream::{INJECTED_ROWS, Lost, Sample};

@@ -11,7 +11,7 @@ const SAMPLES: u16 = 256;
 
 /// A self-test under way.
 #[derive(Clone, Debug)]
-pub struct SelfTest {
+pub(crate) struct SelfTest {
     /// Command that asked for it.
     pub(crate) to: u32,
     until_us: u64,

@@ -2,7 +2,7 @@
 
 use heapless::Deque;
 use shared::pipeline::{Config, Counters, GAUGES, Pipeline};
-use shared::wire::{BLOCK_ROWS, CodingError, Inject, Source, Start, unpack};
+use shared::wire::{BLOCK_ROWS, CodingError, Column, Inject, REFERENCE_TEMPERATURE, Source, Start};
 
 use crate::blocks::Blocks;
 
@@ -43,13 +43,15 @@ impl Lost {
 }
 
 /// The stream that is on, or the last one.
-#[derive(Clone, Debug)]
-pub struct Stream {
+#[derive(Debug)]
+pub(crate) struct Stream<'a> {
     pipeline: Pipeline,
-    pub(crate) blocks: Blocks,
-    injected: Deque<([i32; GAUGES], i16), INJECTED_ROWS>,
+    pub(crate) blocks: &'a mut Blocks,
+    injected: Deque<([i32; GAUGES], Option<i16>), INJECTED_ROWS>,
     on: Option<Start>,
     next_row: u64,
+    /// Device time of the last row, µs.
+    last_us: u64,
     /// Rows in the block at the last tick.
     seen_waiting: usize,
     pub(crate) generation: u32,
@@ -57,25 +59,26 @@ pub struct Stream {
     pub(crate) link_full: u32,
 }
 
-impl Stream {
-    pub(crate) const fn new(pipeline: Pipeline) -> Self {
+impl<'a> Stream<'a> {
+    pub(crate) const fn new(pipeline: Pipeline, blocks: &'a mut Blocks) -> Self {
         Self {
             pipeline,
-            blocks: Blocks::new(),
+            blocks,
             injected: Deque::new(),
             on: None,
             next_row: 0,
+            last_us: 0,
             seen_waiting: 0,
             generation: 0,
             link_full: 0,
         }
     }
 
-    pub(crate) fn start(&mut self, start: Start) {
-        self.pipeline = Pipeline::new();
+    pub(crate) fn start(&mut self, start: Start, config: &Config) {
+        self.pipeline = Pipeline::new(config);
         self.blocks.clear();
         self.injected.clear();
-        (self.on, self.next_row, self.seen_waiting) = (Some(start), 0, 0);
+        (self.on, self.next_row, self.last_us, self.seen_waiting) = (Some(start), 0, 0, 0);
     }
 
     pub(crate) fn stop(&mut self) {
@@ -101,31 +104,28 @@ impl Stream {
 
     /// A sample of the converter, at a temperature.
     #[inline]
-    pub(crate) fn sample(&mut self, config: &Config, sample: &Sample, temperature: Temperature) {
+    pub(crate) fn sample(&mut self, sample: &Sample, temperature: Option<i16>) {
         if sample.lost != Lost::default() {
             // A block has no gaps.
             self.close();
             self.next_row = self.next_row.saturating_add(sample.lost.all());
         }
-        self.row(config, sample.time_us, sample.counts, temperature);
+        self.row(sample.time_us, sample.counts, temperature);
     }
 
     /// Takes injected rows into the queue: how many found room, how many did not.
     ///
     /// # Errors
     /// [`CodingError`] if they cannot be read; then none is taken.
-    pub(crate) fn inject(
-        &mut self,
-        inject: &Inject<'_>,
-        reference: i16,
-    ) -> Result<(u8, u8), CodingError> {
-        let mut rows = [[[0; GAUGES]; 1]; BLOCK_ROWS];
-        let rows = rows.get_mut(..usize::from(inject.rows)).ok_or(CodingError::Length)?;
-        unpack(inject.counts, rows)?;
-        let temperature = inject.temperature.unwrap_or(reference);
+    pub(crate) fn inject(&mut self, inject: &Inject<'_>) -> Result<(u8, u8), CodingError> {
+        let rows = usize::from(inject.rows);
+        let (counts, left) = Column::<GAUGES>::unpack(inject.counts, rows)?;
+        if !left.is_empty() {
+            return Err(CodingError::Length);
+        }
         let mut taken = 0_u8;
-        for [counts] in rows {
-            if self.injected.push_back((*counts, temperature)).is_ok() {
+        for counts in counts.iter().take(rows) {
+            if self.injected.push_back((counts, inject.temperature)).is_ok() {
                 taken = taken.saturating_add(1);
             }
         }
@@ -133,9 +133,9 @@ impl Stream {
     }
 
     /// Numbers go on where injected rows found no room. They are lost behind those that wait, so those come first.
-    pub(crate) fn skip(&mut self, config: &Config, rows: u8) {
+    pub(crate) fn skip(&mut self, rows: u8) {
         if rows > 0 {
-            while self.injected(config) {}
+            while self.injected() {}
             self.close();
             self.next_row = self.next_row.saturating_add(u64::from(rows));
         }
@@ -147,29 +147,29 @@ impl Stream {
     }
 
     /// Takes one injected row from the queue; whether there was one.
-    pub(crate) fn injected(&mut self, config: &Config) -> bool {
+    pub(crate) fn injected(&mut self) -> bool {
         let Some(Source::Link { interval_ns }) = self.source() else { return false };
         let Some((counts, temperature)) = self.injected.pop_front() else { return false };
         let time_us = self.next_row.saturating_mul(u64::from(interval_ns)) / 1_000;
-        self.row(config, time_us, counts, Temperature { known: None, used: temperature });
+        self.row(time_us, counts, temperature);
         true
     }
 
-    fn row(
-        &mut self,
-        config: &Config,
-        time_us: u64,
-        counts: [i32; GAUGES],
-        temperature: Temperature,
-    ) {
+    fn row(&mut self, time_us: u64, counts: [i32; GAUGES], temperature: Option<i16>) {
         let Some(Start { columns, source }) = self.on else { return };
-        let outputs = self.pipeline.process(config, counts, temperature.used);
+        let used = temperature.unwrap_or(REFERENCE_TEMPERATURE);
+        self.pipeline.process(&counts, used);
+        if self.blocks.filling().temperature != temperature {
+            // A block has one temperature.
+            self.close();
+        }
         let rows = self.blocks.filling();
         if rows.is_empty() {
-            rows.begin(columns, self.next_row, time_us);
-            (rows.generation, rows.temperature) = (self.generation, temperature.known);
+            rows.begin(columns, self.next_row, time_us, self.last_us);
+            (rows.generation, rows.temperature) = (self.generation, temperature);
         }
-        rows.push(time_us, counts, &outputs);
+        self.last_us = time_us;
+        rows.push(time_us, counts, &self.pipeline.outputs());
         self.next_row = self.next_row.wrapping_add(1);
         let late = source == Source::Converter && rows.span_us() >= SPAN_US;
         if rows.is_full() || late {
@@ -191,13 +191,4 @@ impl Stream {
         }
         self.seen_waiting = self.blocks.filling().len();
     }
-}
-
-/// A temperature, 2^-8 °C.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Temperature {
-    /// As measured.
-    pub(crate) known: Option<i16>,
-    /// As the calibration takes it.
-    pub(crate) used: i16,
 }

@@ -1,11 +1,11 @@
 //! What a host may rely on, command by command.
 
-use device::{Board, Device, INJECTED_ROWS, Identity, Lost, Restart, Sample};
+use device::{Board, Device, INJECTED_ROWS, Identity, Lost, Restart, Sample, begin_with};
 use proptest::prelude::*;
 use shared::calibration::Sheet;
 use shared::pipeline::{GAUGES, Pipeline};
 use shared::wire::{
-    self, Accumulated, Accumulator, BLOCK_ROWS, ClockSource, Columns, ConverterFault, Done,
+    self, Accumulated, Accumulator, BLOCK_ROWS, ClockSource, Column, Columns, ConverterFault, Done,
     FRAME_MAX, Head, HelloToDevice, Inject, Oversampling, Refusal, ResetCause, Row, Rows, SCHEMA,
     Settings, Source, Start, Status, StoreFault, ToDevice, ToHost,
 };
@@ -67,7 +67,11 @@ struct Host {
 impl Host {
     fn new() -> Self {
         Self {
-            device: Device::new(IDENTITY, Settings::DEFAULT).unwrap(),
+            device: Device::new(
+                IDENTITY,
+                &begin_with(None, IDENTITY.converter_clock_hz).unwrap(),
+                Box::leak(Box::default()),
+            ),
             board: Bench::default(),
             sequence: 0,
             now_us: 0,
@@ -120,8 +124,11 @@ impl Host {
                         ToHost::Status(status) => self.status = Some(status),
                         ToHost::Samples(block) => {
                             let rows = Rows::decode(head, &block).unwrap();
-                            self.generations.extend(rows.iter().map(|_| block.generation));
-                            self.rows.extend(rows.iter());
+                            let (generation, settings) = self.settings.unwrap();
+                            assert_eq!(generation, block.generation, "told before its first block");
+                            let calibration = settings.config(1e-3).unwrap().calibration;
+                            self.generations.extend((0..block.rows).map(|_| generation));
+                            self.rows.extend(rows.iter(&calibration));
                         }
                         ToHost::Log(_) => unreachable!("nothing is logged here"),
                     }
@@ -135,9 +142,8 @@ impl Host {
     }
 
     fn inject(&mut self, rows: &[[i32; GAUGES]]) -> Result<Done, Refusal> {
-        let table: Vec<_> = rows.iter().map(|row| [*row]).collect();
-        let mut packed = [0; 300];
-        let counts = wire::pack(&table, &mut packed).unwrap();
+        let mut room = [0; 300];
+        let counts = packed(rows, &mut room);
         self.say(&ToDevice::Inject(Inject { rows: rows.len() as u8, temperature: None, counts }))
     }
 
@@ -150,6 +156,14 @@ impl Host {
         self.say(&ToDevice::Status).unwrap();
         self.status.unwrap()
     }
+}
+
+fn packed<'b>(rows: &[[i32; GAUGES]], room: &'b mut [u8]) -> &'b [u8] {
+    let mut column = Column::new();
+    for (at, row) in rows.iter().enumerate() {
+        if at == 0 { column.begin(*row) } else { column.set(at, *row) }
+    }
+    column.pack(0..rows.len(), room).unwrap().0
 }
 
 const LINK: Source = Source::Link { interval_ns: 5_000_000 };
@@ -188,7 +202,7 @@ fn injected_rows_come_back_as_the_pipeline_makes_them_bit_for_bit() {
     let mut host = Host::introduced();
     host.start(LINK);
     let config = Settings::DEFAULT.config(0.005).unwrap();
-    let mut pipeline = Pipeline::new();
+    let mut pipeline = Pipeline::new(&config);
     let rows: Vec<_> = (0..600).map(press).collect();
     for chunk in rows.chunks(BLOCK_ROWS) {
         assert!(matches!(host.inject(chunk), Ok(Done::Injected { lost: 0, .. })));
@@ -201,7 +215,8 @@ fn injected_rows_come_back_as_the_pipeline_makes_them_bit_for_bit() {
             (row.number, row.time_us, row.counts),
             (number as u64, 5_000 * number as u64, counts)
         );
-        let outputs = pipeline.process(&config, counts, 25 * 256);
+        pipeline.process(&counts, 25 * 256);
+        let outputs = pipeline.outputs();
         assert_eq!(row.fa, outputs.map(|out| out.fa));
         assert_eq!(row.sa, outputs.map(|out| out.sa()));
         assert_eq!(
@@ -285,8 +300,8 @@ fn a_command_that_comes_again_is_answered_again_and_not_carried_out_again() {
     host.start(LINK);
     host.inject(&[press(0); 3]).unwrap();
     let (again, said) = (host.sequence, host.answers.len());
-    let mut packed = [0; 100];
-    let counts = wire::pack(&[[press(0)]; 3], &mut packed).unwrap();
+    let mut room = [0; 100];
+    let counts = packed(&[press(0); 3], &mut room);
     host.send(again, &ToDevice::Inject(Inject { rows: 3, temperature: None, counts }));
     host.hear();
     assert_eq!(host.answers.len(), said + 1);

@@ -25,18 +25,14 @@
 //! adds at most 6 × 2^-8. Divided by c0 ≥ [`MIN_C0`] this is at most 1 LSB of the elastic input, and rounding to whole LSB
 //! and the last bit of k_i and 1/c0 add less than 0.8.
 
-use crate::fixed::{STRAIN_MAX, STRAIN_MIN, product, round_shift, saturate_to_24_bits};
+use crate::fixed::{STRAIN_MAX, STRAIN_MIN, product_high_rounded, saturate_to_24_bits};
 
 mod config;
 
 pub use config::{Config, ConfigError, MIN_C0, MIN_INTERVAL_PER_TIME_CONSTANT, Relaxation};
 
-/// FA is rounded from half LSB: a memory has 37 fractional bits.
-const BELOW_FA: u32 = 36;
 /// A memory's upper part, the one that is multiplied, has 7 fractional bits.
 const BELOW_MULTIPLIED: u32 = 30;
-/// The equilibrium is put out from memories of 6 fractional bits: whole, it has two bits to spare.
-const BELOW_EQUILIBRIUM: u32 = 31;
 /// Memories are held within ±2^24 LSB, twice full scale.
 const MEMORY_MAX: i64 = (1 << 61) - 1;
 const MEMORY_MIN: i64 = -(1 << 61);
@@ -76,7 +72,8 @@ impl Output {
 pub struct State {
     fast: i64,
     slow: i64,
-    signal: i32,
+    /// The last signal, 6 fractional bits.
+    raised: i32,
     saturations: u32,
 }
 
@@ -86,41 +83,57 @@ impl State {
     #[must_use]
     pub const fn at_rest(signal: i32) -> Self {
         let signal = saturate_to_24_bits(signal as i64);
-        Self { fast: NO_MEMORY, slow: NO_MEMORY, signal, saturations: 0 }
+        Self { fast: NO_MEMORY, slow: NO_MEMORY, raised: signal << 6, saturations: 0 }
     }
 
     /// Takes the next sample (LSB of strain), one interval of `config` after the last. A sample beyond 24 bits is saturated
     /// and counted.
-    #[inline]
+    #[inline(always)]
     pub fn step(&mut self, config: &Config, signal: i32) -> Output {
-        let signal = self.admit(signal);
+        let admitted = signal.clamp(STRAIN_MIN, STRAIN_MAX);
+        if admitted != signal {
+            self.count_saturation();
+        }
+        self.advance(config, admitted);
+        self.output(config)
+    }
+
+    /// Takes the next sample, of 24 bits; whether a memory had to be saturated.
+    #[inline(always)]
+    pub(crate) fn advance(&mut self, config: &Config, signal: i32) -> bool {
+        let raised = signal << 6;
         // 25 bits and six zeros: fits.
-        let change = signal.wrapping_sub(self.signal) << 6;
-        self.signal = signal;
+        let change = raised.wrapping_sub(self.raised);
+        self.raised = raised;
 
         let (fast, slow) = (multiplied(self.fast), multiplied(self.slow));
         self.fast = config.fast.advance(self.fast, fast, slow, change);
         self.slow = config.slow.advance(self.slow, slow, fast, change);
-        if overflows(self.fast) | overflows(self.slow) {
+        let saturates = (beyond(self.fast) | beyond(self.slow)) >= 1 << 30;
+        if saturates {
             self.saturate_memories();
         }
+        saturates
+    }
 
-        let equilibrium = (signal << 6)
-            .saturating_sub((self.fast >> BELOW_EQUILIBRIUM) as i32)
-            .saturating_sub((self.slow >> BELOW_EQUILIBRIUM) as i32);
+    /// What the filter says about its last sample.
+    #[inline(always)]
+    #[must_use]
+    pub const fn output(&self, config: &Config) -> Output {
+        let equilibrium = less(less(self.raised, self.fast), self.slow);
         Output {
-            signal,
-            fa: halve_rounded((self.fast >> BELOW_FA) as i32),
+            signal: self.raised >> 6,
+            fa: upper_word(self.fast).wrapping_add(16) >> 5,
             equilibrium: halve_rounded(equilibrium >> 5),
             // 6 + 31 fractional bits, and 1/c0 is 32 times its coefficient.
-            elastic: round_shift(product(equilibrium, config.inverse_c0), 32) as i32,
+            elastic: product_high_rounded(equilibrium, config.inverse_c0),
         }
     }
 
     /// Declares that the last sample now reads `signal`, as after a tare: the memories stay, the equilibrium moves along,
     /// and the next sample is not taken for a step.
     pub const fn rebase(&mut self, signal: i32) {
-        self.signal = saturate_to_24_bits(signal as i64);
+        self.raised = saturate_to_24_bits(signal as i64) << 6;
     }
 
     /// How many samples had to be saturated, on the way in or inside; stops at the largest `u32`.
@@ -129,19 +142,15 @@ impl State {
         self.saturations
     }
 
-    #[inline]
-    fn admit(&mut self, signal: i32) -> i32 {
-        if (STRAIN_MIN..=STRAIN_MAX).contains(&signal) {
-            return signal;
-        }
+    #[cold]
+    fn count_saturation(&mut self) {
         self.saturations = self.saturations.saturating_add(1);
-        signal.clamp(STRAIN_MIN, STRAIN_MAX)
     }
 
     /// Only an exchange of shares or rates can bring a memory here.
     #[cold]
     fn saturate_memories(&mut self) {
-        self.saturations = self.saturations.saturating_add(1);
+        self.count_saturation();
         self.fast = self.fast.clamp(MEMORY_MIN, MEMORY_MAX);
         self.slow = self.slow.clamp(MEMORY_MIN, MEMORY_MAX);
     }
@@ -158,10 +167,25 @@ const fn halve_rounded(value: i32) -> i32 {
     value.wrapping_add(1) >> 1
 }
 
-/// Whether a memory left ±2^61; looks at the upper word only.
+/// A memory's upper word, 5 fractional bits.
 #[inline]
-const fn overflows(memory: i64) -> bool {
-    ((memory >> 32) as i32).wrapping_add(1 << 29) as u32 >= 1 << 30
+const fn upper_word(memory: i64) -> i32 {
+    (memory >> 32) as i32
+}
+
+/// A level of 6 fractional bits less a memory rounded down to them: twice its upper word and one bit of its lower. The
+/// memory is at most four times as large as a signal, so only the second of two can make this saturate.
+#[inline]
+const fn less(level: i32, memory: i64) -> i32 {
+    let (upper, bit) = (upper_word(memory), (memory as u32) >> 31);
+    level.wrapping_sub(bit as i32).saturating_sub(upper.saturating_add(upper))
+}
+
+/// 2^30 or more where a memory left ±2^61: where the three highest bits differ.
+#[inline]
+const fn beyond(memory: i64) -> u32 {
+    let upper = upper_word(memory);
+    (upper ^ (upper << 1)) as u32
 }
 
 #[cfg(test)]

@@ -1,14 +1,18 @@
 //! Counts of the converter → strain, with tare and temperature compensation.
 //!
-//! strain = gain (counts − offset) − κ (T − T0) − tare, saturated to 24 bits. The gain is a 31-bit mantissa and a shift, so
-//! it costs one multiplication and loses nothing; formats are those of [`crate::fixed`].
+//! strain = gain (counts − offset) − κ (T − T0) − tare, saturated to 24 bits; formats are those of [`crate::fixed`].
+//!
+//! The gain is a 31-bit mantissa and a power of two and costs two multiplications of 32 bits; their rounding moves a strain
+//! by at most 0.75 LSB, that of κ (T − T0) by 0.5. What does not change from sample to sample, κ (T − T0) + tare, is
+//! computed once for a temperature: the zero of a [`Conversion`].
 
 use core::fmt;
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
 
-use crate::fixed::{STRAIN_FRACTION_BITS, temperature_from_celsius};
-use crate::fixed::{STRAIN_MAX, STRAIN_MIN, round_shift, round_to_i32, saturate_to_24_bits};
+use crate::fixed::{STRAIN_FRACTION_BITS, TEMPERATURE_FRACTION_BITS, temperature_from_celsius};
+use crate::fixed::{STRAIN_MAX, STRAIN_MIN, round_shift, round_to_i32};
+use crate::fixed::{product, product_high_rounded};
 use crate::flags::Flags;
 
 /// Smallest and largest |gain|, µε per count.
@@ -18,6 +22,8 @@ pub const MAX_TEMPERATURE_COEFFICIENT: f64 = 100.0;
 
 /// Fractional bits of κ in LSB/°C.
 const COEFFICIENT_BITS: u32 = 16;
+/// A difference of two counts has 25 bits; seven zeros below fill the word.
+const DIFFERENCE_BITS: u32 = 7;
 
 /// What the calibration of one gauge states, in physical units.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
@@ -72,12 +78,25 @@ impl core::error::Error for CalibrationError {}
 /// The calibration of one gauge as integers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Calibration {
+    /// 0.5 … 1, 31 fractional bits, negative for a negative gain.
     mantissa: i32,
-    shift: u32,
+    /// A power of two, as [`Conversion`] takes it.
+    scale: i32,
     offset: i32,
     coefficient: i32,
     reference: i16,
     tare: i32,
+}
+
+/// A [`Calibration`] at one temperature: what is left to do for every sample.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Conversion {
+    /// Counts without strain, `DIFFERENCE_BITS` fractional bits.
+    offset: i32,
+    mantissa: i32,
+    scale: i32,
+    /// What a gauge without strain reads, LSB.
+    zero: i32,
 }
 
 /// A calibrated sample.
@@ -118,35 +137,45 @@ impl Calibration {
         if !(-100.0..=100.0).contains(&reference_celsius) {
             return Err(CalibrationError::ReferenceTemperature(reference_celsius));
         }
-        // |mantissa| in 0.5 … 1: 31 bits. The gain range keeps the shift between 25 and 51.
-        let (mantissa, exponent) = libm::frexp(libm::ldexp(gain, STRAIN_FRACTION_BITS as i32));
-        let scale = libm::ldexp(1.0, COEFFICIENT_BITS.saturating_add(STRAIN_FRACTION_BITS) as i32);
+        // Two upper words take away 2^64 and the difference brings 2^7: in LSB the gain is mantissa × scale × 2^-57. The
+        // scale is a power of two that leaves the mantissa 31 bits (the largest of all is 2^31 − 1).
+        let gain = libm::ldexp(gain, STRAIN_FRACTION_BITS as i32);
+        let (_, exponent) = libm::frexp(gain);
+        let scale = round_to_i32(libm::ldexp(1.0, exponent.saturating_add(26)));
+        let coefficient_bits = COEFFICIENT_BITS.saturating_add(STRAIN_FRACTION_BITS) as i32;
         Ok(Self {
-            mantissa: round_to_i32(libm::ldexp(mantissa, 31)),
-            shift: 31_i32.saturating_sub(exponent).unsigned_abs(),
+            mantissa: round_to_i32(libm::ldexp(gain, 57) / f64::from(scale)),
+            scale,
             offset,
-            coefficient: round_to_i32(temperature_coefficient * scale),
+            coefficient: round_to_i32(libm::ldexp(temperature_coefficient, coefficient_bits)),
             reference: temperature_from_celsius(reference_celsius),
             tare: 0,
         })
     }
 
+    /// The calibration at a temperature (2^-8 °C).
+    #[must_use]
+    pub fn at(&self, temperature: i16) -> Conversion {
+        Conversion {
+            offset: self.offset << DIFFERENCE_BITS,
+            mantissa: self.mantissa,
+            scale: self.scale,
+            zero: self.apparent(temperature).saturating_add(self.tare),
+        }
+    }
+
     /// Strain of a count at a temperature (2^-8 °C). A count beyond 24 bits is taken as the rail.
     #[must_use]
     pub fn apply(&self, counts: i32, temperature: i16) -> Calibrated {
-        let wide = self.without_tare(counts, temperature).saturating_sub(i64::from(self.tare));
-        let strain = saturate_to_24_bits(wide);
-        let at_rail = counts >= STRAIN_MAX || counts <= STRAIN_MIN;
-        let flags = Flags::CONVERTER_AT_RAIL.when(at_rail)
-            | Flags::STRAIN_SATURATED.when(i64::from(strain) != wide);
-        Calibrated { strain, flags }
+        self.at(temperature).apply(counts)
     }
 
     /// The same calibration with the tare that makes this sample read zero.
     #[must_use]
     pub fn tared(&self, counts: i32, temperature: i16) -> Self {
-        // At most 24 bits of counts and offset, times a gain below 2^6, fit an i32.
-        Self { tare: self.without_tare(counts, temperature) as i32, ..*self }
+        let untared = self.untared();
+        let counts = counts.clamp(STRAIN_MIN, STRAIN_MAX);
+        Self { tare: untared.at(temperature).unlimited(counts), ..untared }
     }
 
     /// The same calibration with a tare, LSB of strain.
@@ -167,18 +196,59 @@ impl Calibration {
         self.tare
     }
 
-    fn without_tare(&self, counts: i32, temperature: i16) -> i64 {
-        let counts = i64::from(counts.clamp(STRAIN_MIN, STRAIN_MAX));
-        let above = counts.wrapping_sub(i64::from(self.offset));
-        let strain = round_shift(above.wrapping_mul(i64::from(self.mantissa)), self.shift);
-        let warmer = i64::from(temperature).wrapping_sub(i64::from(self.reference));
-        // 8 bits of the temperature and 16 of κ.
-        let apparent = round_shift(
-            warmer.wrapping_mul(i64::from(self.coefficient)),
-            COEFFICIENT_BITS.saturating_add(crate::fixed::TEMPERATURE_FRACTION_BITS),
-        );
-        strain.wrapping_sub(apparent)
+    /// Strain that a temperature feigns, LSB: at most 228 °C from the reference, 23 bits.
+    fn apparent(&self, temperature: i16) -> i32 {
+        let warmer = i32::from(temperature).wrapping_sub(i32::from(self.reference));
+        let bits = COEFFICIENT_BITS.saturating_add(TEMPERATURE_FRACTION_BITS);
+        round_shift(product(warmer, self.coefficient), bits) as i32
     }
+}
+
+impl Conversion {
+    /// Strain of a count. A count beyond 24 bits is taken as the rail.
+    #[inline]
+    #[must_use]
+    pub fn apply(&self, counts: i32) -> Calibrated {
+        match self.ordinary(counts) {
+            Some(strain) => Calibrated { strain, flags: Flags::NONE },
+            None => self.limited(counts),
+        }
+    }
+
+    /// Strain of a count, if there is nothing to warn of.
+    #[inline(always)]
+    pub(crate) fn ordinary(&self, counts: i32) -> Option<i32> {
+        let strain = self.unlimited(counts);
+        // One test for both: the rails of the converter are its largest sizes, a strain may have them.
+        let warn = (size(counts).wrapping_add(1) | size(strain)) >= 1 << 23;
+        if warn { None } else { Some(strain) }
+    }
+
+    /// Strain of any count. Rare, so that an ordinary sample is spared limits and flags.
+    #[cold]
+    pub(crate) fn limited(&self, counts: i32) -> Calibrated {
+        let unlimited = self.unlimited(counts.clamp(STRAIN_MIN, STRAIN_MAX));
+        let strain = unlimited.clamp(STRAIN_MIN, STRAIN_MAX);
+        let at_rail = counts >= STRAIN_MAX || counts <= STRAIN_MIN;
+        let flags = Flags::CONVERTER_AT_RAIL.when(at_rail)
+            | Flags::STRAIN_SATURATED.when(strain != unlimited);
+        Calibrated { strain, flags }
+    }
+
+    /// Strain of 24 bits of counts before it is limited: a difference of 25 bits times a gain up to 2^5 LSB, less a zero
+    /// that is smaller than twice that.
+    #[inline(always)]
+    fn unlimited(&self, counts: i32) -> i32 {
+        let difference = (counts << DIFFERENCE_BITS).wrapping_sub(self.offset);
+        product_high_rounded(product_high_rounded(difference, self.mantissa), self.scale)
+            .wrapping_sub(self.zero)
+    }
+}
+
+/// How large a number is; one less for a negative one, so that a number of 24 bits has a size below 2^23.
+#[inline]
+const fn size(value: i32) -> u32 {
+    (value ^ (value >> 31)) as u32
 }
 
 #[cfg(test)]

@@ -125,6 +125,13 @@ pub const fn product_high(a: i32, b: i32) -> i32 {
     (product(a, b) >> 32) as i32
 }
 
+/// The upper word of a product, rounded to nearest, halves upwards.
+#[must_use]
+pub const fn product_high_rounded(a: i32, b: i32) -> i32 {
+    // A product is at most 2^62.
+    (product(a, b).wrapping_add(1 << 31) >> 32) as i32
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

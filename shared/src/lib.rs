@@ -17,10 +17,10 @@
 //! - [`wire`]: every message between fingertip and host, and the frames they travel in.
 //! - [`latency`]: the latency model of the dissertation, linear and power law, as exact steps in `f64` and in fixed point.
 //!
-//! Configuration and state are separate types everywhere: a configuration is computed once in `f64`, validated, and serves
-//! any number of channels; a state is a few integers. Nothing here allocates, needs `std`, or panics on any input:
-//! arithmetic that can leave its range saturates, and saturation is reported. "eq. 3.4" and the like refer to the
-//! dissertation on which the project rests.
+//! Configuration and state are separate types: a configuration is computed once in `f64`, validated, and serves any number
+//! of channels; a state is a few integers. Only the pipeline owns both. Nothing here allocates, needs `std`, or panics on
+//! any input: arithmetic that can leave its range saturates, and saturation is reported. "eq. 3.4" and the like refer to
+//! the dissertation on which the project rests.
 #![cfg_attr(not(test), no_std)]
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]

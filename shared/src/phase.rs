@@ -15,16 +15,19 @@
 //! compression. A partial release that is then held goes from unloading to relaxation (of Type II), a further press from
 //! relaxation to loading; contact after recovery begins the next grasp.
 //!
+//! Both are averaged over the smoothing time, and the regions are looked for once for each such mean, not at every sample.
 //! A boundary is known only some time after it was passed: the motion must stand for the dwell before it has stopped. So a
 //! region is reported together with how many samples ago it was entered, and a reader with the whole recording puts the
-//! boundary back to where it belongs. Where two boundaries become known at once, they are reported one sample apart.
-//! When the signal is highest at the moment the motion stops, B is C and there is no transition.
+//! boundary back to where it belongs. Where two boundaries become known at once, they are reported one mean apart. When
+//! the signal is highest at the moment the motion stops, B is C and there is no transition.
 
+mod average;
 mod config;
 mod motion;
 
+use average::{Average, Mean};
 pub use config::{Config, ConfigError, Thresholds};
-use motion::{Direction, Motion, Smooth, fine};
+use motion::{Direction, Motion};
 
 /// A region of a grasp, section 3.4.1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -77,29 +80,31 @@ pub struct Phase {
     pub region: Region,
     /// On the sample at which a region is found: how many samples ago it was entered, 0 for this one.
     pub entered_samples_ago: Option<u32>,
-    /// Type of relaxation by the latent part of this sample.
+    /// Type of relaxation by the latent part of the last sample of a mean.
     pub relaxation: RelaxationType,
 }
 
 /// Nothing is remembered as longer ago, so that a wrapping sample number stays unambiguous.
 const LONG_AGO: u32 = 1 << 31;
 
-/// What is remembered of a grasp. Sample numbers count from 0 and wrap.
+/// What is remembered of a grasp. Sample numbers count from 0 and wrap; a mean is dated at the middle of its samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct State {
+    average: Average,
+    phase: Phase,
+    /// The last sample looked at.
+    last: u32,
+    /// Date of the last mean.
     now: u32,
-    region: Region,
     /// When the present region was entered.
     entered_at: u32,
-    smooth_motion: Smooth,
-    smooth_signal: Smooth,
     motion: Motion,
     contact: Contact,
     /// Highest signal since loading began.
-    peak: i64,
+    peak: i32,
     peak_at: u32,
-    /// First sample of the present run with the latent part in the dead band.
-    settled_since: Option<u32>,
+    /// The last sample with the latent part outside the dead band.
+    unsettled_at: u32,
 }
 
 /// Touch with hysteresis.
@@ -110,18 +115,31 @@ struct Contact {
     since: u32,
     /// The last sample at or below the release level.
     below_at: u32,
+    /// The last mean.
+    signal: i32,
 }
 
 impl Contact {
-    fn step(&mut self, config: &Config, signal: i64, now: u32) {
+    fn step(&mut self, config: &Config, mean: &Mean, now: u32) {
+        let signal = mean.signal;
         if signal <= config.release {
             self.below_at = now;
         }
-        let changes = if self.touching { signal <= config.release } else { signal >= config.touch };
-        if changes {
-            self.touching = !self.touching;
-            self.since = now;
+        let touches = if self.touching { signal > config.release } else { signal >= config.touch };
+        if touches != self.touching {
+            let level = if touches { config.touch } else { config.release };
+            self.touching = touches;
+            self.since = now.wrapping_sub(self.samples_since(level, mean));
         }
+        self.signal = signal;
+    }
+
+    /// How long ago a straight line from the last mean to this one crossed a level.
+    fn samples_since(&self, level: i32, mean: &Mean) -> u32 {
+        let way = |from: i32| i64::from(mean.signal).wrapping_sub(i64::from(from));
+        let samples = way(level).wrapping_mul(i64::from(mean.samples));
+        let ago = samples.checked_div(way(self.signal)).unwrap_or(0);
+        u32::try_from(ago).unwrap_or(0).min(mean.samples)
     }
 }
 
@@ -131,50 +149,68 @@ impl State {
     #[must_use]
     pub const fn at_rest(motion: i32, signal: i32) -> Self {
         Self {
+            average: Average::of(0),
+            phase: Phase {
+                region: Region::Rest,
+                entered_samples_ago: None,
+                relaxation: RelaxationType::None,
+            },
+            last: 0,
             now: 0,
-            region: Region::Rest,
             entered_at: 0_u32.wrapping_sub(LONG_AGO),
-            smooth_motion: Smooth::at(motion),
-            smooth_signal: Smooth::at(signal),
-            motion: Motion::still_at(fine(motion), 0),
-            contact: Contact { touching: false, since: 0, below_at: 0 },
-            peak: fine(signal),
+            motion: Motion::still_at(motion, 0),
+            contact: Contact { touching: false, since: 0, below_at: 0, signal },
+            peak: signal,
             peak_at: 0,
-            settled_since: None,
+            unsettled_at: 0,
         }
     }
 
     /// Takes one sample: motion and signal in the units of the thresholds, and the filter's latent part.
+    #[inline]
     pub fn step(&mut self, config: &Config, motion: i32, signal: i32, latent: i32) -> Phase {
-        self.now = self.now.wrapping_add(1);
+        self.phase.entered_samples_ago = None;
+        if self.average.add(motion, signal) {
+            self.look(config, latent);
+        }
+        self.phase
+    }
+
+    /// What is known after the last sample.
+    #[must_use]
+    pub const fn phase(&self) -> Phase {
+        self.phase
+    }
+
+    /// Looks for a boundary in the mean of the samples since the last one.
+    #[inline(never)]
+    fn look(&mut self, config: &Config, latent: i32) {
+        let mean = self.average.mean();
+        self.average = config.average;
+        self.last = self.last.wrapping_add(mean.samples);
+        self.now = self.last.wrapping_sub(mean.samples / 2);
         if self.ago(self.entered_at) > LONG_AGO {
             self.entered_at = self.now.wrapping_sub(LONG_AGO);
         }
-        let level = self.smooth_motion.step(motion, config.smoothing);
-        self.motion.step(config, level, self.now);
-        let signal = self.smooth_signal.step(signal, config.smoothing);
-        self.contact.step(config, signal, self.now);
-
-        let relaxation = RelaxationType::of(latent, config.latent_dead_band);
-        self.settled_since = match relaxation {
-            RelaxationType::None => Some(self.settled_since.unwrap_or(self.now)),
-            _ => None,
-        };
-        let entered_samples_ago = self.next(config, signal).map(|(region, since)| {
+        self.motion.step(config, mean.motion, self.now);
+        self.contact.step(config, &mean, self.now);
+        self.phase.relaxation = RelaxationType::of(latent, config.latent_dead_band);
+        if self.phase.relaxation != RelaxationType::None {
+            self.unsettled_at = self.now;
+        }
+        if let Some((region, since)) = self.next(config, mean.signal) {
             let ago = self.enter(region, since);
             if region == Region::Loading {
-                (self.peak, self.peak_at) = (signal, self.now);
+                (self.peak, self.peak_at) = (mean.signal, self.now);
             }
-            // Rest is entered by the clock, everything else by smoothed quantities, which lag.
-            if region == Region::Rest { ago } else { ago.saturating_add(config.lag()) }
-        });
-        Phase { region: self.region, entered_samples_ago, relaxation }
+            self.phase.entered_samples_ago = Some(ago.saturating_add(mean.samples / 2));
+        }
     }
 
     /// Enters a region, not before the last one; returns how long ago.
     fn enter(&mut self, region: Region, since: u32) -> u32 {
         let ago = self.ago(since).min(self.ago(self.entered_at));
-        self.region = region;
+        self.phase.region = region;
         self.entered_at = self.now.wrapping_sub(ago);
         ago
     }
@@ -189,11 +225,11 @@ impl State {
     }
 
     /// The region to enter now, if any, and since when.
-    fn next(&mut self, config: &Config, signal: i64) -> Option<(Region, u32)> {
-        let Contact { touching, since: contact_since, below_at } = self.contact;
+    fn next(&mut self, config: &Config, signal: i32) -> Option<(Region, u32)> {
+        let Contact { touching, since: contact_since, below_at, .. } = self.contact;
         let Motion { direction, since: moved_at, .. } = self.motion;
         let lost = (!touching).then_some((Region::Recovery, contact_since));
-        match (self.region, direction) {
+        match (self.phase.region, direction) {
             // A motion that began before rest did is the end of recovery.
             (Region::Rest, Direction::Advancing) if self.before(self.entered_at, moved_at) => {
                 Some((Region::Preloading, moved_at))
@@ -225,15 +261,15 @@ impl State {
         }
     }
 
-    fn after_loading(&mut self, config: &Config, signal: i64) -> Option<(Region, u32)> {
+    fn after_loading(&mut self, config: &Config, signal: i32) -> Option<(Region, u32)> {
         if signal > self.peak {
             (self.peak, self.peak_at) = (signal, self.now);
         }
         let Motion { direction, since: moved_at, .. } = self.motion;
-        let fell = self.peak.wrapping_sub(signal) > config.peak_drop;
+        let fell = self.peak.saturating_sub(signal) > config.peak_drop;
         // Closer together than the smoothing can tell, B is C.
         let peak_came_before =
-            |sample| self.ago(self.peak_at) > self.ago(sample).saturating_add(config.lag());
+            |sample| self.ago(self.peak_at) > self.ago(sample).saturating_add(config.resolution());
         let transition = (Region::Transition, self.peak_at);
         match direction {
             // The motion may have stopped without this being known yet: it must have gone on since the peak.
@@ -253,8 +289,9 @@ impl State {
     }
 
     fn recovered(&self, config: &Config) -> Option<(Region, u32)> {
-        let settled = self.settled_since.filter(|since| self.ago(*since) >= config.dwell);
+        let settled = self.ago(self.unsettled_at) > config.dwell;
         let late = self.ago(self.entered_at) >= config.recovery_limit;
-        settled.or(late.then_some(self.now)).map(|since| (Region::Rest, since))
+        let since = if settled { self.unsettled_at } else { self.now };
+        (settled || late).then_some((Region::Rest, since))
     }
 }

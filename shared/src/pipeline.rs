@@ -1,7 +1,8 @@
 //! The order in which one sample of four gauges passes through calibration, adaptation and phase.
 
 use crate::adaptation;
-use crate::calibration::{Calibrated, Calibration};
+use crate::calibration::{Calibrated, Calibration, Conversion};
+use crate::fixed::saturate_to_24_bits;
 use crate::flags::Flags;
 use crate::phase::{self, Region, RelaxationType};
 use postcard_schema::Schema;
@@ -10,8 +11,7 @@ use serde::{Deserialize, Serialize};
 /// Gauges of a fingertip.
 pub const GAUGES: usize = 4;
 
-/// Everything that is set rather than measured. May be exchanged between samples; after a change of `calibration` call
-/// [`Pipeline::recalibrate`].
+/// Everything that is set rather than measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Config {
     /// One for each gauge.
@@ -57,16 +57,14 @@ impl Output {
     }
 }
 
-/// How often something happened on one gauge since the start; each stops at the largest `u32`.
+/// How many samples of one gauge carried a warning; each stops at the largest `u32`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize, Schema)]
 pub struct Counters {
-    /// Samples taken.
-    pub samples: u32,
-    /// Samples with the converter at a rail.
+    /// With the converter at a rail.
     pub converter_at_rail: u32,
-    /// Samples whose strain was saturated.
+    /// With a strain that was saturated.
     pub strain_saturated: u32,
-    /// Samples at which the filter saturated.
+    /// At which the filter saturated.
     pub filter_saturated: u32,
 }
 
@@ -75,153 +73,235 @@ impl Counters {
         let add = |counter: &mut u32, flag| {
             *counter = counter.saturating_add(u32::from(flags.contains(flag)));
         };
-        add(&mut self.samples, Flags::NONE);
         add(&mut self.converter_at_rail, Flags::CONVERTER_AT_RAIL);
         add(&mut self.strain_saturated, Flags::STRAIN_SATURATED);
         add(&mut self.filter_saturated, Flags::FILTER_SATURATED);
     }
 }
 
-/// What four gauges remember between samples.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+/// Four gauges: their configuration and what they remember between samples.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(C)]
 pub struct Pipeline {
+    /// First in memory: within reach of the instructions that load and store two words at once.
     channels: [Channel; GAUGES],
-    /// Last counts and temperature.
-    last: Option<([i32; GAUGES], i16)>,
+    config: Config,
+    samples: u32,
+    /// Of the last sample, if it came as counts.
+    counts: Option<[i32; GAUGES]>,
+    /// Of the conversions, 2^-8 °C.
+    temperature: i16,
 }
 
-/// Begins, part by part, with the first sample it sees, which is taken as settled.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+/// One gauge. All that a sample needs lies side by side, with coefficients of its own: on the device that saves a tenth.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Channel {
-    adaptation: Option<adaptation::State>,
-    phase: Option<phase::State>,
+    conversion: Conversion,
+    relaxation: adaptation::Config,
+    adaptation: adaptation::State,
+    phase: phase::State,
+    flags: Flags,
     counters: Counters,
 }
 
 impl Pipeline {
     /// A pipeline that has seen nothing; its first sample is taken as settled and out of contact.
     #[must_use]
-    pub fn new() -> Self {
-        Self::default()
+    pub fn new(config: &Config) -> Self {
+        let temperature = 0;
+        let channels = config.calibration.map(|calibration| Channel {
+            conversion: calibration.at(temperature),
+            relaxation: config.adaptation,
+            adaptation: adaptation::State::at_rest(0),
+            phase: phase::State::at_rest(0, 0),
+            flags: Flags::NONE,
+            counters: Counters::default(),
+        });
+        Self { config: *config, channels, samples: 0, counts: None, temperature }
     }
 
     /// Takes one sample of every gauge (counts, 24 bits) and the temperature (2^-8 °C). The elastic input of each gauge
     /// serves as its motion.
-    pub fn process(
-        &mut self,
-        config: &Config,
-        counts: [i32; GAUGES],
-        temperature: i16,
-    ) -> [Output; GAUGES] {
-        self.last = Some((counts, temperature));
-        let [a, b, c, d] = &config.calibration;
-        let [p, q, r, s] = counts;
-        self.pass(
-            config,
-            [
-                a.apply(p, temperature),
-                b.apply(q, temperature),
-                c.apply(r, temperature),
-                d.apply(s, temperature),
-            ],
-            None,
-        )
+    pub fn process(&mut self, counts: &[i32; GAUGES], temperature: i16) {
+        self.counts = Some(*counts);
+        if temperature != self.temperature {
+            self.temperature = temperature;
+            self.convert();
+        }
+        if self.samples == 0 {
+            self.read_anew();
+        }
+        self.pass(counts, None, Channel::calibrate);
     }
 
     /// Takes one sample that is already strain (LSB), as from a recording; strain beyond 24 bits is saturated and flagged.
     /// `motion` is the displacement where it is known, in the unit of the thresholds.
-    pub fn process_strain(
-        &mut self,
-        config: &Config,
-        strain: [i32; GAUGES],
-        motion: Option<i32>,
-    ) -> [Output; GAUGES] {
-        let admitted = strain.map(|wide| {
-            let strain = crate::fixed::saturate_to_24_bits(i64::from(wide));
-            Calibrated { strain, flags: Flags::STRAIN_SATURATED.when(strain != wide) }
-        });
-        self.pass(config, admitted, motion)
+    pub fn process_strain(&mut self, strain: &[i32; GAUGES], motion: Option<i32>) {
+        self.counts = None;
+        if self.samples == 0 {
+            for (channel, strain) in self.channels.iter_mut().zip(strain) {
+                channel.rest_at(*strain, motion);
+            }
+        }
+        self.pass(strain, motion, Channel::admit);
     }
 
-    /// Sets the tares so that the last sample reads zero on every gauge, out of contact; without effect before the first.
-    pub fn tare(&mut self, config: &mut Config) {
-        if let Some((counts, temperature)) = self.last {
-            for (calibration, counts) in config.calibration.iter_mut().zip(counts) {
-                *calibration = calibration.tared(counts, temperature);
-            }
-            self.recalibrate(config);
+    /// What is known about the last sample; what is not asked for costs nothing.
+    #[inline(always)]
+    #[must_use]
+    pub fn outputs(&self) -> [Output; GAUGES] {
+        let [a, b, c, d] = &self.channels;
+        [a.output(), b.output(), c.output(), d.output()]
+    }
+
+    /// How many samples were taken since the start; stops at the largest `u32`.
+    #[must_use]
+    pub const fn samples(&self) -> u32 {
+        self.samples
+    }
+
+    /// How many samples carried a warning, gauge by gauge.
+    #[must_use]
+    pub fn counters(&self) -> [Counters; GAUGES] {
+        self.channels.each_ref().map(|channel| channel.counters)
+    }
+
+    /// The present configuration, with its tares.
+    #[must_use]
+    pub const fn config(&self) -> &Config {
+        &self.config
+    }
+
+    /// Exchanges the configuration between two samples. What the filters remember is kept. After a change of calibration the
+    /// last counts are read anew, so that the next are not taken for a step, and the regions begin again at rest.
+    pub fn configure(&mut self, config: &Config) {
+        let recalibrated = config.calibration != self.config.calibration;
+        self.config = *config;
+        for channel in &mut self.channels {
+            channel.relaxation = config.adaptation;
         }
+        if recalibrated {
+            self.convert();
+            self.read_anew();
+        }
+    }
+
+    /// Sets the tares so that the last counts read zero on every gauge, out of contact; without effect if the last sample
+    /// did not come as counts.
+    pub fn tare(&mut self) {
+        let Some(counts) = self.counts else { return };
+        let mut config = self.config;
+        for (calibration, counts) in config.calibration.iter_mut().zip(counts) {
+            *calibration = calibration.tared(counts, self.temperature);
+        }
+        self.configure(&config);
     }
 
     /// Takes the tares back.
-    pub fn untare(&mut self, config: &mut Config) {
-        config.calibration = config.calibration.map(|calibration| calibration.untared());
-        self.recalibrate(config);
+    pub fn untare(&mut self) {
+        let calibration = self.config.calibration.map(|calibration| calibration.untared());
+        self.configure(&Config { calibration, ..self.config });
     }
 
-    /// To be called after a change of calibration: what the filters remember is kept, the last sample is read anew so that
-    /// the next is not taken for a step, and the regions begin again at rest.
-    pub fn recalibrate(&mut self, config: &Config) {
-        let Some((counts, temperature)) = self.last else { return };
-        let readings = counts.into_iter().zip(&config.calibration);
-        for (channel, (counts, calibration)) in self.channels.iter_mut().zip(readings) {
-            let strain = calibration.apply(counts, temperature).strain;
-            if let Some(adaptation) = &mut channel.adaptation {
-                adaptation.rebase(strain);
-            }
-            channel.phase = None;
+    /// The calibrations at the present temperature.
+    #[cold]
+    fn convert(&mut self) {
+        for (channel, calibration) in self.channels.iter_mut().zip(&self.config.calibration) {
+            channel.conversion = calibration.at(self.temperature);
         }
     }
 
-    /// What happened so far, gauge by gauge.
-    #[must_use]
-    pub fn counters(&self) -> [Counters; GAUGES] {
-        self.channels.map(|channel| channel.counters)
+    /// Takes the strain of the last counts for that of the last sample, so that the next one is no step.
+    #[cold]
+    fn read_anew(&mut self) {
+        let Some(counts) = self.counts else { return };
+        for (channel, counts) in self.channels.iter_mut().zip(counts) {
+            channel.rest_at(channel.conversion.apply(counts).strain, None);
+        }
     }
 
+    #[inline(always)]
     fn pass(
         &mut self,
-        config: &Config,
-        samples: [Calibrated; GAUGES],
+        raw: &[i32; GAUGES],
         motion: Option<i32>,
-    ) -> [Output; GAUGES] {
+        strain: impl Fn(&mut Channel, i32) -> i32,
+    ) {
+        self.samples = self.samples.saturating_add(1);
         let [a, b, c, d] = &mut self.channels;
-        let [p, q, r, s] = samples;
-        [
-            a.pass(config, p, motion),
-            b.pass(config, q, motion),
-            c.pass(config, r, motion),
-            d.pass(config, s, motion),
-        ]
+        let [p, q, r, s] = *raw;
+        let phase = &self.config.phase;
+        let step = |channel: &mut Channel, raw| {
+            let strain = strain(channel, raw);
+            channel.step(phase, strain, motion);
+        };
+        step(a, p);
+        step(b, q);
+        step(c, r);
+        step(d, s);
     }
 }
 
 impl Channel {
-    fn pass(&mut self, config: &Config, sample: Calibrated, motion: Option<i32>) -> Output {
-        let strain = sample.strain;
-        let adaptation = self.adaptation.get_or_insert_with(|| adaptation::State::at_rest(strain));
-        let saturations = adaptation.saturations();
-        let split = adaptation.step(&config.adaptation, strain);
-        let flags =
-            sample.flags | Flags::FILTER_SATURATED.when(adaptation.saturations() != saturations);
-        self.counters.count(flags);
+    /// Counts → strain.
+    #[inline(always)]
+    fn calibrate(&mut self, counts: i32) -> i32 {
+        self.flags = Flags::NONE;
+        self.conversion.ordinary(counts).unwrap_or_else(|| {
+            let Calibrated { strain, flags } = self.conversion.limited(counts);
+            self.warn(flags);
+            strain
+        })
+    }
 
-        let motion = motion.unwrap_or(split.elastic);
-        let phase = self.phase.get_or_insert_with(|| phase::State::at_rest(motion, strain)).step(
-            &config.phase,
-            motion,
-            strain,
-            split.latent(),
-        );
+    /// Strain → strain of 24 bits.
+    #[inline(always)]
+    fn admit(&mut self, wide: i32) -> i32 {
+        self.flags = Flags::NONE;
+        let strain = saturate_to_24_bits(i64::from(wide));
+        if strain != wide {
+            self.warn(Flags::STRAIN_SATURATED);
+        }
+        strain
+    }
+
+    /// Strain of 24 bits → everything else.
+    #[inline(always)]
+    fn step(&mut self, phase: &phase::Config, strain: i32, motion: Option<i32>) {
+        if self.adaptation.advance(&self.relaxation, strain) {
+            self.warn(Flags::FILTER_SATURATED);
+        }
+        let split = self.adaptation.output(&self.relaxation);
+        self.phase.step(phase, motion.unwrap_or(split.elastic), strain, split.latent());
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn warn(&mut self, flags: Flags) {
+        self.flags = self.flags | flags;
+        self.counters.count(flags);
+    }
+
+    /// Takes a strain for settled; the regions begin at rest.
+    fn rest_at(&mut self, strain: i32, motion: Option<i32>) {
+        self.adaptation.rebase(strain);
+        let split = self.adaptation.output(&self.relaxation);
+        self.phase = phase::State::at_rest(motion.unwrap_or(split.elastic), split.signal);
+    }
+
+    #[inline(always)]
+    fn output(&self) -> Output {
+        let split = self.adaptation.output(&self.relaxation);
+        let phase = self.phase.phase();
         Output {
-            strain,
+            strain: split.signal,
             fa: split.fa,
             elastic: split.elastic,
             equilibrium: split.equilibrium,
             region: phase.region,
             entered_samples_ago: phase.entered_samples_ago,
             relaxation: phase.relaxation,
-            flags,
+            flags: self.flags,
         }
     }
 }
@@ -231,7 +311,7 @@ mod tests {
     use super::*;
     use crate::adaptation::Relaxation;
     use crate::calibration::Sheet;
-    use crate::fixed::STRAIN_MAX;
+    use crate::fixed::{STRAIN_MAX, STRAIN_MIN};
     use crate::phase::Thresholds;
     use core::array;
     use proptest::prelude::*;
@@ -271,65 +351,129 @@ mod tests {
 
     #[test]
     fn every_gauge_is_calibrated_filtered_and_placed_in_its_region() {
-        let config = config();
-        let mut pipeline = Pipeline::new();
-        let mut held = [Region::Rest; GAUGES];
+        let mut pipeline = Pipeline::new(&config());
         for sample in 0..1_000 {
-            held = pipeline.process(&config, press(sample), 20 * 256).map(|out| out.region);
+            pipeline.process(&press(sample), 20 * 256);
         }
-        assert_eq!(held, [Region::Relaxation; GAUGES]);
-        let last = (1_000..1_400).map(|i| pipeline.process(&config, press(i), 20 * 256)).last();
-        for (gauge, out) in last.unwrap().iter().enumerate() {
+        assert_eq!(pipeline.outputs().map(|out| out.region), [Region::Relaxation; GAUGES]);
+        for sample in 1_000..1_400 {
+            pipeline.process(&press(sample), 20 * 256);
+        }
+        for (gauge, out) in pipeline.outputs().iter().enumerate() {
             let microstrain = (0.002 + 0.001 * gauge as f64) * 60_000.0;
             assert!((out.strain - (microstrain * 256.0) as i32).abs() <= 1);
             assert_eq!(out.fa + out.sa(), out.strain);
             assert_eq!(out.region, Region::Relaxation);
             assert_eq!(out.relaxation, RelaxationType::TypeII);
         }
-        assert_eq!(pipeline.counters()[3].samples, 1_400);
+        assert_eq!(pipeline.samples(), 1_400);
     }
 
     #[test]
     fn a_tare_reads_zero_without_a_step_in_any_filter_and_can_be_taken_back() {
-        let mut config = config();
-        let untouched = config;
-        let mut pipeline = Pipeline::new();
-        for sample in 0..300 {
-            pipeline.process(&config, press(sample), 0);
+        let untouched = config();
+        let mut pipeline = Pipeline::new(&untouched);
+        for sample in 0..=300 {
+            pipeline.process(&press(sample), 0);
         }
-        let before = pipeline.process(&config, press(300), 0);
-        pipeline.tare(&mut config);
-        let after = pipeline.process(&config, press(300), 0);
-        for (before, after) in before.iter().zip(&after) {
+        let before = pipeline.outputs();
+        pipeline.tare();
+        pipeline.process(&press(300), 0);
+        for (before, after) in before.iter().zip(&pipeline.outputs()) {
             assert_eq!((after.strain, after.region), (0, Region::Rest));
             assert!((before.fa - after.fa).abs() * 50 < before.fa);
         }
-        pipeline.untare(&mut config);
-        assert_eq!(config, untouched);
-        assert_eq!(pipeline.process(&config, press(300), 0)[0].strain, before[0].strain);
+        pipeline.untare();
+        assert_eq!(pipeline.config(), &untouched);
+        pipeline.process(&press(300), 0);
+        assert_eq!(pipeline.outputs()[0].strain, before[0].strain);
+    }
+
+    #[test]
+    fn a_change_of_temperature_takes_effect_with_its_sample() {
+        let config = config();
+        let mut pipeline = Pipeline::new(&config);
+        for (sample, celsius) in [20, 20, 21, 21, -5].into_iter().enumerate() {
+            let counts = press(sample as u32);
+            pipeline.process(&counts, celsius * 256);
+            let expected = array::from_fn(|gauge| {
+                config.calibration[gauge].apply(counts[gauge], celsius * 256).strain
+            });
+            assert_eq!(pipeline.outputs().map(|out| out.strain), expected);
+        }
+    }
+
+    #[test]
+    fn a_change_of_thresholds_or_relaxation_keeps_the_region_and_what_the_filter_remembers() {
+        let mut config = config();
+        let mut pipeline = Pipeline::new(&config);
+        for sample in 0..500 {
+            pipeline.process(&press(sample), 0);
+        }
+        let before = pipeline.outputs();
+        let slower = Relaxation { c1: 0.2, v1: 4.0, c2: 0.2, v2: 0.3 };
+        config.adaptation = adaptation::Config::new(&slower, 0.001).unwrap();
+        pipeline.configure(&config);
+        assert_eq!(pipeline.outputs(), before);
+        pipeline.process(&press(500), 0);
+        assert_eq!(pipeline.outputs()[0].region, before[0].region);
+        assert!((pipeline.outputs()[0].fa - before[0].fa).abs() * 50 < before[0].fa);
     }
 
     #[test]
     fn what_saturates_is_flagged_on_its_gauge_and_counted() {
-        let config = config();
-        let mut pipeline = Pipeline::new();
-        let out = pipeline.process(&config, [0, 0, 0, STRAIN_MAX], 0);
+        let mut pipeline = Pipeline::new(&config());
+        pipeline.process(&[0, 0, 0, STRAIN_MAX], 0);
+        let out = pipeline.outputs();
         assert!(out[3].flags.contains(Flags::CONVERTER_AT_RAIL | Flags::STRAIN_SATURATED));
         assert_eq!(out[0].flags, Flags::NONE);
         let counters = pipeline.counters();
         assert_eq!((counters[3].converter_at_rail, counters[3].strain_saturated), (1, 1));
-        assert_eq!((counters[0].converter_at_rail, counters[0].samples), (0, 1));
+        assert_eq!(counters[0], Counters::default());
+        pipeline.process(&[0; GAUGES], 0);
+        assert_eq!((pipeline.outputs()[3].flags, pipeline.counters()), (Flags::NONE, counters));
+    }
+
+    #[test]
+    fn a_filter_that_saturates_after_an_exchange_is_flagged_and_counted() {
+        let extremes = [STRAIN_MIN + 1, STRAIN_MAX - 1];
+        let share = |c1, v1| {
+            let relaxation = Relaxation { c1, v1, c2: 0.0, v2: 0.01 };
+            adaptation::Config::new(&relaxation, 0.001).unwrap()
+        };
+        let mut config = config();
+        let mut pipeline = Pipeline::new(&config);
+        let mut flagged = 0;
+        for i in 0..8 {
+            // Each step up is remembered, each step down forgotten at once.
+            config.adaptation = if i % 2 == 1 { share(0.95, 0.02) } else { share(0.0, 1.0) };
+            pipeline.configure(&config);
+            pipeline.process_strain(&[extremes[i % 2]; GAUGES], None);
+            flagged += u32::from(pipeline.outputs()[0].flags.contains(Flags::FILTER_SATURATED));
+        }
+        assert!(flagged > 0);
+        assert_eq!(pipeline.counters()[0].filter_saturated, flagged);
     }
 
     #[test]
     fn a_recording_in_strain_gives_what_the_same_counts_give() {
         let config = config();
-        let (mut counts, mut strains) = (Pipeline::new(), Pipeline::new());
+        let (mut counts, mut strains) = (Pipeline::new(&config), Pipeline::new(&config));
         for sample in 0..1_500 {
-            let expected = counts.process(&config, press(sample), 0);
-            let strain = expected.map(|out| out.strain);
-            assert_eq!(strains.process_strain(&config, strain, None), expected);
+            counts.process(&press(sample), 0);
+            let expected = counts.outputs();
+            strains.process_strain(&expected.map(|out| out.strain), None);
+            assert_eq!(strains.outputs(), expected);
         }
+    }
+
+    #[test]
+    fn strain_without_counts_is_not_tared() {
+        let mut pipeline = Pipeline::new(&config());
+        pipeline.process_strain(&[7_000; GAUGES], None);
+        let before = pipeline;
+        pipeline.tare();
+        assert_eq!(pipeline, before);
     }
 
     proptest! {
@@ -337,13 +481,13 @@ mod tests {
         fn any_counts_and_temperatures_pass_without_panic_and_keep_both_sums(
             samples in prop::collection::vec((any::<[i32; GAUGES]>(), any::<i16>()), 1..100),
         ) {
-            let mut config = config();
-            let mut pipeline = Pipeline::new();
+            let mut pipeline = Pipeline::new(&config());
             for (i, (counts, temperature)) in samples.into_iter().enumerate() {
                 if i % 17 == 16 {
-                    pipeline.tare(&mut config);
+                    pipeline.tare();
                 }
-                for out in pipeline.process(&config, counts, temperature) {
+                pipeline.process(&counts, temperature);
+                for out in pipeline.outputs() {
                     prop_assert_eq!(out.fa + out.sa(), out.strain);
                     prop_assert_eq!(out.equilibrium + out.latent(), out.strain);
                 }

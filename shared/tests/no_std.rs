@@ -25,5 +25,8 @@ fn no_source_brings_in_std_or_alloc_and_the_crate_root_forbids_unsafe_code() {
         }
     }
     let (_, root) = found.iter().find(|(path, _)| path.ends_with("lib.rs")).unwrap();
-    assert!(root.contains("\n#![no_std]\n") && root.contains("\n#![forbid(unsafe_code)]\n"));
+    assert!(
+        root.contains("\n#![cfg_attr(not(test), no_std)]\n")
+            && root.contains("\n#![forbid(unsafe_code)]\n")
+    );
 }

@@ -71,7 +71,7 @@ pub(super) fn regions(trace: &Trace, channel: &Channel) -> Result<Regions, Confi
             let ago = phase.entered_samples_ago.unwrap_or(0) as usize;
             let since = index.saturating_sub(ago).max(run.start);
             found.region[since..=index].fill(phase.region);
-            found.relaxation[index] = phase.relaxation;
+            found.relaxation[index] = RelaxationType::of(latent, thresholds.latent_dead_band);
         }
     }
     Ok(found)

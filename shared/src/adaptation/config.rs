@@ -200,10 +200,10 @@ impl Row {
     pub(super) fn advance(&self, memory: i64, own: i32, other: i32, change: i32) -> i64 {
         let low = product_high(own, self.own.low).wrapping_add(product_high(other, self.other.low));
         memory
-            .wrapping_add(i64::from(low))
-            .wrapping_add(product(change, self.change))
             .wrapping_add(product(own, self.own.high))
             .wrapping_add(product(other, self.other.high))
+            .wrapping_add(product(change, self.change))
+            .wrapping_add(i64::from(low))
     }
 }
 

@@ -4,7 +4,7 @@ use core::fmt;
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
 
-use super::motion::fine;
+use super::average::Average;
 
 /// What tells a boundary from noise. Levels are in LSB of the signal or of the motion, whatever those are.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
@@ -16,11 +16,13 @@ pub struct Thresholds {
     /// Fall from the highest signal that counts as having passed B; more than the noise of the smoothed signal.
     pub peak_drop: i32,
     /// Smallest change of the motion told from its noise after smoothing. A movement is found when it has covered two of
-    /// these, and has stopped when it no longer makes one within the dwell: the slowest motion seen is one step per dwell.
+    /// these, and has stopped when it no longer makes one within the dwell: the slowest motion seen is one step per dwell
+    /// (at least one LSB per smoothing time).
     pub motion_step: i32,
     /// Latent part within which the material counts as settled.
     pub latent_dead_band: i32,
-    /// Time over which motion and signal are averaged, s; rounded to a power of two of samples, at most 2^12.
+    /// Time over which motion and signal are averaged before they are looked at, s; rounded to a power of two of samples,
+    /// at most 2^12.
     pub smoothing_s: f64,
     /// Time the motion must stand to have stopped and the latent part be small to have recovered, s.
     pub dwell_s: f64,
@@ -78,14 +80,17 @@ impl core::error::Error for ConfigError {}
 /// [`Thresholds`] at one sample interval, as integers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Config {
-    pub(super) touch: i64,
-    pub(super) release: i64,
-    pub(super) peak_drop: i64,
-    pub(super) motion_step: i64,
-    /// How far the level of a standing motion may creep in one sample.
-    pub(super) motion_creep: i64,
+    pub(super) touch: i32,
+    pub(super) release: i32,
+    pub(super) peak_drop: i32,
+    pub(super) motion_step: i32,
+    /// Two steps: what a motion covers before it is seen to begin or to turn.
+    pub(super) motion_turn: i32,
+    /// How far the level of a standing motion may creep from one mean to the next.
+    pub(super) motion_creep: i32,
     pub(super) latent_dead_band: i32,
-    pub(super) smoothing: u32,
+    /// Each mean begins so.
+    pub(super) average: Average,
     pub(super) dwell: u32,
     pub(super) recovery_limit: u32,
 }
@@ -123,22 +128,24 @@ impl Config {
         };
         let smoothing = f64::from(samples("smoothing_s", t.smoothing_s)?.max(1));
         let dwell = samples("dwell_s", t.dwell_s)?.max(1);
-        let motion_step = fine(t.motion_step);
+        let smoothing = libm::fmin(libm::round(libm::log2(smoothing)), 12.0) as u32;
+        let creep = (i64::from(t.motion_step) << smoothing).checked_div(i64::from(dwell));
         Ok(Self {
-            touch: fine(t.touch),
-            release: fine(t.release),
-            peak_drop: fine(t.peak_drop),
-            motion_step,
-            motion_creep: motion_step.checked_div(i64::from(dwell)).unwrap_or(motion_step),
+            touch: t.touch,
+            release: t.release,
+            peak_drop: t.peak_drop,
+            motion_step: t.motion_step,
+            motion_turn: t.motion_step.saturating_mul(2),
+            motion_creep: i32::try_from(creep.unwrap_or(0)).unwrap_or(i32::MAX).max(1),
             latent_dead_band: t.latent_dead_band,
-            smoothing: libm::fmin(libm::round(libm::log2(smoothing)), 12.0) as u32,
+            average: Average::of(smoothing),
             dwell,
             recovery_limit: samples("recovery_limit_s", t.recovery_limit_s)?,
         })
     }
 
-    /// Samples by which smoothing delays a steady slope.
-    pub(super) const fn lag(&self) -> u32 {
-        1_u32.wrapping_shl(self.smoothing).wrapping_sub(1)
+    /// Samples between two means: boundaries closer together cannot be told apart.
+    pub(super) const fn resolution(&self) -> u32 {
+        self.average.samples
     }
 }

@@ -1,31 +1,6 @@
 //! Whether something advances, stands or retreats, told from noise by distance and time.
 
-use super::Config;
-
-/// Fractional bits of a smoothed quantity.
-pub(super) const SMOOTH_BITS: u32 = 16;
-
-/// A one-pole average over 2^shift samples; it lags a steady slope by 2^shift − 1 samples.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Smooth(i64);
-
-impl Smooth {
-    pub(super) const fn at(value: i32) -> Self {
-        Self(fine(value))
-    }
-
-    /// The average, `SMOOTH_BITS` fractional bits, with one more sample in it.
-    pub(super) const fn step(&mut self, value: i32, shift: u32) -> i64 {
-        let rest = fine(value).wrapping_sub(self.0).wrapping_shr(shift);
-        self.0 = self.0.wrapping_add(rest);
-        self.0
-    }
-}
-
-/// A level with the fractional bits of a smoothed quantity.
-pub(super) const fn fine(value: i32) -> i64 {
-    (value as i64) << SMOOTH_BITS
-}
+use super::{Config, LONG_AGO};
 
 /// Which way the motion goes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -43,46 +18,52 @@ pub(super) struct Motion {
     /// Sample at which the present direction began, put back to where the motion itself shows it.
     pub(super) since: u32,
     /// Standing: the level it stands at, which may creep by one step per dwell.
-    anchor: i64,
-    /// Standing: the last sample within half a step of the anchor.
+    anchor: i32,
+    /// Standing: the last level within half a step of the anchor, when that was, and the anchor then.
+    near: i32,
     near_at: u32,
+    left: i32,
     /// Moving: the furthest point, counted in the direction of motion, and when it was reached.
-    furthest: i64,
+    furthest: i32,
     furthest_at: u32,
     /// Moving: the last two whole steps.
     last: Mark,
     previous: Mark,
 }
 
-/// A whole step of a movement: where it ended, when, and how many samples it took.
+/// A whole step of a movement, or more: where it ended, when, how far it went and how many samples it took.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Mark {
-    level: i64,
+    level: i32,
     at: u32,
+    covered: i32,
     took: u32,
 }
 
 impl Motion {
-    pub(super) const fn still_at(level: i64, now: u32) -> Self {
+    pub(super) const fn still_at(level: i32, now: u32) -> Self {
+        let mark = Mark { level, at: now, covered: 1, took: 0 };
         Self {
             direction: Direction::Still,
             since: now,
             anchor: level,
+            near: level,
             near_at: now,
+            left: level,
             furthest: level,
             furthest_at: now,
-            last: Mark { level, at: now, took: 0 },
-            previous: Mark { level, at: now, took: 0 },
+            last: mark,
+            previous: mark,
         }
     }
 
-    /// Takes the smoothed motion of sample `now`.
-    pub(super) fn step(&mut self, config: &Config, level: i64, now: u32) {
+    /// Takes the mean motion up to sample `now`.
+    pub(super) fn step(&mut self, config: &Config, level: i32, now: u32) {
         match self.direction {
             Direction::Still => self.stand(config, level, now),
             Direction::Advancing => self.travel(config, level, now, Direction::Retreating),
             Direction::Retreating => {
-                self.travel(config, level.wrapping_neg(), now, Direction::Advancing);
+                self.travel(config, level.saturating_neg(), now, Direction::Advancing);
             }
         }
     }
@@ -93,31 +74,37 @@ impl Motion {
         self.certain_mark(config).at
     }
 
-    fn stand(&mut self, config: &Config, level: i64, now: u32) {
-        let away = level.wrapping_sub(self.anchor);
-        if away.abs() <= config.motion_step >> 1 {
-            self.near_at = now;
+    fn stand(&mut self, config: &Config, level: i32, now: u32) {
+        let away = level.saturating_sub(self.anchor);
+        let distance = away.saturating_abs();
+        if distance <= config.motion_step >> 1 {
+            (self.near, self.near_at, self.left) = (level, now, self.anchor);
         }
-        if away.abs() <= config.motion_step.wrapping_mul(2) {
+        if distance <= config.motion_turn {
             let creep = config.motion_creep;
             // Not `clamp`, which would panic if its limits were exchanged.
-            self.anchor = self.anchor.wrapping_add(away.min(creep).max(creep.wrapping_neg()));
+            self.anchor = self.anchor.saturating_add(away.min(creep).max(creep.saturating_neg()));
             return;
         }
-        // From half a step to two steps took three quarters of the way from the anchor.
-        let took = now.wrapping_sub(self.near_at);
-        let began = now.wrapping_sub(took.saturating_add(took / 3));
+        let began = self.began_at(level, now);
         if away > 0 {
-            self.start(Direction::Advancing, began, level, now);
+            self.start(Direction::Advancing, began, level, distance, now);
         } else {
-            self.start(Direction::Retreating, began, level.wrapping_neg(), now);
+            self.start(Direction::Retreating, began, level.saturating_neg(), distance, now);
         }
     }
 
-    /// `ahead`, here and below, is the level counted in the direction of motion.
-    fn start(&mut self, direction: Direction, since: u32, ahead: i64, now: u32) {
-        // It came two steps since it began.
-        let mark = Mark { level: ahead, at: now, took: now.wrapping_sub(since) / 2 };
+    /// When a straight line through the last level near the anchor and the present one left the anchor.
+    fn began_at(&self, level: i32, now: u32) -> u32 {
+        let way = |from: i32| i64::from(level).wrapping_sub(i64::from(from));
+        let took = i64::from(now.wrapping_sub(self.near_at).min(LONG_AGO));
+        let ago = way(self.left).saturating_mul(took).checked_div(way(self.near)).unwrap_or(0);
+        now.wrapping_sub(u32::try_from(ago).unwrap_or(0))
+    }
+
+    /// `ahead`, here and below, is the level counted in the direction of motion, and `covered` the way since it began.
+    fn start(&mut self, direction: Direction, since: u32, ahead: i32, covered: i32, now: u32) {
+        let mark = Mark { level: ahead, at: now, covered, took: now.wrapping_sub(since) };
         *self = Self {
             direction,
             since,
@@ -129,33 +116,36 @@ impl Motion {
         };
     }
 
-    fn travel(&mut self, config: &Config, ahead: i64, now: u32, back: Direction) {
+    fn travel(&mut self, config: &Config, ahead: i32, now: u32, back: Direction) {
         if ahead > self.furthest {
             (self.furthest, self.furthest_at) = (ahead, now);
         }
-        if ahead >= self.last.level.wrapping_add(config.motion_step) {
+        let covered = ahead.saturating_sub(self.last.level);
+        if covered >= config.motion_step {
             self.previous = self.last;
-            self.last = Mark { level: ahead, at: now, took: now.wrapping_sub(self.last.at) };
+            let took = now.wrapping_sub(self.last.at);
+            self.last = Mark { level: ahead, at: now, covered, took };
         }
-        if self.furthest.wrapping_sub(ahead) > config.motion_step.wrapping_mul(2) {
-            self.start(back, self.furthest_at, ahead.wrapping_neg(), now);
+        let returned = self.furthest.saturating_sub(ahead);
+        if returned > config.motion_turn {
+            self.start(back, self.furthest_at, ahead.saturating_neg(), returned, now);
         } else if now.wrapping_sub(self.last.at) > config.dwell {
-            let level = if back == Direction::Advancing { ahead.wrapping_neg() } else { ahead };
+            let level = if back == Direction::Advancing { ahead.saturating_neg() } else { ahead };
             *self = Self { since: self.stopped_at(config, now), ..Self::still_at(level, now) };
         }
     }
 
     fn certain_mark(&self, config: &Config) -> Mark {
-        let beyond = self.furthest.wrapping_sub(self.last.level);
+        let beyond = self.furthest.saturating_sub(self.last.level);
         if beyond < config.motion_step >> 1 { self.previous } else { self.last }
     }
 
     /// When the furthest point would have been reached at the pace of the last certain step.
     fn stopped_at(&self, config: &Config, now: u32) -> u32 {
         let mark = self.certain_mark(config);
-        let beyond = self.furthest.wrapping_sub(mark.level);
+        let beyond = i64::from(self.furthest.saturating_sub(mark.level));
         let took = i64::from(mark.took.min(config.dwell));
-        let samples = beyond.saturating_mul(took).checked_div(config.motion_step).unwrap_or(0);
+        let samples = beyond.saturating_mul(took).checked_div(i64::from(mark.covered)).unwrap_or(0);
         let passed = now.wrapping_sub(mark.at);
         mark.at.wrapping_add(u32::try_from(samples).unwrap_or(u32::MAX).min(passed))
     }

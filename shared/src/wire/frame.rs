@@ -98,18 +98,12 @@ fn close(frame: &mut [u8; FRAME_MAX], end: usize) -> Option<&[u8]> {
 /// COBS in place: the first byte, and every zero after it, becomes the distance to the next; the last byte ends the frame.
 /// Only for up to [`MAX_CONTENT`] bytes between the two, where no further code byte is due.
 fn stuff(sent: &mut [u8]) {
-    let Some((end, rest)) = sent.split_last_mut() else { return };
+    let Some((end, mut rest)) = sent.split_last_mut() else { return };
     *end = 0;
-    let mut distance = 1_u8;
-    for byte in rest.iter_mut().skip(1).rev() {
-        if *byte == 0 {
-            *byte = distance;
-            distance = 0;
-        }
-        distance = distance.wrapping_add(1);
-    }
-    if let Some(code) = rest.first_mut() {
-        *code = distance;
+    while let Some((code, after)) = rest.split_first_mut() {
+        let run = memchr::memchr(0, after).unwrap_or(after.len());
+        *code = run.wrapping_add(1) as u8;
+        rest = after.get_mut(run..).unwrap_or_default();
     }
 }
 

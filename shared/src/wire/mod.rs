@@ -30,7 +30,7 @@ mod message;
 mod samples;
 mod settings;
 
-pub use columns::{CodingError, pack, unpack};
+pub use columns::{BLOCK_ROWS, CodingError, Column};
 pub use frame::{
     Accumulated, Accumulator, FRAME_MAX, FrameError, HEAD, Head, MAX_CONTENT, decode, encode,
     introduction, open, read,
@@ -40,7 +40,7 @@ pub use message::{
     Inject, Introduction, Log, Refusal, ResetCause, SelfTest, Source, Start, Status, StoreFault,
     ToDevice, ToHost,
 };
-pub use samples::{BLOCK_ROWS, Block, Row, RowState, Rows};
+pub use samples::{Block, REFERENCE_TEMPERATURE, Row, RowState, Rows};
 pub use settings::{Oversampling, Settings, SettingsError};
 
 /// Version of the frame; a frame of another version is refused.

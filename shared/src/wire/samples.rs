@@ -5,16 +5,17 @@ use core::ops::Range;
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
 
-use super::columns::{CodingError, pack, unpack};
+use super::columns::{BLOCK_ROWS, CodingError, Column};
 use super::{Columns, FRAME_MAX, FrameError, Head, ToHost, encode};
+use crate::calibration::Calibration;
 use crate::flags::Flags;
 use crate::phase::{Region, RelaxationType};
 use crate::pipeline::{GAUGES, Output};
 
-/// Most rows in a block.
-pub const BLOCK_ROWS: usize = 16;
+/// Temperature at which a calibration is applied where none is measured, 2^-8 °C.
+pub const REFERENCE_TEMPERATURE: i16 = 25 * 256;
 /// Room for packed rows in a frame; the rest is for its head and the fields of [`Block`].
-const PACKED: usize = 208;
+const PACKED: usize = 212;
 
 /// Values of one kind, gauge by gauge.
 type Gauges = [i32; GAUGES];
@@ -30,18 +31,15 @@ pub struct Block<'a> {
     pub temperature: Option<i16>,
     /// Rows, at most [`BLOCK_ROWS`].
     pub rows: u8,
-    /// Microseconds since the row before (in the first row: to the next) and the states of four gauges, packed.
+    /// What each row holds.
+    pub columns: Columns,
+    /// Whether a region was found at any row.
+    pub found_a_region: bool,
+    /// Columns, as [`Column`] packs them: µs since the row before; states, one byte for each gauge; raw counts; FA; then, if
+    /// asked for, elastic input and equilibrium; then, if a region was found, samples since it was entered plus one, or 0.
+    /// SA is not sent: it is the calibrated strain of the counts less FA, bit for bit, and [`Rows::iter`] gives it.
     #[serde(borrow, with = "serde_bytes")]
-    pub course: &'a [u8],
-    /// Raw counts, FA and SA (LSB), packed.
-    #[serde(borrow, with = "serde_bytes")]
-    pub parts: &'a [u8],
-    /// Elastic input and equilibrium (LSB), packed; empty if not asked for.
-    #[serde(borrow, with = "serde_bytes")]
-    pub rest: &'a [u8],
-    /// Samples since a region was entered, plus one, where one is found; empty if none is.
-    #[serde(borrow, with = "serde_bytes")]
-    pub entered: &'a [u8],
+    pub packed: &'a [u8],
 }
 
 /// Region, type of relaxation and warnings of one gauge in one row; one byte on the wire.
@@ -53,6 +51,14 @@ pub struct RowState {
     pub relaxation: RelaxationType,
     /// Warnings.
     pub flags: Flags,
+}
+
+impl Output {
+    /// Region, type of relaxation and warnings.
+    #[must_use]
+    pub const fn state(&self) -> RowState {
+        RowState { region: self.region, relaxation: self.relaxation, flags: self.flags }
+    }
 }
 
 impl RowState {
@@ -119,11 +125,16 @@ pub struct Rows {
     count: usize,
     last_us: u64,
     found_a_region: bool,
-    /// Time since the row before, µs; states, one byte for each gauge.
-    course: [[[i32; 1]; 2]; BLOCK_ROWS],
-    parts: [[Gauges; 3]; BLOCK_ROWS],
-    rest: [[Gauges; 2]; BLOCK_ROWS],
-    entered: [[Gauges; 1]; BLOCK_ROWS],
+    /// Time since the row before, µs.
+    intervals: Column<1>,
+    /// One byte for each gauge.
+    states: Column<1>,
+    counts: Column<GAUGES>,
+    fa: Column<GAUGES>,
+    elastic: Column<GAUGES>,
+    equilibrium: Column<GAUGES>,
+    /// Samples since a region was entered, plus one, where one is found; set for all rows as soon as one is.
+    entered: Column<GAUGES>,
 }
 
 impl Rows {
@@ -139,16 +150,19 @@ impl Rows {
             count: 0,
             last_us: 0,
             found_a_region: false,
-            course: [[[0]; 2]; BLOCK_ROWS],
-            parts: [[[0; GAUGES]; 3]; BLOCK_ROWS],
-            rest: [[[0; GAUGES]; 2]; BLOCK_ROWS],
-            entered: [[[0; GAUGES]; 1]; BLOCK_ROWS],
+            intervals: Column::new(),
+            states: Column::new(),
+            counts: Column::new(),
+            fa: Column::new(),
+            elastic: Column::new(),
+            equilibrium: Column::new(),
+            entered: Column::new(),
         }
     }
 
-    /// Forgets the rows and begins again with a row of this number and time.
-    pub const fn begin(&mut self, columns: Columns, first: u64, time_us: u64) {
-        (self.first, self.time_us, self.last_us) = (first, time_us, time_us);
+    /// Forgets the rows and begins again with a row of this number and time, and the time of the row before it.
+    pub const fn begin(&mut self, columns: Columns, first: u64, time_us: u64, last_us: u64) {
+        (self.first, self.time_us, self.last_us) = (first, time_us, last_us);
         (self.columns, self.count, self.found_a_region) = (columns, 0, false);
     }
 
@@ -180,40 +194,55 @@ impl Rows {
     #[inline]
     pub fn push(&mut self, time_us: u64, counts: Gauges, outputs: &[Output; GAUGES]) {
         let at = self.count;
-        let interval = time_us.wrapping_sub(self.last_us) as i32;
-        self.last_us = time_us;
-        let states = outputs.each_ref().map(|out| {
-            RowState { region: out.region, relaxation: out.relaxation, flags: out.flags }.byte()
-        });
-        let Some(course) = self.course.get_mut(at) else { return };
-        *course = [[interval], [i32::from_le_bytes(states)]];
-        if let Some(parts) = self.parts.get_mut(at) {
-            *parts =
-                [counts, outputs.each_ref().map(|out| out.fa), outputs.each_ref().map(Output::sa)];
+        let interval = [time_us.wrapping_sub(self.last_us) as i32];
+        let states = [i32::from_le_bytes(outputs.each_ref().map(|out| out.state().byte()))];
+        let fa = outputs.each_ref().map(|out| out.fa);
+        if at == 0 {
+            self.intervals.begin(interval);
+            self.states.begin(states);
+            self.counts.begin(counts);
+            self.fa.begin(fa);
+        } else {
+            self.intervals.set(at, interval);
+            self.states.set(at, states);
+            self.counts.set(at, counts);
+            self.fa.set(at, fa);
         }
-        if self.columns == Columns::All
-            && let Some(rest) = self.rest.get_mut(at)
-        {
-            *rest = [
-                outputs.each_ref().map(|out| out.elastic),
-                outputs.each_ref().map(|out| out.equilibrium),
-            ];
+        if self.columns == Columns::All {
+            self.note_rest(at, outputs);
         }
         let entered = outputs.each_ref().map(|out| out.entered_samples_ago);
-        if entered.iter().any(Option::is_some) {
+        if self.found_a_region || entered.iter().any(Option::is_some) {
             self.note_regions(at, entered);
         }
-        self.count = at.wrapping_add(1);
+        self.last_us = time_us;
+        self.count = at.saturating_add(1).min(BLOCK_ROWS);
+    }
+
+    #[cold]
+    fn note_rest(&mut self, at: usize, outputs: &[Output; GAUGES]) {
+        let elastic = outputs.each_ref().map(|out| out.elastic);
+        let equilibrium = outputs.each_ref().map(|out| out.equilibrium);
+        if at == 0 {
+            self.elastic.begin(elastic);
+            self.equilibrium.begin(equilibrium);
+        } else {
+            self.elastic.set(at, elastic);
+            self.equilibrium.set(at, equilibrium);
+        }
     }
 
     #[cold]
     fn note_regions(&mut self, at: usize, entered: [Option<u32>; GAUGES]) {
         if !core::mem::replace(&mut self.found_a_region, true) {
-            self.entered = [[[0; GAUGES]; 1]; BLOCK_ROWS];
+            self.entered.begin([0; GAUGES]);
+            for before in 1..at {
+                self.entered.set(before, [0; GAUGES]);
+            }
         }
-        if let Some(row) = self.entered.get_mut(at) {
-            *row = [entered.map(|ago| ago.map_or(0, |ago| ago.saturating_add(1).cast_signed()))];
-        }
+        let code = |ago: u32| ago.saturating_add(1).cast_signed();
+        let codes = entered.map(|ago| ago.map_or(0, code));
+        if at == 0 { self.entered.begin(codes) } else { self.entered.set(at, codes) }
     }
 
     /// Puts the rows from `from` on into a frame, as many as fit; returns it and how many they are.
@@ -244,37 +273,33 @@ impl Rows {
 
     /// A block of the rows, if they fit.
     fn block<'b>(&self, rows: Range<usize>, packed: &'b mut [u8]) -> Option<Block<'b>> {
-        let mut course = [[[0; 1]; 2]; BLOCK_ROWS];
-        let course = course.get_mut(..rows.len())?;
-        course.copy_from_slice(self.course.get(rows.clone())?);
-        // The time before the first row is not its own business; this way the second's differs little.
-        let next = course.get(1).map_or(0, |[[interval], _]| *interval);
-        if let Some([[interval], _]) = course.first_mut() {
-            *interval = next;
+        let room = packed.len();
+        let (_, left) = self.intervals.pack(rows.clone(), packed)?;
+        let (_, left) = self.states.pack(rows.clone(), left)?;
+        let (_, left) = self.counts.pack(rows.clone(), left)?;
+        let (_, mut left) = self.fa.pack(rows.clone(), left)?;
+        if self.columns == Columns::All {
+            (_, left) = self.elastic.pack(rows.clone(), left)?;
+            (_, left) = self.equilibrium.pack(rows.clone(), left)?;
         }
-        let rows_if = |asked: bool| if asked { rows.clone() } else { 0..0 };
-        let (course, room) = packed_into(course, packed)?;
-        let (parts, room) = packed_into(self.parts.get(rows.clone())?, room)?;
-        let (rest, room) =
-            packed_into(self.rest.get(rows_if(self.columns == Columns::All))?, room)?;
-        let (entered, _) = packed_into(self.entered.get(rows_if(self.found_a_region))?, room)?;
+        if self.found_a_region {
+            (_, left) = self.entered.pack(rows.clone(), left)?;
+        }
+        let length = room.checked_sub(left.len())?;
         Some(Block {
             first: self.first.saturating_add(rows.start as u64),
             generation: self.generation,
             temperature: self.temperature,
             rows: rows.len() as u8,
-            course,
-            parts,
-            rest,
-            entered,
+            columns: self.columns,
+            found_a_region: self.found_a_region,
+            packed: packed.get(..length)?,
         })
     }
 
     fn time_of(&self, row: usize) -> u64 {
-        let later = self.course.iter().take(row.saturating_add(1)).skip(1);
-        later.fold(self.time_us, |time, [[interval], _]| {
-            time.wrapping_add(u64::from(interval.cast_unsigned()))
-        })
+        let later = self.intervals.iter().take(row.saturating_add(1)).skip(1);
+        later.fold(self.time_us, |time, [interval]| after(time, interval))
     }
 
     /// The rows of a block whose frame had this head.
@@ -283,49 +308,57 @@ impl Rows {
     /// [`CodingError`] if the block contradicts itself.
     pub fn decode(head: Head, block: &Block<'_>) -> Result<Self, CodingError> {
         let mut rows = Self::new();
-        let columns = if block.rest.is_empty() { Columns::Parts } else { Columns::All };
-        rows.begin(columns, block.first, head.time_us);
+        let count = usize::from(block.rows);
+        rows.begin(block.columns, block.first, head.time_us, 0);
         (rows.generation, rows.temperature) = (block.generation, block.temperature);
-        rows.count = usize::from(block.rows);
-        let count = rows.count;
-        unpack(block.course, rows.course.get_mut(..count).ok_or(CodingError::Length)?)?;
-        unpack(block.parts, rows.parts.get_mut(..count).ok_or(CodingError::Length)?)?;
-        if !block.rest.is_empty() {
-            unpack(block.rest, rows.rest.get_mut(..count).ok_or(CodingError::Length)?)?;
+        (rows.count, rows.found_a_region) = (count, block.found_a_region);
+        let left = block.packed;
+        let (intervals, left) = Column::unpack(left, count)?;
+        let (states, left) = Column::unpack(left, count)?;
+        let (counts, left) = Column::unpack(left, count)?;
+        let (fa, mut left) = Column::unpack(left, count)?;
+        (rows.intervals, rows.states) = (intervals, states);
+        (rows.counts, rows.fa) = (counts, fa);
+        if block.columns == Columns::All {
+            (rows.elastic, left) = Column::unpack(left, count)?;
+            (rows.equilibrium, left) = Column::unpack(left, count)?;
         }
-        if !block.entered.is_empty() {
-            rows.found_a_region = true;
-            unpack(block.entered, rows.entered.get_mut(..count).ok_or(CodingError::Length)?)?;
-        }
-        if let Some([[interval], _]) = rows.course.first_mut() {
-            *interval = 0;
+        if block.found_a_region {
+            (rows.entered, left) = Column::unpack(left, count)?;
         }
         rows.last_us = rows.time_of(count.saturating_sub(1));
-        Ok(rows)
+        if left.is_empty() { Ok(rows) } else { Err(CodingError::Length) }
     }
 
-    /// The rows one by one.
-    pub fn iter(&self) -> impl Iterator<Item = Row> {
-        let values = self.parts.iter().zip(&self.rest).zip(&self.entered).zip(&self.course);
+    /// The rows one by one, with the calibration of the settings that made them ([`Self::generation`]).
+    pub fn iter(&self, calibration: &[Calibration; GAUGES]) -> impl Iterator<Item = Row> {
+        let temperature = self.temperature.unwrap_or(REFERENCE_TEMPERATURE);
+        let parts = self.counts.iter().zip(self.fa.iter());
+        let rest = self.elastic.iter().zip(self.equilibrium.iter()).zip(self.entered.iter());
+        let course = self.intervals.iter().zip(self.states.iter());
         let mut time_us = self.time_us;
-        (self.first..).zip(values).take(self.count).map(
-            move |(number, (((parts, rest), [entered]), [[interval], [states]]))| {
+        (self.first..).zip(course.zip(parts).zip(rest)).take(self.count).map(
+            move |(number, ((([interval], [states]), (counts, fa)), (rest, entered)))| {
                 if number != self.first {
-                    time_us = time_us.wrapping_add(u64::from(interval.cast_unsigned()));
+                    time_us = after(time_us, interval);
                 }
-                let [counts, fa, sa] = *parts;
-                let [elastic, equilibrium] = *rest;
+                let ago = |code: i32| {
+                    let found = self.found_a_region;
+                    code.cast_unsigned().checked_sub(1).filter(|_| found)
+                };
+                let mut sa = fa;
+                for ((sa, counts), calibration) in sa.iter_mut().zip(counts).zip(calibration) {
+                    *sa = calibration.apply(counts, temperature).strain.wrapping_sub(*sa);
+                }
                 Row {
                     number,
                     time_us,
                     counts,
                     fa,
                     sa,
-                    rest: (self.columns == Columns::All).then_some((elastic, equilibrium)),
+                    rest: (self.columns == Columns::All).then_some(rest),
                     states: states.to_le_bytes().map(RowState::from_byte),
-                    entered: entered.map(|ago| {
-                        if self.found_a_region { ago.cast_unsigned().checked_sub(1) } else { None }
-                    }),
+                    entered: entered.map(ago),
                 }
             },
         )
@@ -338,17 +371,8 @@ impl Default for Rows {
     }
 }
 
-/// The packed rows, nothing for none, and the room that is left.
-fn packed_into<'b, const K: usize, const L: usize>(
-    rows: &[[[i32; L]; K]],
-    room: &'b mut [u8],
-) -> Option<(&'b [u8], &'b mut [u8])> {
-    if rows.is_empty() {
-        return Some((&[], room));
-    }
-    let length = pack(rows, room).ok()?.len();
-    let (packed, left) = room.split_at_mut_checked(length)?;
-    Some((packed, left))
+const fn after(time_us: u64, interval: i32) -> u64 {
+    time_us.wrapping_add(interval.cast_unsigned() as u64)
 }
 
 #[cfg(test)]
@@ -357,6 +381,10 @@ mod tests {
     use crate::pipeline::Pipeline;
     use crate::wire::{Accumulated, Accumulator, Settings, decode};
     use proptest::prelude::*;
+
+    fn calibration() -> [Calibration; GAUGES] {
+        Settings::DEFAULT.config(1e-3).unwrap().calibration
+    }
 
     /// Everything that frames of these rows say, and how many frames it took.
     fn through_the_line(rows: &Rows) -> (Vec<Row>, usize) {
@@ -369,7 +397,7 @@ mod tests {
                 if let Accumulated::Frame(bytes) = line.push(*byte) {
                     let (head, message) = decode(bytes).unwrap();
                     let ToHost::Samples(block) = message else { panic!("{message:?}") };
-                    heard.extend(Rows::decode(head, &block).unwrap().iter());
+                    heard.extend(Rows::decode(head, &block).unwrap().iter(&calibration()));
                 }
             }
             (from, frames) = (from + held, frames + 1);
@@ -380,12 +408,13 @@ mod tests {
     #[test]
     fn a_press_is_sent_whole_in_less_than_thirty_bytes_a_row() {
         let config = Settings::DEFAULT.config(1.024e-3).unwrap();
-        let mut pipeline = Pipeline::new();
+        let mut pipeline = Pipeline::new(&config);
         let (mut sent, mut bytes, mut frame) = (0, 0, [0; FRAME_MAX]);
         let mut noise = 1_u32;
         for block in 0..200_u64 {
             let mut rows = Rows::new();
-            rows.begin(Columns::Parts, block * 16, block * 16_384);
+            let start = block * 16_384;
+            rows.begin(Columns::Parts, block * 16, start, start.saturating_sub(1_024));
             for row in 0..16 {
                 let t = (block * 16 + row) as f64 * 1.024e-3;
                 let press = 2e6 * (t.clamp(0.5, 1.0) - 0.5) - 1e6 * (t.clamp(2.0, 2.5) - 2.0);
@@ -394,7 +423,8 @@ mod tests {
                     (press / f64::from(gauge)) as i32 + (noise >> 24) as i32
                 });
                 let time = (block * 16 + row) * 1_024 + u64::from(row % 5 == 0);
-                rows.push(time, counts, &pipeline.process(&config, counts, 0));
+                pipeline.process(&counts, 0);
+                rows.push(time, counts, &pipeline.outputs());
             }
             sent += rows.len();
             let mut from = 0;
@@ -453,7 +483,7 @@ mod tests {
         ) {
             let mut rows = Rows::new();
             let mut time = 1_000_000;
-            rows.begin(if all { Columns::All } else { Columns::Parts }, first.into(), time);
+            rows.begin(if all { Columns::All } else { Columns::Parts }, first.into(), time, 0);
             (rows.generation, rows.temperature) = (3, Some(-5));
             for (row, (counts, outputs, interval)) in given.iter().enumerate() {
                 if row > 0 {
@@ -462,11 +492,11 @@ mod tests {
                 rows.push(time, *counts, outputs);
             }
             let (heard, _) = through_the_line(&rows);
-            prop_assert_eq!(&heard, &rows.iter().collect::<Vec<_>>());
+            prop_assert_eq!(&heard, &rows.iter(&calibration()).collect::<Vec<_>>());
             for (row, (counts, outputs, _)) in heard.iter().zip(&given) {
                 prop_assert_eq!(row.counts, *counts);
                 for (gauge, output) in outputs.iter().enumerate() {
-                    prop_assert_eq!((row.fa[gauge], row.sa[gauge]), (output.fa, output.sa()));
+                    prop_assert_eq!(row.fa[gauge], output.fa);
                     prop_assert_eq!(row.entered[gauge], output.entered_samples_ago);
                     if let Some((elastic, equilibrium)) = row.rest {
                         prop_assert_eq!(elastic[gauge], output.elastic);
@@ -479,14 +509,14 @@ mod tests {
 
         #[test]
         fn no_block_panics(
-            rows: u8, course in prop::collection::vec(any::<u8>(), 0..30), parts in prop::collection::vec(any::<u8>(), 0..30),
+            rows: u8, found_a_region: bool, packed in prop::collection::vec(0_u8..9, 0..200),
         ) {
             let block = Block {
                 first: u64::MAX, generation: 0, temperature: None, rows,
-                course: &course, parts: &parts, rest: &parts, entered: &course,
+                columns: Columns::All, found_a_region, packed: &packed,
             };
             if let Ok(rows) = Rows::decode(Head::default(), &block) {
-                rows.iter().for_each(drop);
+                rows.iter(&calibration()).for_each(drop);
             }
         }
     }

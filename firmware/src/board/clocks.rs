@@ -1,0 +1,36 @@
+//! The processor's clock: 168 MHz from the crystal, or 16 MHz from the oscillator on the chip.
+
+use shared::wire::ClockSource;
+use stm32f4xx_hal::pac::RCC;
+use stm32f4xx_hal::prelude::*;
+use stm32f4xx_hal::rcc::{Config, Rcc};
+
+use super::names::CRYSTAL_MHZ;
+
+/// Reads of a ready bit before an oscillator counts as dead; a crystal needs some milliseconds.
+const PATIENCE: u32 = 200_000;
+
+/// Starts the best clock there is.
+pub fn start(rcc: RCC) -> (Rcc, ClockSource) {
+    if crystal_starts(&rcc) && pll_starts(&rcc) {
+        let config =
+            Config::hse(CRYSTAL_MHZ.MHz()).sysclk(168.MHz()).pclk1(42.MHz()).pclk2(84.MHz());
+        (rcc.freeze(config), ClockSource::Crystal)
+    } else {
+        (rcc.freeze(Config::hsi()), ClockSource::Internal)
+    }
+}
+
+fn crystal_starts(rcc: &RCC) -> bool {
+    rcc.cr().modify(|_, w| w.hseon().set_bit());
+    (0..PATIENCE).any(|_| rcc.cr().read().hserdy().bit_is_set())
+}
+
+/// With its settings after reset: 96 MHz from the internal oscillator.
+fn pll_starts(rcc: &RCC) -> bool {
+    rcc.cr().modify(|_, w| w.pllon().set_bit());
+    let starts = (0..PATIENCE).any(|_| rcc.cr().read().pllrdy().bit_is_set());
+    rcc.cr().modify(|_, w| w.pllon().clear_bit());
+    let stops = (0..PATIENCE).any(|_| rcc.cr().read().pllrdy().bit_is_clear());
+    starts && stops
+}

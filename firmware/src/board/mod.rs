@@ -1,0 +1,44 @@
+//! The board: clocks, pins, and what else is soldered.
+//!
+//! | signal | pin | Feather | function |
+//! |-|-|-|-|
+//! | converter SCK, MISO, MOSI | PB13, PB14, PB15 | SCK, MI, MO | SPI2 |
+//! | converter CS | PB9 | 10 | |
+//! | converter SYNC/RESET | PB8 | 9 | |
+//! | converter DRDY | PC7 | 5 | EXTI7, falling |
+//! | converter CLKIN | PC6 | 6 | TIM8 channel 1, 8 MHz |
+//! | link TX, RX | PB10, PB11 | TX, RX | USART3, 1,000,000 baud, 8N1 |
+
+pub mod clocks;
+pub mod fingerprint;
+pub mod reset;
+pub mod stack;
+pub mod temperature;
+pub mod time;
+pub mod watchdog;
+
+/// Clock of the converter, Hz: the timer's 168 MHz by 21, or the internal 16 MHz by 2.
+pub const CONVERTER_CLOCK_HZ: u32 = 8_000_000;
+/// Bits per second of the link: exact with either clock.
+pub const BAUD: u32 = 1_000_000;
+/// Clock of the converter's bus, Hz, at most.
+pub const SPI_HZ: u32 = 11_000_000;
+
+#[cfg(feature = "feather")]
+mod names {
+    pub const NAME: &str = "feather-stm32f405";
+    pub const CRYSTAL_MHZ: u32 = 12;
+}
+#[cfg(all(feature = "pyboard", not(feature = "feather")))]
+mod names {
+    pub const NAME: &str = "pyboard-1.1";
+    pub const CRYSTAL_MHZ: u32 = 8;
+}
+#[cfg(all(feature = "olimex-h405", not(any(feature = "feather", feature = "pyboard"))))]
+mod names {
+    pub const NAME: &str = "olimex-stm32-h405";
+    pub const CRYSTAL_MHZ: u32 = 8;
+}
+
+/// Name of the board.
+pub use names::NAME;

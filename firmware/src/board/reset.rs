@@ -1,0 +1,140 @@
+//! Why the chip began, how it begins again, and what is kept over that.
+
+use core::fmt::Write;
+use core::mem::MaybeUninit;
+use core::ptr::{addr_of, addr_of_mut};
+
+use device::Restart;
+use shared::wire::{Hello, ResetCause};
+use stm32f4xx_hal::pac::RCC;
+
+/// A note to the program after the reset, in memory that the reset does not touch.
+#[derive(Clone, Copy)]
+#[repr(C)]
+struct Note {
+    /// Says that this is a note and not what was in memory at power-on.
+    mark: u32,
+    bootloader: bool,
+    length: usize,
+    text: [u8; Hello::PANIC],
+}
+
+const MARK: u32 = 0x7061_6c70;
+const SYSTEM_MEMORY: *const u32 = 0x1fff_0000 as *const _;
+
+#[unsafe(link_section = ".uninit.note")]
+static mut NOTE: MaybeUninit<Note> = MaybeUninit::uninit();
+
+fn write(note: Note) {
+    // SAFETY: only before interrupts are enabled, and with them disabled just before a reset: nothing else looks.
+    unsafe { addr_of_mut!(NOTE).write(MaybeUninit::new(note)) };
+}
+
+/// Takes the note of the program before the reset.
+fn take() -> Option<Note> {
+    // SAFETY: as in `write`. Any bytes are a `u32`, `usize` and bytes; the `bool` is read only if the mark is there, and
+    // whoever wrote the mark wrote it.
+    let marked = unsafe { addr_of!(NOTE).cast::<u32>().read() } == MARK;
+    let note = marked.then(|| unsafe { addr_of!(NOTE).cast::<Note>().read() });
+    write(Note { mark: 0, bootloader: false, length: 0, text: [0; Hello::PANIC] });
+    note
+}
+
+/// What the last panic said, now in `text`. Goes on to the loader in ROM instead of returning, if that was asked for.
+pub fn last_words(text: &mut [u8; Hello::PANIC]) -> &str {
+    let Some(note) = take() else { return "" };
+    if note.bootloader {
+        // SAFETY: the system memory of the STM32F405 begins with the loader's stack pointer and entry (AN2606); nothing was
+        // set up yet that it would not expect.
+        unsafe { cortex_m::asm::bootload(SYSTEM_MEMORY) }
+    }
+    *text = note.text;
+    let said = text.get(..note.length).unwrap_or_default();
+    match core::str::from_utf8(said) {
+        Ok(said) => said,
+        Err(error) => {
+            core::str::from_utf8(said.get(..error.valid_up_to()).unwrap_or_default()).unwrap_or("")
+        }
+    }
+}
+
+/// Begins again.
+pub fn restart(into: Restart) -> ! {
+    cortex_m::interrupt::disable();
+    if into == Restart::Bootloader {
+        write(Note { mark: MARK, bootloader: true, length: 0, text: [0; Hello::PANIC] });
+    }
+    cortex_m::peripheral::SCB::sys_reset()
+}
+
+/// Keeps these words and begins again.
+pub fn die(words: impl core::fmt::Display) -> ! {
+    cortex_m::interrupt::disable();
+    let mut note = Note { mark: MARK, bootloader: false, length: 0, text: [0; Hello::PANIC] };
+    // What does not fit is cut.
+    let _ = write!(Cut(&mut note), "{words}");
+    write_note_and_reset(note)
+}
+
+fn write_note_and_reset(note: Note) -> ! {
+    write(note);
+    cortex_m::peripheral::SCB::sys_reset()
+}
+
+struct Cut<'a>(&'a mut Note);
+
+impl Write for Cut<'_> {
+    fn write_str(&mut self, more: &str) -> core::fmt::Result {
+        let Note { length, text, .. } = self.0;
+        for (place, byte) in text.iter_mut().skip(*length).zip(more.bytes()) {
+            *place = byte;
+            *length = length.saturating_add(1);
+        }
+        Ok(())
+    }
+}
+
+#[panic_handler]
+fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
+    die(Said(info))
+}
+
+/// Place and message of a panic, the file without its folders.
+struct Said<'a>(&'a core::panic::PanicInfo<'a>);
+
+impl core::fmt::Display for Said<'_> {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        if let Some(place) = self.0.location() {
+            let file = place.file().rsplit(['/', '\\']).next().unwrap_or_default();
+            write!(f, "{file}:{}: ", place.line())?;
+        }
+        write!(f, "{}", self.0.message())
+    }
+}
+
+/// A fault of the processor, as when the stack leaves its memory.
+// SAFETY: nothing of the frame is trusted but its program counter, which is only printed.
+#[cortex_m_rt::exception]
+unsafe fn HardFault(frame: &cortex_m_rt::ExceptionFrame) -> ! {
+    die(format_args!("hard fault at {:#010x}", frame.pc()))
+}
+
+/// Why the chip began; the answer is cleared for the next time.
+pub fn cause(rcc: &RCC) -> ResetCause {
+    let flags = rcc.csr().read();
+    let cause = if flags.wdgrstf().bit_is_set() || flags.wwdgrstf().bit_is_set() {
+        ResetCause::Watchdog
+    } else if flags.sftrstf().bit_is_set() {
+        ResetCause::Software
+    } else if flags.porrstf().bit_is_set() {
+        ResetCause::PowerOn
+    } else if flags.borrstf().bit_is_set() {
+        ResetCause::BrownOut
+    } else if flags.padrstf().bit_is_set() {
+        ResetCause::Pin
+    } else {
+        ResetCause::PowerOn
+    };
+    rcc.csr().modify(|_, w| w.rmvf().set_bit());
+    cause
+}
