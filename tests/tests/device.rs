@@ -1,7 +1,7 @@
 //! A fingertip as its user meets it, here a simulated one.
 #![cfg(unix)]
 
-use std::io::{BufRead, BufReader};
+use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
@@ -240,13 +240,21 @@ fn a_calibration_from_points_is_set_and_saved() {
 #[test]
 fn a_calibration_asks_for_strains_and_averages_counts() {
     let simulated = Simulated::begin();
-    let mut command = palpate();
-    command
+    let mut process = program()
         .current_dir(simulated.folder.path())
         .args(["device", "calibrate", "--gauge", "2", "--per-load", "10", "--seconds", "0.2"])
         .args(["--dry-run", "--port", "fingertip"])
-        .write_stdin("0\nx\n40\n\n");
-    let (status, out, error) = said(&command.output().unwrap());
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut typed = process.stdin.take().unwrap();
+    typed.write_all(b"0\nx\n").unwrap();
+    // Whatever the simulated finger does then, its gauges read something else after two seconds.
+    std::thread::sleep(Duration::from_secs(2));
+    typed.write_all(b"40\n\n").unwrap();
+    let (status, out, error) = said(&process.wait_with_output().unwrap());
     assert_eq!(status, 0, "{error}");
     assert!(error.contains("400 µε:") && error.contains("`x` is no number"), "{error}");
     assert!(out.contains("Offset"), "{out}");

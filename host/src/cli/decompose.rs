@@ -116,7 +116,7 @@ pub fn channels(
 fn write_all(folder: &Path, parts: &[(&Trace, Vec<(Channel, Regions)>)]) -> Result<(), Failure> {
     std::fs::create_dir_all(folder).map_err(|source| cannot_write(folder, source))?;
     for (trace, channels) in parts {
-        let path = folder.join(trace.label());
+        let path = folder.join(file_name(trace));
         if trace.path.as_deref().is_some_and(|from| same_file(from, &path)) {
             return Err(Failure::Input(miette::miette!(
                 "{} would overwrite the recording itself: give another folder to -o",
@@ -127,6 +127,14 @@ fn write_all(folder: &Path, parts: &[(&Trace, Vec<(Channel, Regions)>)]) -> Resu
     }
     eprintln!("{} trace(s) in {}", parts.len(), folder.display());
     Ok(())
+}
+
+/// The name of the trace's own file; one from a recording of a device has none yet.
+fn file_name(trace: &Trace) -> String {
+    match trace.path {
+        Some(_) => trace.label(),
+        None => trace.label() + ".csv",
+    }
 }
 
 fn same_file(a: &Path, b: &Path) -> bool {

@@ -6,6 +6,7 @@
 mod add;
 mod compare;
 mod completions;
+mod convert;
 mod decompose;
 mod demo;
 mod device;
@@ -83,6 +84,8 @@ enum Command {
     Simulate(simulate::Args),
     /// Turn a foreign recording into a trace
     Import(import::Args),
+    /// Turn recordings of a device into traces (CSV, Parquet), and back
+    Convert(convert::Args),
     /// Draw traces
     Plot(plot::Args),
     /// How long and how fast to record for a wanted precision
@@ -141,6 +144,7 @@ pub fn run() -> ExitCode {
         Command::Hide(args) => hide::run(args),
         Command::Simulate(args) => simulate::run(args),
         Command::Import(args) => import::run(args),
+        Command::Convert(args) => convert::run(args),
         Command::Plot(args) => plot::run(args),
         Command::Plan(args) => plan::run(args),
         Command::Device(args) => device::run(args),

@@ -15,7 +15,8 @@ const REPEAT: Duration = Duration::from_millis(250);
 /// A device that was met.
 pub(super) struct Met {
     pub(super) identity: Identity,
-    pub(super) settings: (u32, Settings),
+    pub(super) generation: u32,
+    pub(super) settings: Settings,
 }
 
 /// Says `Hello` until the device has said who it is and what its settings are, or `patience` is over. All that is heard
@@ -83,7 +84,8 @@ impl Meeting {
         if !self.answered || self.identity.is_none() {
             return None;
         }
-        Some(Met { settings: self.settings?, identity: self.identity.take()? })
+        let (generation, settings) = self.settings?;
+        Some(Met { generation, settings, identity: self.identity.take()? })
     }
 
     fn failure(&self) -> LinkError {

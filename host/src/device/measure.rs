@@ -75,7 +75,8 @@ fn hear_rows(
         let Some(heard) = session.hear(last + PATIENCE)? else { continue };
         if let Ok((_, Said::Rows(rows))) = &heard.said {
             last = Instant::now();
-            counts.extend(rows.iter().map(|row| row.counts));
+            let rows = session.rows(rows).into_iter().flatten();
+            counts.extend(rows.map(|row| row.counts));
         }
     }
     Ok(counts)

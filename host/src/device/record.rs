@@ -220,6 +220,9 @@ impl<'p> Recorder<'p> {
     fn listen(&mut self, session: &mut Session, until: Instant) -> Result<(), Stop> {
         while let Some(heard) = session.hear(until)? {
             self.take(&heard)?;
+            if let Ok((_, Said::Rows(rows))) = &heard.said {
+                self.row = session.rows(rows).and_then(|rows| rows.last().copied());
+            }
             self.backlog = (session.backlog().now(), session.backlog().most().max(self.backlog.1));
             if Instant::now() >= until {
                 break;
@@ -241,10 +244,8 @@ impl<'p> Recorder<'p> {
         }
         let Ok((_, said)) = &heard.said else { return Ok(()) };
         self.heard_at = heard.at;
-        match said {
-            Said::Rows(rows) => self.row = rows.iter().last(),
-            Said::Status(status) => self.drops.1 = lost(&status.counters),
-            _ => {}
+        if let Said::Status(status) = said {
+            self.drops.1 = lost(&status.counters);
         }
         self.writer.frame(at_us, &heard.frame)
     }

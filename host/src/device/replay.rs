@@ -4,7 +4,8 @@ use std::time::{Duration, Instant};
 
 use shared::pipeline::GAUGES;
 use shared::wire::{
-    BLOCK_ROWS, Columns, Done, FRAME_MAX, Inject, Row, Source, Start, Status, ToDevice, pack,
+    BLOCK_ROWS, Column, Columns, Done, FRAME_MAX, FrameError, Inject, Row, Source, Start, Status,
+    ToDevice,
 };
 
 use super::heard::Said;
@@ -58,7 +59,7 @@ pub fn replay(
     Ok(Replayed { rows: hearing.rows, tally: *hearing.stream.tally(), status })
 }
 
-/// Sends a few rows, at most [`BLOCK_ROWS`]; how many found room, and how many would next.
+/// Sends a few rows, 1 to [`BLOCK_ROWS`]; how many found room, and how many would next.
 ///
 /// # Errors
 /// [`LinkError`].
@@ -74,7 +75,7 @@ pub fn inject(
     }
 }
 
-/// The message that carries a few rows, at most [`BLOCK_ROWS`].
+/// The message that carries a few rows, 1 to [`BLOCK_ROWS`].
 ///
 /// # Errors
 /// [`LinkError::TooLong`].
@@ -83,8 +84,14 @@ pub fn message<'b>(
     temperature: Option<i16>,
     packed: &'b mut [u8; FRAME_MAX],
 ) -> Result<Inject<'b>, LinkError> {
-    let table: Vec<[[i32; GAUGES]; 1]> = rows.iter().map(|row| [*row]).collect();
-    let counts = pack(&table, packed).map_err(|_| shared::wire::FrameError::TooLong)?;
+    let mut column = Column::<GAUGES>::new();
+    if let Some(first) = rows.first() {
+        column.begin(*first);
+    }
+    for (at, row) in rows.iter().enumerate().skip(1) {
+        column.set(at, *row);
+    }
+    let (counts, _) = column.pack(0..rows.len(), packed).ok_or(FrameError::TooLong)?;
     Ok(Inject { rows: rows.len() as u8, temperature, counts })
 }
 
@@ -105,7 +112,7 @@ impl Hearing {
             let Some(heard) = session.hear(Instant::now() + PATIENCE)? else { break };
             self.stream.take(&heard);
             if let Ok((_, Said::Rows(rows))) = &heard.said {
-                self.rows.extend(rows.iter());
+                self.rows.extend(session.rows(rows).into_iter().flatten());
             }
         }
         Ok(())

@@ -4,8 +4,11 @@ use std::collections::VecDeque;
 use std::path::Path;
 use std::time::{Duration, Instant, SystemTime};
 
+use shared::calibration::Calibration;
+use shared::pipeline::GAUGES;
 use shared::wire::{
-    Done, FRAME_MAX, FrameError, Head, Refusal, SCHEMA, Settings, Status, ToDevice, encode,
+    Done, FRAME_MAX, FrameError, Head, Refusal, Row, Rows, SCHEMA, Settings, Status, ToDevice,
+    encode,
 };
 
 use super::handshake::introduce;
@@ -67,7 +70,29 @@ pub struct Session {
     /// Heard while waiting for something else.
     kept: VecDeque<Heard>,
     identity: Identity,
-    settings: (u32, Settings),
+    /// The latest last; blocks that were made before a change may come after it.
+    settings: VecDeque<Known>,
+}
+
+/// Settings, and what they make strain of counts with.
+struct Known {
+    generation: u32,
+    settings: Settings,
+    calibration: Option<[Calibration; GAUGES]>,
+}
+
+/// Generations that are remembered.
+const GENERATIONS: usize = 4;
+
+impl Known {
+    fn new(generation: u32, settings: Settings) -> Self {
+        let gauges = settings.calibration.iter().zip(settings.tare);
+        let calibrated =
+            gauges.map(|(sheet, tare)| Some(Calibration::new(sheet).ok()?.with_tare(tare)));
+        let calibration =
+            calibrated.collect::<Option<Vec<_>>>().and_then(|all| all.try_into().ok());
+        Self { generation, settings, calibration }
+    }
 }
 
 impl Session {
@@ -86,7 +111,8 @@ impl Session {
     pub fn over(mut line: Line, patience: Duration) -> Result<Self, LinkError> {
         let (mut sequence, mut kept) = (any_number(), VecDeque::new());
         let met = introduce(&mut line, &mut sequence, &mut kept, patience)?;
-        Ok(Self { line, sequence, kept, identity: met.identity, settings: met.settings })
+        let settings = VecDeque::from([Known::new(met.generation, met.settings)]);
+        Ok(Self { line, sequence, kept, identity: met.identity, settings })
     }
 
     /// Who the device is.
@@ -97,14 +123,24 @@ impl Session {
 
     /// Its settings, and their generation, as it last said them.
     #[must_use]
-    pub const fn settings(&self) -> (u32, &Settings) {
-        (self.settings.0, &self.settings.1)
+    pub fn settings(&self) -> (u32, &Settings) {
+        // There is one from the handshake on.
+        self.settings
+            .back()
+            .map_or((0, &Settings::DEFAULT), |known| (known.generation, &known.settings))
+    }
+
+    /// The rows of a block one by one; none if its settings have not been heard.
+    #[must_use]
+    pub fn rows(&self, rows: &Rows) -> Option<Vec<Row>> {
+        let known = self.settings.iter().find(|known| known.generation == rows.generation)?;
+        Some(rows.iter(known.calibration.as_ref()?).collect())
     }
 
     /// Time between two samples of the converter, s.
     #[must_use]
     pub fn interval_s(&self) -> f64 {
-        self.settings.1.oversampling.interval_s(self.identity.converter_clock_hz)
+        self.settings().1.oversampling.interval_s(self.identity.converter_clock_hz)
     }
 
     /// What was read and not yet taken.
@@ -127,7 +163,11 @@ impl Session {
     fn receive(&mut self, deadline: Instant) -> Result<Option<Heard>, LinkError> {
         let heard = self.line.receive(deadline)?.and_then(Heard::of);
         if let Some(Heard { said: Ok((_, Said::Settings(generation, settings))), .. }) = &heard {
-            self.settings = (*generation, **settings);
+            self.settings.retain(|known| known.generation != *generation);
+            self.settings.push_back(Known::new(*generation, **settings));
+            if self.settings.len() > GENERATIONS {
+                self.settings.pop_front();
+            }
         }
         Ok(heard)
     }
@@ -204,7 +244,8 @@ impl Session {
     /// As [`Session::open`].
     pub fn again(&mut self, patience: Duration) -> Result<(), LinkError> {
         let met = introduce(&mut self.line, &mut self.sequence, &mut self.kept, patience)?;
-        (self.identity, self.settings) = (met.identity, met.settings);
+        self.identity = met.identity;
+        self.settings = VecDeque::from([Known::new(met.generation, met.settings)]);
         Ok(())
     }
 

@@ -4,6 +4,8 @@ use std::fmt;
 use std::io;
 use std::path::PathBuf;
 
+use crate::recording;
+
 /// One cell of a table in a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Place {
@@ -236,8 +238,41 @@ pub enum Error {
         /// Time of the row before, s.
         previous: f64,
     },
+    /// A Parquet file that cannot be decoded, or does not hold a trace.
+    #[error("{}: {message}. A trace in Parquet has plain columns of numbers, `time_s` among them.", path.display())]
+    Parquet {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        message: String,
+    },
+    /// A recording of a device that cannot be read.
+    #[error("{}: {source}", path.display())]
+    Recording {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        source: recording::Error,
+    },
+    /// A recording of a device in which nothing was streamed.
+    #[error("{}: no stream of at least two rows in this recording.", path.display())]
+    NoStream {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A stretch of a recording whose clock cannot be related to that of the host.
+    #[error(
+        "{}: the clock of the device cannot be told: {reason}. Convert it in the time of the device.",
+        path.display()
+    )]
+    NoClock {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        reason: &'static str,
+    },
     /// A folder without traces.
-    #[error("{}: no .csv file in this folder.", path.display())]
+    #[error("{}: no .csv and no .parquet file in this folder.", path.display())]
     EmptyFolder {
         /// The folder.
         path: PathBuf,

@@ -115,6 +115,19 @@ impl Setup {
     }
 }
 
+/// Reads the TOML of a head that stands for itself.
+pub(super) fn from_toml(path: &Path, toml: &str) -> Result<Head, Error> {
+    let lines: Vec<String> = toml.lines().map(|line| format!("# {line}")).collect();
+    parse(path, &lines.iter().map(String::as_str).collect::<Vec<_>>())
+}
+
+/// The head as TOML, with the version even if it does not say it.
+pub(super) fn to_toml(head: &Head) -> Result<String, toml::ser::Error> {
+    let mut head = head.clone();
+    head.version.get_or_insert(VERSION);
+    toml::to_string(&head)
+}
+
 /// Reads the lines before the header row: blank, or TOML behind a `#`.
 pub(super) fn parse(path: &Path, lines: &[&str]) -> Result<Head, Error> {
     // The mark keeps its line, so that a place in the TOML is a place in the file.

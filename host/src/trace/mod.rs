@@ -1,8 +1,10 @@
 //! One recording: columns of numbers over time, with a head that says what was pressed and how.
 //!
 //! The file format is a contract (see `docs/formats.md`): a commented TOML head, one header row whose
-//! names carry their unit, then numbers. Compression is positive in displacement and force.
+//! names carry their unit, then numbers; the same as Parquet. Compression is positive in displacement and
+//! force. [`recorded`] makes traces of a recording of a device, [`recordable`] a recording of a trace.
 
+mod caught;
 mod error;
 mod gaps;
 mod head;
@@ -13,8 +15,11 @@ mod lines;
 pub mod mapping;
 mod names;
 mod noise;
+mod parquet;
 mod pooled_noise;
 mod read;
+pub mod recordable;
+pub mod recorded;
 mod sampling;
 mod scatter;
 mod segments;
@@ -56,6 +61,11 @@ pub const TANGENTIAL: &str = "tangential_N";
 /// Columns of the four embedded gauges, microstrain.
 pub const GAUGES: [&str; 4] =
     ["gauge1_ustrain", "gauge2_ustrain", "gauge3_ustrain", "gauge4_ustrain"];
+
+/// Whether a file's name ends in `.extension`, in large or small letters.
+fn has_extension(path: &Path, extension: &str) -> bool {
+    path.extension().is_some_and(|found| found.eq_ignore_ascii_case(extension))
+}
 
 /// One named column; `values` is as long as the trace.
 #[derive(Clone, Debug, PartialEq)]

@@ -6,17 +6,20 @@ use csv::ByteRecord;
 
 use super::error::{Error, Place};
 use super::names::{self, Fault};
-use super::{Column, Head, TIME, Trace, head};
+use super::{Column, Head, TIME, Trace, has_extension, head, parquet};
 
 /// Largest file that is read whole, bytes.
 pub const SIZE_LIMIT: u64 = 1 << 30;
 
-/// Reads one trace.
+/// Reads one trace: Parquet if the file's name ends in `.parquet`, else CSV.
 ///
 /// # Errors
 /// See [`Error`]; each names the file and, where there is one, line and column.
 pub fn read(path: &Path) -> Result<Trace, Error> {
-    parse(path, &load(path, SIZE_LIMIT)?)
+    match has_extension(path, parquet::EXTENSION) {
+        true => parquet::read(path),
+        false => parse(path, &load(path, SIZE_LIMIT)?),
+    }
 }
 
 /// The bytes of a file of at most `limit` bytes.

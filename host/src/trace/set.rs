@@ -4,9 +4,11 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use super::error::Error;
-use super::{Trace, read};
+use super::{Trace, has_extension, parquet, read, recorded};
+use crate::recording;
 
-/// Reads files and folders; a folder stands for its `.csv` files by name. Where every trace has
+/// Reads files and folders; a folder stands for its `.csv` and `.parquet` files by name, a recording of a device (`.palpate`)
+/// for the stretches of its stream, in the time of the device. Where every trace has
 /// `setup.sequence`, else where every trace has `setup.start_s`, the set is put into that order;
 /// otherwise it keeps the order given.
 ///
@@ -15,7 +17,14 @@ use super::{Trace, read};
 /// [`read()`] refuses, two traces with the same place in the order.
 pub fn read_set<P: AsRef<Path>>(paths: &[P]) -> Result<Vec<Trace>, Error> {
     let files = files(paths)?;
-    let mut traces = files.iter().map(|file| read(file)).collect::<Result<Vec<_>, _>>()?;
+    let mut traces = Vec::new();
+    for file in &files {
+        if has_extension(file, recording::EXTENSION) {
+            traces.extend(recorded::read_recording(file, &recorded::Options::default())?.traces);
+        } else {
+            traces.push(read(file)?);
+        }
+    }
     order(&mut traces)?;
     for trace in &traces {
         tracing::info!(
@@ -49,13 +58,13 @@ fn files<P: AsRef<Path>>(paths: &[P]) -> Result<Vec<PathBuf>, Error> {
     Ok(files)
 }
 
-/// The `.csv` files of a folder, by name.
+/// The `.csv` and `.parquet` files of a folder, by name.
 fn folder(path: &Path) -> Result<Vec<PathBuf>, Error> {
     let open = |source| Error::Open { path: path.into(), source };
     let mut files = Vec::new();
     for entry in std::fs::read_dir(path).map_err(open)? {
         let file = entry.map_err(open)?.path();
-        if file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("csv")) {
+        if has_extension(&file, "csv") || has_extension(&file, parquet::EXTENSION) {
             files.push(file);
         }
     }
@@ -80,11 +89,12 @@ fn order(traces: &mut [Trace]) -> Result<(), Error> {
         "sequence" => sequence(trace).map(|number| number.to_string()),
         _ => start(trace).map(|time| time.to_string()),
     };
+    let name = |trace: &Trace| trace.path.clone().unwrap_or_else(|| trace.label().into());
     let same = traces.windows(2).find(|pair| value(&pair[0]) == value(&pair[1]));
     same.map_or(Ok(()), |pair| {
         Err(Error::SameOrder {
-            path: pair[1].path.clone().unwrap_or_default(),
-            first: pair[0].path.clone().unwrap_or_default(),
+            path: name(&pair[1]),
+            first: name(&pair[0]),
             key,
             value: value(&pair[0]).unwrap_or_default(),
         })
@@ -101,17 +111,23 @@ mod tests {
         path
     }
 
+    fn parsed(path: &Path) -> Trace {
+        crate::trace::parse(path, &std::fs::read(path).unwrap()).unwrap()
+    }
+
     fn names(traces: &[Trace]) -> Vec<String> {
         traces.iter().map(Trace::label).collect()
     }
 
     #[test]
-    fn a_folder_is_its_csv_files_by_name() {
+    fn a_folder_is_its_csv_and_parquet_files_by_name() {
         let folder = tempfile::tempdir().unwrap();
+        let one = write(folder.path(), "notes.txt", "");
+        crate::trace::write(&folder.path().join("c.parquet"), &parsed(&one)).unwrap();
         for name in ["b.csv", "a.CSV", "notes.txt"] {
             write(folder.path(), name, "");
         }
-        assert_eq!(names(&read_set(&[folder.path()]).unwrap()), ["a.CSV", "b.csv"]);
+        assert_eq!(names(&read_set(&[folder.path()]).unwrap()), ["a.CSV", "b.csv", "c.parquet"]);
     }
 
     #[test]

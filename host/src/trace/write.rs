@@ -4,17 +4,21 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use super::error::Error;
-use super::{TIME, Trace, head, names};
+use super::{TIME, Trace, has_extension, head, names, parquet};
 use crate::files::write_whole;
 
-/// Writes a trace whole or not at all. The head says the version even if `trace.head` does not.
+/// Writes a trace whole or not at all, as Parquet if the file's name ends in `.parquet`, else as CSV. The head says the
+/// version even if `trace.head` does not.
 ///
 /// # Errors
 /// [`Error::Write`] where the file system refuses, or where reading would: a number that is not
 /// finite, time that does not increase, fewer than two samples, a column name no trace may have.
 pub fn write(path: &Path, trace: &Trace) -> Result<(), Error> {
-    write_whole(path, |file| write_to(file, trace))
-        .map_err(|source| Error::Write { path: path.into(), source })
+    write_whole(path, |file| match has_extension(path, parquet::EXTENSION) {
+        true => file.write_all(&parquet::to_bytes(trace)?),
+        false => write_to(file, trace),
+    })
+    .map_err(|source| Error::Write { path: path.into(), source })
 }
 
 /// As [`write()`], to anything that takes bytes; nothing is written if the trace is not one.
@@ -22,10 +26,8 @@ pub fn write(path: &Path, trace: &Trace) -> Result<(), Error> {
 /// # Errors
 /// As [`write()`], as an [`io::Error`].
 pub fn write_to(mut out: impl Write, trace: &Trace) -> io::Result<()> {
-    check(trace).map_err(|message| io::Error::new(io::ErrorKind::InvalidData, message))?;
-    let mut head = trace.head.clone();
-    head.version.get_or_insert(head::VERSION);
-    for line in toml::to_string(&head).map_err(io::Error::other)?.lines() {
+    checked(trace)?;
+    for line in head::to_toml(&trace.head).map_err(io::Error::other)?.lines() {
         writeln!(out, "{}", format!("# {line}").trim_end_matches(' '))?;
     }
     let header = std::iter::once(TIME).chain(trace.columns.iter().map(|column| &column.name[..]));
@@ -63,8 +65,13 @@ fn write_number(out: &mut impl Write, value: f64) -> io::Result<()> {
     }
 }
 
+/// [`check`] as an error of writing.
+pub(super) fn checked(trace: &Trace) -> io::Result<()> {
+    check(trace).map_err(|message| io::Error::new(io::ErrorKind::InvalidData, message))
+}
+
 /// What a reader would refuse, in words.
-fn check(trace: &Trace) -> Result<(), String> {
+pub(super) fn check(trace: &Trace) -> Result<(), String> {
     let mut header = vec![TIME];
     header.extend(trace.columns.iter().map(|column| &column.name[..]));
     names::check(&header).map_err(|fault| match fault {

@@ -8,7 +8,7 @@ use palpate::device::replay::{Replayed, replay};
 use palpate::device::session::Session;
 use palpate::trace::{Trace, read};
 use shared::pipeline::{Config, GAUGES, Output, Pipeline};
-use shared::wire::{Columns, Row, RowState};
+use shared::wire::{Columns, REFERENCE_TEMPERATURE, Row};
 
 use super::{Checked, Report, open, require};
 use crate::all_bundled;
@@ -18,7 +18,7 @@ const LARGEST: f64 = 4e6;
 /// What the signal is multiplied by for each gauge: large, small, of the other sign.
 const FACTORS: [f64; GAUGES] = [1.0, 0.03, -0.7, 0.4];
 /// Injected rows are of this temperature, 2^-8 °C.
-pub(super) const TEMPERATURE: i16 = 25 * 256;
+pub(super) const TEMPERATURE: i16 = REFERENCE_TEMPERATURE;
 
 /// Injects every bundled recording and compares all that comes back with the host's decomposition.
 ///
@@ -78,9 +78,10 @@ pub(super) fn compare(
 
 /// The rows that a device must give, with all columns.
 fn expected(config: &Config, interval_ns: u32, counts: &[[i32; GAUGES]]) -> Vec<Row> {
-    let mut pipeline = Pipeline::new();
+    let mut pipeline = Pipeline::new(config);
     let row = |(number, counts): (u64, &[i32; GAUGES])| {
-        let outputs = pipeline.process(config, *counts, TEMPERATURE);
+        pipeline.process(counts, TEMPERATURE);
+        let outputs = pipeline.outputs();
         let of = |value: fn(&Output) -> i32| outputs.each_ref().map(value);
         Row {
             number,
@@ -89,11 +90,7 @@ fn expected(config: &Config, interval_ns: u32, counts: &[[i32; GAUGES]]) -> Vec<
             fa: of(|output| output.fa),
             sa: of(Output::sa),
             rest: Some((of(|output| output.elastic), of(|output| output.equilibrium))),
-            states: outputs.each_ref().map(|output| RowState {
-                region: output.region,
-                relaxation: output.relaxation,
-                flags: output.flags,
-            }),
+            states: outputs.each_ref().map(Output::state),
             entered: outputs.each_ref().map(|output| output.entered_samples_ago),
         }
     };

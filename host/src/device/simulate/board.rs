@@ -35,14 +35,15 @@ impl Board {
         *self = Self::new(self.settings.take());
     }
 
-    /// The settings that are kept, or the defaults.
-    pub(super) fn settings(&self) -> Result<Settings, SimulationError> {
-        let Some(path) = &self.settings else { return Ok(Settings::DEFAULT) };
+    /// The settings that are kept, if any are.
+    pub(super) fn settings(&self) -> Result<Option<Settings>, SimulationError> {
+        let Some(path) = &self.settings else { return Ok(None) };
         let refused = |reason: String| SimulationError::Settings { path: path.clone(), reason };
         match std::fs::read(path) {
             Ok(record) => Settings::from_record(&record)
+                .map(Some)
                 .ok_or_else(|| refused("it is of another version, or no settings".into())),
-            Err(error) if error.kind() == ErrorKind::NotFound => Ok(Settings::DEFAULT),
+            Err(error) if error.kind() == ErrorKind::NotFound => Ok(None),
             Err(error) => Err(refused(error.to_string())),
         }
     }

@@ -6,8 +6,10 @@ mod grasp;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use device::{Device, Identity, Restart, Sample};
-use shared::wire::{Accumulated, Accumulator, ClockSource, FRAME_MAX, ResetCause, Settings};
+use device::{Blocks, Device, Identity, Lost, Restart, Sample, begin_with};
+use shared::wire::{
+    Accumulated, Accumulator, ClockSource, FRAME_MAX, ResetCause, Settings, SettingsError,
+};
 
 use self::board::Board;
 use self::grasp::Grasp;
@@ -42,8 +44,8 @@ pub enum SimulationError {
     Link { path: PathBuf, source: std::io::Error },
     #[error("{} holds no settings of this version: {reason}", path.display())]
     Settings { path: PathBuf, reason: String },
-    #[error("the settings do not suit the converter")]
-    Unsuited,
+    #[error("the settings do not suit the converter: {0}")]
+    Unsuited(#[from] SettingsError),
 }
 
 /// A simulated device, and its pseudo-terminal.
@@ -52,12 +54,11 @@ pub struct Simulated {
     link: Option<PathBuf>,
     board: Board,
     grasp: Grasp,
-    body: Body,
 }
 
 /// What is lost with a reset.
-struct Body {
-    device: Device<'static>,
+struct Body<'b> {
+    device: Device<'b>,
     began: Instant,
     line: Accumulator,
     /// What the line has no room for.
@@ -73,18 +74,12 @@ impl Simulated {
     /// [`SimulationError`].
     pub fn new(simulation: &Simulation) -> Result<Self, SimulationError> {
         let board = Board::new(simulation.settings.clone());
-        let settings = board.settings()?;
+        board.settings()?;
         let pty = Pty::open()?;
         if let Some(link) = &simulation.link {
             link_to(pty.path(), link)?;
         }
-        Ok(Self {
-            pty,
-            link: simulation.link.clone(),
-            grasp: Grasp::new(simulation.seed),
-            body: Body::new(settings, ResetCause::PowerOn)?,
-            board,
-        })
+        Ok(Self { pty, link: simulation.link.clone(), grasp: Grasp::new(simulation.seed), board })
     }
 
     /// What to open as a serial port.
@@ -98,29 +93,44 @@ impl Simulated {
     /// # Errors
     /// [`SimulationError`].
     pub fn run(&mut self, ended: impl Fn() -> bool) -> Result<bool, SimulationError> {
-        while !ended() {
-            let busy = !self.body.waiting.is_empty();
-            self.pty.wait(self.board.wait(self.body.now_us()), busy)?;
-            self.step()?;
-            match self.body.device.restart_due() {
+        let mut reset = ResetCause::PowerOn;
+        loop {
+            let mut blocks = Blocks::new();
+            match self.live(reset, &mut blocks, &ended)? {
+                Some(Restart::Firmware) => self.board.reset(),
                 Some(Restart::Bootloader) => return Ok(true),
-                Some(Restart::Firmware) => {
-                    self.board.reset();
-                    self.body = Body::new(self.board.settings()?, ResetCause::Software)?;
-                }
-                None => {}
+                None => return Ok(false),
             }
+            reset = ResetCause::Software;
         }
-        Ok(false)
     }
 
-    fn step(&mut self) -> Result<(), SimulationError> {
-        let Self { pty, board, grasp, body, .. } = self;
+    /// From one reset to the next; how it is to begin again, if it is.
+    fn live(
+        &mut self,
+        reset: ResetCause,
+        blocks: &mut Blocks,
+        ended: &impl Fn() -> bool,
+    ) -> Result<Option<Restart>, SimulationError> {
+        let mut body = Body::new(self.board.settings()?, reset, blocks)?;
+        while !ended() {
+            let busy = !body.waiting.is_empty();
+            self.pty.wait(self.board.wait(body.now_us()), busy)?;
+            self.step(&mut body)?;
+            if let Some(restart) = body.device.restart_due() {
+                return Ok(Some(restart));
+            }
+        }
+        Ok(None)
+    }
+
+    fn step(&mut self, body: &mut Body<'_>) -> Result<(), SimulationError> {
+        let Self { pty, board, grasp, .. } = self;
         body.receive(pty, board)?;
         let now_us = body.now_us();
         while let Some(time_us) = board.next_sample(now_us) {
             let counts = grasp.counts(time_us, &board.gain());
-            body.device.sample(&Sample { time_us, counts, lost: Default::default() });
+            body.device.sample(&Sample { time_us, counts, lost: Lost::default() });
             body.send(pty)?;
         }
         while body.device.process_injected() {
@@ -149,8 +159,12 @@ impl Drop for Simulated {
     }
 }
 
-impl Body {
-    fn new(settings: Settings, reset: ResetCause) -> Result<Self, SimulationError> {
+impl<'b> Body<'b> {
+    fn new(
+        kept: Option<Settings>,
+        reset: ResetCause,
+        blocks: &'b mut Blocks,
+    ) -> Result<Self, SimulationError> {
         let identity = Identity {
             version: env!("CARGO_PKG_VERSION"),
             git: "",
@@ -161,7 +175,8 @@ impl Body {
             reset,
             panic: "",
         };
-        let mut device = Device::new(identity, settings).ok_or(SimulationError::Unsuited)?;
+        let settings = begin_with(kept, CONVERTER_CLOCK_HZ)?;
+        let mut device = Device::new(identity, &settings, blocks);
         device.set_temperature(Some(TEMPERATURE));
         Ok(Self {
             device,

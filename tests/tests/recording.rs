@@ -1,0 +1,264 @@
+//! Recordings of a device: what a kill, a full disk or damage leaves of them, and what they are converted to.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use palpate::decomposition::{decompose, default_relaxation};
+use palpate::recording::{Entry, Gap, Note, Opened, Reader, Writer};
+use palpate::trace::recordable::{settings_of, write_recording};
+use palpate::trace::{GAUGES, Trace, read};
+use palpate_tests::{bundled, palpate};
+use serde_json::Value;
+
+/// The first three seconds of the bundled press.
+fn press() -> Trace {
+    let mut trace = read(&bundled("press.csv")).unwrap();
+    trace.time.truncate(600);
+    trace.columns.iter_mut().for_each(|column| column.values.truncate(600));
+    trace
+}
+
+/// Its recording.
+fn recording() -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let trace = press();
+    write_recording(&trace, &settings_of(&trace), &mut bytes).unwrap();
+    bytes
+}
+
+/// Every entry as text, and whether the file ends within a frame.
+fn entries(bytes: &[u8]) -> (Vec<String>, bool) {
+    let mut reader = Reader::new(bytes).unwrap();
+    let mut seen = Vec::new();
+    while let Some(entry) = reader.next_entry().unwrap() {
+        seen.push(format!("{entry:?}"));
+    }
+    (seen, reader.truncated())
+}
+
+/// A folder with this recording as `take.palpate` in it.
+fn folder_with(bytes: &[u8]) -> (tempfile::TempDir, PathBuf) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("take.palpate");
+    std::fs::write(&path, bytes).unwrap();
+    (folder, path)
+}
+
+/// Runs the command in a folder: exit status, standard output, standard error.
+fn run(folder: &Path, arguments: &[&str]) -> (i32, String, String) {
+    let output = palpate().current_dir(folder).args(arguments).output().unwrap();
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    (output.status.code().unwrap(), text(&output.stdout), text(&output.stderr))
+}
+
+#[test]
+fn a_recording_cut_at_any_byte_reads_up_to_its_last_whole_frame() {
+    let bytes = recording();
+    let (all, _) = entries(&bytes);
+    assert!(all.len() > 40, "{} entries", all.len());
+    // Where each entry ends.
+    let mut ends = Vec::new();
+    let mut reader = Reader::new(&bytes[..]).unwrap();
+    while reader.next_entry().unwrap().is_some() {
+        let from = usize::try_from(reader.offset()).unwrap();
+        ends.push(from + bytes[from..].iter().position(|byte| *byte == 0).unwrap() + 1);
+    }
+    for cut in 0..=bytes.len() {
+        let (seen, truncated) = entries(&bytes[..cut]);
+        assert_eq!(seen.len(), ends.partition_point(|end| *end <= cut), "cut at {cut}");
+        assert!(all.starts_with(&seen), "cut at {cut}");
+        assert_eq!(truncated, cut == 0 || bytes[cut - 1] != 0, "cut at {cut}");
+    }
+}
+
+#[test]
+fn a_full_disk_ends_a_recording_that_still_reads() {
+    let bytes = recording();
+    for room in (0..bytes.len()).step_by(997) {
+        let mut disk = vec![0; room];
+        let failed = write_recording(&press(), &settings_of(&press()), &mut disk[..]).is_err();
+        assert!(failed, "{room} bytes are not enough");
+        let written = disk.len();
+        let (seen, _) = entries(
+            &disk[..written.min(disk.iter().rposition(|b| *b != 0).map_or(0, |at| at + 1))],
+        );
+        assert!(entries(&bytes).0.starts_with(&seen));
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_disk_that_is_full_from_the_beginning_is_an_error_at_once() {
+    let full = Path::new("/dev/full");
+    let error = Writer::create(full, true, &Opened::now("tty")).unwrap_err();
+    assert_eq!(error.kind(), io::ErrorKind::StorageFull);
+}
+
+#[test]
+fn a_converted_recording_holds_what_the_host_computes_of_the_same_trace() {
+    let (folder, _) = folder_with(&recording());
+    let (status, out, said) = run(folder.path(), &["convert", "take.palpate", "-o", "take.csv"]);
+    assert_eq!((status, out.as_str()), (0, ""), "{said}");
+    insta::assert_snapshot!(said, @"take.csv: 600 samples over 2.995 s");
+    let (given, found) = (press(), read(&folder.path().join("take.csv")).unwrap());
+    // Without the displacement, as on the device, a trace is not taken to begin pressed.
+    let mut gauges = given.clone();
+    gauges.columns.retain(|column| GAUGES.contains(&column.name.as_str()));
+    for gauge in 1..=4 {
+        let name = format!("gauge{gauge}_ustrain");
+        let expected = decompose(&gauges, &name, &default_relaxation(), || {}).unwrap();
+        let column = |part: &str| found.column(&format!("gauge{gauge}_{part}ustrain")).unwrap();
+        assert_eq!(column(""), expected.input);
+        assert_eq!(column("fa_"), expected.fa);
+        assert_eq!(column("sa_"), expected.sa);
+        assert_eq!(column("elastic_"), expected.elastic);
+        assert_eq!(column("equilibrium_"), expected.equilibrium);
+    }
+}
+
+#[test]
+fn the_head_and_the_columns_of_a_converted_recording_are_these() {
+    let (folder, _) = folder_with(&recording());
+    run(folder.path(), &["convert", "take.palpate", "-o", "take.csv"]);
+    let text = std::fs::read_to_string(folder.path().join("take.csv")).unwrap();
+    let head: Vec<&str> = text.lines().take_while(|line| line.starts_with('#')).collect();
+    insta::assert_snapshot!(head.join("\n"));
+    let columns = text.lines().nth(head.len()).unwrap();
+    insta::assert_snapshot!(columns.replace(',', "\n"));
+}
+
+#[test]
+fn csv_to_parquet_to_csv_loses_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["press.csv", "table-3.1-row-01.csv"] {
+        let path = bundled(name);
+        let given = read(&path).unwrap();
+        let parquet = folder.path().join(name).with_extension("parquet");
+        let csv = folder.path().join(name);
+        for (from, to) in [(&path, &parquet), (&parquet, &csv)] {
+            let arguments = ["convert", from.to_str().unwrap(), "-o", to.to_str().unwrap()];
+            assert_eq!(run(folder.path(), &arguments).0, 0);
+        }
+        for back in [read(&parquet).unwrap(), read(&csv).unwrap()] {
+            assert_eq!((&back.time, &back.columns), (&given.time, &given.columns));
+            assert_eq!(back.head, given.head);
+        }
+    }
+}
+
+#[test]
+fn a_trace_becomes_a_recording_that_every_command_takes() {
+    let folder = tempfile::tempdir().unwrap();
+    let press = bundled("press.csv");
+    let arguments = ["convert", press.to_str().unwrap(), "-o", "press.palpate"];
+    assert_eq!(run(folder.path(), &arguments).0, 0);
+    let (status, out, said) = run(folder.path(), &["decompose", "press.palpate", "-o", "split"]);
+    assert_eq!(status, 0, "{said}");
+    assert!(out.contains("CD") && out.contains("relaxation"), "{out}");
+    assert!(read(&folder.path().join("split/press.csv")).is_ok());
+    let (status, _, said) = run(folder.path(), &["plot", "press.palpate", "-o", "press.html"]);
+    assert_eq!(status, 0, "{said}");
+}
+
+#[test]
+fn several_stretches_become_numbered_files() {
+    let mut bytes = Vec::new();
+    let mut writer = Writer::new(&mut bytes, &Opened::timeless("tty")).unwrap();
+    // Twice the same stream, with a lost link between.
+    let recording = recording();
+    for _ in 0..2 {
+        for frame in device_frames(&recording) {
+            writer.frame(0, frame).unwrap();
+        }
+        writer.note(0, &Note::Gap(Gap::LinkLost)).unwrap();
+    }
+    drop(writer);
+    let (folder, _) = folder_with(&bytes);
+    let arguments = ["convert", "take.palpate", "-o", "out.parquet", "--json"];
+    let (status, out, said) = run(folder.path(), &arguments);
+    assert_eq!(status, 0, "{said}");
+    insta::assert_snapshot!(out);
+    insta::assert_snapshot!(said, @"! the recording was not ended in order; it is read up to its last whole frame");
+    for name in ["out-1.parquet", "out-2.parquet"] {
+        assert_eq!(read(&folder.path().join(name)).unwrap().len(), 600);
+    }
+}
+
+/// The frames of the device in a recording, as bytes without their zero byte.
+fn device_frames(bytes: &[u8]) -> Vec<&[u8]> {
+    let mut reader = Reader::new(bytes).unwrap();
+    let mut frames = Vec::new();
+    while let Some(entry) = reader.next_entry().unwrap() {
+        if let Entry::Frame { .. } = entry {
+            let from = usize::try_from(reader.offset()).unwrap();
+            frames.push(bytes[from..].split(|byte| *byte == 0).next().unwrap());
+        }
+    }
+    frames
+}
+
+#[test]
+fn an_existing_file_is_written_over_only_with_force_and_the_input_never() {
+    let (folder, path) = folder_with(&recording());
+    std::fs::write(folder.path().join("take.csv"), "precious").unwrap();
+    let call = |arguments: &[&str]| run(folder.path(), arguments);
+    let (status, _, said) = call(&["convert", "take.palpate", "-o", "take.csv"]);
+    assert_eq!(status, 2);
+    insta::assert_snapshot!(said, @"error: take.csv: exists already. Choose another -o, or write over it with --force.");
+    assert_eq!(call(&["convert", "take.palpate", "-o", "take.csv", "--force"]).0, 0);
+    let before = std::fs::read(&path).unwrap();
+    let (status, _, said) = call(&["convert", "take.palpate", "-o", "take.palpate", "--force"]);
+    assert_eq!(status, 2);
+    insta::assert_snapshot!(said, @"error: take.palpate: is what is converted. Choose another -o.");
+    assert_eq!(std::fs::read(&path).unwrap(), before);
+}
+
+#[test]
+fn what_cannot_be_converted_is_refused_in_one_line() {
+    let mut damaged = recording();
+    let middle = damaged.len() / 2;
+    damaged[middle] ^= 0x55;
+    let (folder, _) = folder_with(&damaged);
+    let at = |name: &str, bytes: &[u8]| std::fs::write(folder.path().join(name), bytes).unwrap();
+    at("newer.palpate", b"palpate-recording 7\n\0");
+    at("other.palpate", b"time_s,force_N\n0,1\n1,2\n");
+    at("empty.palpate", b"");
+    at("press.csv", b"time_s,force_N\n0,1\n1,2\n");
+    at("text.parquet", b"time_s,force_N\n0,1\n1,2\n");
+    let mut opened = Opened::timeless("tty");
+    (opened.schema, opened.version) = (1, "0.0.9");
+    let mut foreign = Vec::new();
+    drop(Writer::new(&mut foreign, &opened).unwrap());
+    at("foreign.palpate", &foreign);
+    let refused = |arguments: &[&str]| {
+        let (status, out, said) = run(folder.path(), arguments);
+        assert_eq!((status, out.as_str()), (2, ""), "{said}");
+        said
+    };
+    let mut all = String::new();
+    for input in ["take", "newer", "other", "empty", "foreign"] {
+        all += &refused(&["convert", &format!("{input}.palpate"), "-o", "out.csv"]);
+    }
+    all += &refused(&["convert", "text.parquet", "-o", "out.csv"]);
+    all += &refused(&["convert", "press.csv", "-o", "out.palpate"]);
+    all += &refused(&["convert", "press.csv", "-o", "out.xlsx"]);
+    let schema = format!("{:016x}", shared::wire::SCHEMA);
+    insta::assert_snapshot!(all.replace(&schema, "OURS"));
+    assert!(!folder.path().join("out.csv").exists());
+}
+
+#[test]
+fn damaged_frames_are_left_out_on_demand_and_counted() {
+    let mut damaged = recording();
+    let middle = damaged.len() / 2;
+    damaged[middle] ^= 0x55;
+    let (folder, _) = folder_with(&damaged);
+    let arguments = ["convert", "take.palpate", "-o", "out.csv", "--skip-damaged", "--json"];
+    let (status, out, said) = run(folder.path(), &arguments);
+    assert_eq!(status, 0, "{said}");
+    let answer: Value = serde_json::from_str(&out).unwrap();
+    assert_eq!(answer["damaged_frames"], 1);
+    let lost = answer["rows_lost"].as_u64().unwrap();
+    assert!((1..=16).contains(&lost), "{lost}");
+    assert_eq!(answer["written"][0]["samples"], 600 - lost);
+}
