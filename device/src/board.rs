@@ -36,3 +36,23 @@ pub enum Restart {
     /// In the loader in ROM.
     Bootloader,
 }
+
+/// Where the log waits for the link.
+pub trait Log {
+    /// Whether anything does.
+    fn is_waiting(&self) -> bool;
+
+    /// Takes what was logged, as much as fits into `room`: how many bytes.
+    fn take(&mut self, room: &mut [u8]) -> usize;
+}
+
+/// No log.
+impl Log for () {
+    fn is_waiting(&self) -> bool {
+        false
+    }
+
+    fn take(&mut self, _: &mut [u8]) -> usize {
+        0
+    }
+}

@@ -3,12 +3,11 @@
 use shared::pipeline::{Config, Pipeline};
 use shared::wire::{
     self, Answer, ClockSource, ConverterFault, Counters, Done, FRAME_MAX, Formats, Head, Hello,
-    Log, Oversampling, Refusal, ResetCause, Settings, SettingsError, Source, Status, ToDevice,
-    ToHost,
+    Oversampling, Refusal, ResetCause, Settings, SettingsError, Source, Status, ToDevice, ToHost,
 };
 
 use crate::blocks::Blocks;
-use crate::board::{Board, Restart};
+use crate::board::{Board, Log, Restart};
 use crate::outgoing::Outgoing;
 use crate::self_test::SelfTest;
 use crate::stream::{Sample, Stream};
@@ -247,11 +246,11 @@ impl<'a> Device<'a> {
         self.heard = Some(sequence);
     }
 
-    /// Puts the next message into `frame`, if there is one; the bytes to send. `log` fills a buffer with what was logged.
+    /// Puts the next message into `frame`, if there is one; the bytes to send. What was logged comes last.
     pub fn next_frame<'f>(
         &mut self,
         now_us: u64,
-        log: impl FnOnce(&mut [u8]) -> usize,
+        log: &mut impl Log,
         frame: &'f mut [u8; FRAME_MAX],
     ) -> Option<&'f [u8]> {
         let head = Head { sequence: self.sequence, time_us: now_us };
@@ -273,11 +272,11 @@ impl<'a> Device<'a> {
         } else if self.outgoing.status {
             self.outgoing.status = false;
             wire::encode(head, &ToHost::Status(self.status()), frame)
-        } else if self.host == Some(true) {
+        } else if self.host == Some(true) && log.is_waiting() {
             let mut piece = [0; LOG_PIECE];
-            let length = log(&mut piece);
+            let length = log.take(&mut piece);
             let bytes = piece.get(..length).filter(|bytes| !bytes.is_empty())?;
-            wire::encode(head, &ToHost::Log(Log { bytes }), frame)
+            wire::encode(head, &ToHost::Log(wire::Log { bytes }), frame)
         } else {
             return None;
         };

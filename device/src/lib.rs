@@ -13,7 +13,7 @@
 //! go on, so that the host sees every loss: [`shared::wire::Counters`] says at which stage.
 //!
 //! - [`Device`]: the conversation, and what the parts below do in it.
-//! - [`Board`]: what a device asks of its hardware.
+//! - [`Board`], [`Log`]: what a device asks of its hardware.
 //! - [`Sample`], [`Blocks`]: what comes in, and where it waits on its way out.
 #![cfg_attr(not(test), no_std)]
 #![forbid(unsafe_code)]
@@ -39,6 +39,6 @@ mod self_test;
 mod stream;
 
 pub use blocks::Blocks;
-pub use board::{Board, Restart};
+pub use board::{Board, Log, Restart};
 pub use conversation::{Device, Identity, begin_with};
 pub use stream::{INJECTED_ROWS, Lost, Sample};

@@ -159,17 +159,18 @@ impl<'a> Stream<'a> {
         let Some(Start { columns, source }) = self.on else { return };
         let used = temperature.unwrap_or(REFERENCE_TEMPERATURE);
         self.pipeline.process(&counts, used);
-        if self.blocks.filling().temperature != temperature {
+        let mut rows = self.blocks.filling();
+        if rows.temperature != temperature {
             // A block has one temperature.
             self.close();
+            rows = self.blocks.filling();
         }
-        let rows = self.blocks.filling();
         if rows.is_empty() {
             rows.begin(columns, self.next_row, time_us, self.last_us);
             (rows.generation, rows.temperature) = (self.generation, temperature);
         }
         self.last_us = time_us;
-        rows.push(time_us, counts, &self.pipeline.outputs());
+        rows.push(time_us, counts, &self.pipeline);
         self.next_row = self.next_row.wrapping_add(1);
         let late = source == Source::Converter && rows.span_us() >= SPAN_US;
         if rows.is_full() || late {

@@ -109,7 +109,7 @@ impl Host {
     fn hear(&mut self) {
         let mut line = Accumulator::new();
         let mut frame = [0; FRAME_MAX];
-        while let Some(bytes) = self.device.next_frame(self.now_us, |_| 0, &mut frame) {
+        while let Some(bytes) = self.device.next_frame(self.now_us, &mut (), &mut frame) {
             for byte in bytes {
                 if let Accumulated::Frame(frame) = line.push(*byte) {
                     let (head, message) = wire::decode(frame).unwrap();

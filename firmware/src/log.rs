@@ -3,11 +3,12 @@
 #[cfg(feature = "rtt")]
 use defmt_rtt as _;
 
-/// Takes what was logged, as much as fits; how many bytes it was.
+/// What was logged and is not sent yet; nothing if a probe reads the log.
 #[cfg(feature = "rtt")]
-pub fn take(_: &mut [u8]) -> usize {
-    0
-}
+pub type Waiting = ();
+#[cfg(feature = "rtt")]
+#[allow(non_upper_case_globals)]
+pub const Waiting: () = ();
 
 /// Bytes that found no room since the last call.
 #[cfg(feature = "rtt")]
@@ -16,7 +17,7 @@ pub fn lost() -> u32 {
 }
 
 #[cfg(not(feature = "rtt"))]
-pub use link::{lost, take};
+pub use link::{Waiting, lost};
 
 #[cfg(not(feature = "rtt"))]
 mod link {
@@ -57,18 +58,26 @@ mod link {
         }
     }
 
-    /// Takes what was logged, as much as fits; how many bytes it was.
-    pub fn take(room: &mut [u8]) -> usize {
-        critical_section::with(|section| {
-            let mut log = LOG.borrow_ref_mut(section);
-            let mut taken = 0;
-            for place in room {
-                let Some(byte) = log.bytes.pop_front() else { break };
-                *place = byte;
-                taken += 1;
-            }
-            taken
-        })
+    /// What was logged and is not sent yet.
+    pub struct Waiting;
+
+    impl device::Log for Waiting {
+        fn is_waiting(&self) -> bool {
+            critical_section::with(|section| !LOG.borrow_ref(section).bytes.is_empty())
+        }
+
+        fn take(&mut self, room: &mut [u8]) -> usize {
+            critical_section::with(|section| {
+                let mut log = LOG.borrow_ref_mut(section);
+                let mut taken = 0;
+                for place in room {
+                    let Some(byte) = log.bytes.pop_front() else { break };
+                    *place = byte;
+                    taken += 1;
+                }
+                taken
+            })
+        }
     }
 
     /// Bytes that found no room since the last call.

@@ -283,7 +283,7 @@ mod app {
             while frames_in.ready() {
                 let mut room = [0; FRAME_MAX];
                 let (frame, restart) = cx.shared.device.lock(|device| {
-                    let bytes = device.next_frame(time::now_us(), log::take, &mut room);
+                    let bytes = device.next_frame(time::now_us(), &mut log::Waiting, &mut room);
                     let frame = bytes.and_then(|bytes| Frame::from_slice(bytes).ok());
                     (frame, device.restart_due())
                 });

@@ -98,13 +98,38 @@ fn close(frame: &mut [u8; FRAME_MAX], end: usize) -> Option<&[u8]> {
 /// COBS in place: the first byte, and every zero after it, becomes the distance to the next; the last byte ends the frame.
 /// Only for up to [`MAX_CONTENT`] bytes between the two, where no further code byte is due.
 fn stuff(sent: &mut [u8]) {
-    let Some((end, mut rest)) = sent.split_last_mut() else { return };
+    let Some(([code, content @ ..], [end])) = sent.split_last_chunk_mut() else { return };
     *end = 0;
-    while let Some((code, after)) = rest.split_first_mut() {
-        let run = memchr::memchr(0, after).unwrap_or(after.len());
-        *code = run.wrapping_add(1) as u8;
-        rest = after.get_mut(run..).unwrap_or_default();
+    let mut distance = 1;
+    let (words, tail) = content.as_chunks_mut::<4>();
+    for byte in tail.iter_mut().rev() {
+        distance = link(byte, distance);
     }
+    for word in words.iter_mut().rev() {
+        if has_zero(u32::from_le_bytes(*word)) {
+            for byte in word.iter_mut().rev() {
+                distance = link(byte, distance);
+            }
+        } else {
+            distance = distance.wrapping_add(4);
+        }
+    }
+    *code = distance;
+}
+
+/// A zero becomes its distance to the next; returns the distance of the byte before.
+#[inline]
+const fn link(byte: &mut u8, distance: u8) -> u8 {
+    if *byte != 0 {
+        return distance.wrapping_add(1);
+    }
+    *byte = distance;
+    1
+}
+
+/// Whether any of four bytes is zero: only there a borrow reaches the upper bit that was not set.
+const fn has_zero(word: u32) -> bool {
+    word.wrapping_sub(0x0101_0101) & !word & 0x8080_8080 != 0
 }
 
 /// Checks the bytes of a frame, without its zero byte, and decodes them in place: the head, and the message for [`read`].

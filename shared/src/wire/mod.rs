@@ -40,7 +40,7 @@ pub use message::{
     Inject, Introduction, Log, Refusal, ResetCause, SelfTest, Source, Start, Status, StoreFault,
     ToDevice, ToHost,
 };
-pub use samples::{Block, REFERENCE_TEMPERATURE, Row, RowState, Rows};
+pub use samples::{Block, Made, REFERENCE_TEMPERATURE, Row, RowState, Rows};
 pub use settings::{Oversampling, Settings, SettingsError};
 
 /// Version of the frame; a frame of another version is refused.

@@ -10,7 +10,7 @@ use super::{Columns, FRAME_MAX, FrameError, Head, ToHost, encode};
 use crate::calibration::Calibration;
 use crate::flags::Flags;
 use crate::phase::{Region, RelaxationType};
-use crate::pipeline::{GAUGES, Output};
+use crate::pipeline::{GAUGES, Output, Pipeline};
 
 /// Temperature at which a calibration is applied where none is measured, 2^-8 °C.
 pub const REFERENCE_TEMPERATURE: i16 = 25 * 256;
@@ -110,6 +110,25 @@ pub struct Row {
     pub entered: [Option<u32>; GAUGES],
 }
 
+/// What knows the outputs of a row. A pipeline computes only those that are looked at.
+pub trait Made {
+    /// What was made of the counts, gauge by gauge.
+    fn outputs(&self) -> [Output; GAUGES];
+}
+
+impl Made for Pipeline {
+    #[inline(always)]
+    fn outputs(&self) -> [Output; GAUGES] {
+        Pipeline::outputs(self)
+    }
+}
+
+impl Made for [Output; GAUGES] {
+    fn outputs(&self) -> [Output; GAUGES] {
+        *self
+    }
+}
+
 /// Consecutive rows, on their way into a frame or out of one.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Rows {
@@ -190,13 +209,14 @@ impl Rows {
         self.last_us.wrapping_sub(self.time_us)
     }
 
-    /// Appends the next row; dropped if there is no room.
+    /// Appends the next row, counts and what was made of them; dropped if there is no room.
     #[inline]
-    pub fn push(&mut self, time_us: u64, counts: Gauges, outputs: &[Output; GAUGES]) {
+    pub fn push(&mut self, time_us: u64, counts: Gauges, made: &impl Made) {
         let at = self.count;
+        let outputs = made.outputs();
         let interval = [time_us.wrapping_sub(self.last_us) as i32];
-        let states = [i32::from_le_bytes(outputs.each_ref().map(|out| out.state().byte()))];
-        let fa = outputs.each_ref().map(|out| out.fa);
+        let states = [i32::from_le_bytes(outputs.map(|out| out.state().byte()))];
+        let fa = outputs.map(|out| out.fa);
         if at == 0 {
             self.intervals.begin(interval);
             self.states.begin(states);
@@ -209,20 +229,22 @@ impl Rows {
             self.fa.set(at, fa);
         }
         if self.columns == Columns::All {
-            self.note_rest(at, outputs);
+            self.note_rest(at, made);
         }
-        let entered = outputs.each_ref().map(|out| out.entered_samples_ago);
-        if self.found_a_region || entered.iter().any(Option::is_some) {
-            self.note_regions(at, entered);
+        if self.found_a_region || outputs.iter().any(|out| out.entered_samples_ago.is_some()) {
+            self.note_regions(at, made);
         }
         self.last_us = time_us;
-        self.count = at.saturating_add(1).min(BLOCK_ROWS);
+        self.count = at.wrapping_add(1);
     }
 
+    /// Beyond the values of every row, so that those cost no more than they must.
     #[cold]
-    fn note_rest(&mut self, at: usize, outputs: &[Output; GAUGES]) {
-        let elastic = outputs.each_ref().map(|out| out.elastic);
-        let equilibrium = outputs.each_ref().map(|out| out.equilibrium);
+    #[inline(never)]
+    fn note_rest(&mut self, at: usize, made: &impl Made) {
+        let outputs = made.outputs();
+        let elastic = outputs.map(|out| out.elastic);
+        let equilibrium = outputs.map(|out| out.equilibrium);
         if at == 0 {
             self.elastic.begin(elastic);
             self.equilibrium.begin(equilibrium);
@@ -233,7 +255,8 @@ impl Rows {
     }
 
     #[cold]
-    fn note_regions(&mut self, at: usize, entered: [Option<u32>; GAUGES]) {
+    #[inline(never)]
+    fn note_regions(&mut self, at: usize, made: &impl Made) {
         if !core::mem::replace(&mut self.found_a_region, true) {
             self.entered.begin([0; GAUGES]);
             for before in 1..at {
@@ -241,7 +264,7 @@ impl Rows {
             }
         }
         let code = |ago: u32| ago.saturating_add(1).cast_signed();
-        let codes = entered.map(|ago| ago.map_or(0, code));
+        let codes = made.outputs().map(|out| out.entered_samples_ago.map_or(0, code));
         if at == 0 { self.entered.begin(codes) } else { self.entered.set(at, codes) }
     }
 
@@ -424,7 +447,7 @@ mod tests {
                 });
                 let time = (block * 16 + row) * 1_024 + u64::from(row % 5 == 0);
                 pipeline.process(&counts, 0);
-                rows.push(time, counts, &pipeline.outputs());
+                rows.push(time, counts, &pipeline);
             }
             sent += rows.len();
             let mut from = 0;
