@@ -1,9 +1,10 @@
 //! palpate: fit viscoelastic contact models to recordings of touch, see where they fail.
 //!
 //! The library behind the `palpate` command. Dependencies between its modules point one way,
-//! [`trace`] ← [`model`] ← [`effects`] ← [`fit`] ← [`criticism`] ← [`summary`] ← [`cli`], and nothing
+//! [`recording`] ← [`trace`] ← [`model`] ← [`effects`] ← [`fit`] ← [`criticism`] ← [`summary`] ← [`cli`], and nothing
 //! below `cli` prints.
 //!
+//! - [`recording`]: what a device says, kept as it comes, and the relation of its clock to the host's.
 //! - [`trace`]: one recording and sets of them: read, write, import, find the phases.
 //! - [`model`]: base laws, the chain that runs them with effects over a motion, and the model file.
 //! - [`effects`]: the library of effects, one declaration each, and laws of one's own.

@@ -7,23 +7,31 @@ use palpate::decomposition::{decompose, default_relaxation};
 use palpate::recording::{Entry, Gap, Note, Opened, Reader, Writer};
 use palpate::trace::recordable::{settings_of, write_recording};
 use palpate::trace::{GAUGES, Trace, read};
-use palpate_tests::{bundled, palpate};
+use palpate_tests::{bundled, palpate, workspace};
 use serde_json::Value;
 
-/// The first three seconds of the bundled press.
-fn press() -> Trace {
+/// So many samples of the bundled press, 200 a second.
+fn press_of(samples: usize) -> Trace {
     let mut trace = read(&bundled("press.csv")).unwrap();
-    trace.time.truncate(600);
-    trace.columns.iter_mut().for_each(|column| column.values.truncate(600));
+    trace.time.truncate(samples);
+    trace.columns.iter_mut().for_each(|column| column.values.truncate(samples));
     trace
 }
 
-/// Its recording.
-fn recording() -> Vec<u8> {
+/// Its first three seconds.
+fn press() -> Trace {
+    press_of(600)
+}
+
+/// What a device would have recorded of a trace.
+fn recording_of(trace: &Trace) -> Vec<u8> {
     let mut bytes = Vec::new();
-    let trace = press();
-    write_recording(&trace, &settings_of(&trace), &mut bytes).unwrap();
+    write_recording(trace, &settings_of(trace), &mut bytes).unwrap();
     bytes
+}
+
+fn recording() -> Vec<u8> {
+    recording_of(&press())
 }
 
 /// Every entry as text, and whether the file ends within a frame.
@@ -51,11 +59,20 @@ fn run(folder: &Path, arguments: &[&str]) -> (i32, String, String) {
     (output.status.code().unwrap(), text(&output.stdout), text(&output.stderr))
 }
 
+/// Compares with an expected text in tests/golden/.
+fn golden(name: &str, text: &str) {
+    let mut settings = insta::Settings::clone_current();
+    settings.set_snapshot_path(workspace().join("tests/golden"));
+    settings.set_prepend_module_to_snapshot(false);
+    settings.set_omit_expression(true);
+    settings.bind(|| insta::assert_snapshot!(name, text));
+}
+
 #[test]
 fn a_recording_cut_at_any_byte_reads_up_to_its_last_whole_frame() {
-    let bytes = recording();
+    let bytes = recording_of(&press_of(210));
     let (all, _) = entries(&bytes);
-    assert!(all.len() > 40, "{} entries", all.len());
+    assert!(all.len() > 15, "{} entries", all.len());
     // Where each entry ends.
     let mut ends = Vec::new();
     let mut reader = Reader::new(&bytes[..]).unwrap();
@@ -71,18 +88,37 @@ fn a_recording_cut_at_any_byte_reads_up_to_its_last_whole_frame() {
     }
 }
 
+/// Takes so many bytes and no more.
+struct Disk<'a> {
+    written: &'a mut Vec<u8>,
+    room: usize,
+}
+
+impl io::Write for Disk<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let taken = bytes.len().min(self.room - self.written.len());
+        self.written.extend(&bytes[..taken]);
+        if taken == 0 { Err(io::ErrorKind::StorageFull.into()) } else { Ok(taken) }
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
 #[test]
-fn a_full_disk_ends_a_recording_that_still_reads() {
+fn a_full_disk_ends_a_recording_with_an_error_and_what_is_on_it_reads() {
     let bytes = recording();
+    let (all, _) = entries(&bytes);
     for room in (0..bytes.len()).step_by(997) {
-        let mut disk = vec![0; room];
-        let failed = write_recording(&press(), &settings_of(&press()), &mut disk[..]).is_err();
-        assert!(failed, "{room} bytes are not enough");
-        let written = disk.len();
-        let (seen, _) = entries(
-            &disk[..written.min(disk.iter().rposition(|b| *b != 0).map_or(0, |at| at + 1))],
-        );
-        assert!(entries(&bytes).0.starts_with(&seen));
+        let mut written = Vec::new();
+        let disk = Disk { written: &mut written, room };
+        let trace = press();
+        let error = write_recording(&trace, &settings_of(&trace), disk).unwrap_err().to_string();
+        assert!(error.contains("no storage space"), "{error}");
+        assert_eq!(written.len(), room);
+        let (seen, _) = entries(&written);
+        assert!(all.starts_with(&seen) && (room < 300 || seen.len() > 1));
     }
 }
 
@@ -122,9 +158,9 @@ fn the_head_and_the_columns_of_a_converted_recording_are_these() {
     run(folder.path(), &["convert", "take.palpate", "-o", "take.csv"]);
     let text = std::fs::read_to_string(folder.path().join("take.csv")).unwrap();
     let head: Vec<&str> = text.lines().take_while(|line| line.starts_with('#')).collect();
-    insta::assert_snapshot!(head.join("\n"));
+    golden("converted-head", &head.join("\n"));
     let columns = text.lines().nth(head.len()).unwrap();
-    insta::assert_snapshot!(columns.replace(',', "\n"));
+    golden("converted-columns", &columns.replace(',', "\n"));
 }
 
 #[test]
@@ -177,7 +213,7 @@ fn several_stretches_become_numbered_files() {
     let arguments = ["convert", "take.palpate", "-o", "out.parquet", "--json"];
     let (status, out, said) = run(folder.path(), &arguments);
     assert_eq!(status, 0, "{said}");
-    insta::assert_snapshot!(out);
+    golden("converted-json", &out);
     insta::assert_snapshot!(said, @"! the recording was not ended in order; it is read up to its last whole frame");
     for name in ["out-1.parquet", "out-2.parquet"] {
         assert_eq!(read(&folder.path().join(name)).unwrap().len(), 600);
@@ -243,7 +279,7 @@ fn what_cannot_be_converted_is_refused_in_one_line() {
     all += &refused(&["convert", "press.csv", "-o", "out.palpate"]);
     all += &refused(&["convert", "press.csv", "-o", "out.xlsx"]);
     let schema = format!("{:016x}", shared::wire::SCHEMA);
-    insta::assert_snapshot!(all.replace(&schema, "OURS"));
+    golden("not-converted", &all.replace(&schema, "OURS"));
     assert!(!folder.path().join("out.csv").exists());
 }
 
