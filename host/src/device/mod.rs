@@ -37,3 +37,6 @@ pub mod simulate;
 pub mod stream;
 
 mod handshake;
+
+#[cfg(test)]
+mod tests;

@@ -70,7 +70,7 @@ pub struct Session {
     /// Heard while waiting for something else.
     kept: VecDeque<Heard>,
     identity: Identity,
-    /// The latest last; blocks that were made before a change may come after it.
+    /// The latest last; what was heard while a command waited may be of those before.
     settings: VecDeque<Known>,
 }
 

@@ -116,10 +116,75 @@ impl Stream {
         marks
     }
 
-    /// Settings come ahead of the blocks that they make, and blocks that were made before may follow them.
     fn generation(&mut self, generation: u32) -> Option<Mark> {
-        let before = *self.generation.get_or_insert(generation);
-        self.generation = Some(before.max(generation));
-        (generation > before).then_some(Mark::Settings { generation })
+        let before = self.generation.replace(generation);
+        (before.is_some_and(|before| before != generation)).then_some(Mark::Settings { generation })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use shared::pipeline::Pipeline;
+    use shared::wire::{Columns, Head, Rows, Settings};
+    use std::time::Instant;
+
+    fn frame(sequence: u32, said: Said) -> Heard {
+        let head = Head { sequence, time_us: 0 };
+        Heard { at: Instant::now(), frame: vec![1; 9], said: Ok((head, said)) }
+    }
+
+    fn rows(first: u64, count: u64, generation: u32) -> Said {
+        let config = Settings::DEFAULT.config(1e-3).unwrap();
+        let mut pipeline = Pipeline::new(&config);
+        let mut rows = Rows::new();
+        rows.begin(Columns::Parts, first, first * 1_000, first * 1_000);
+        rows.generation = generation;
+        for row in first..first + count {
+            pipeline.process(&[1; 4], 0);
+            rows.push(row * 1_000, [1; 4], &pipeline);
+        }
+        Said::Rows(Box::new(rows))
+    }
+
+    #[test]
+    fn a_whole_stream_has_no_marks() {
+        let mut stream = Stream::default();
+        assert_eq!(stream.take(&frame(u32::MAX, rows(0, 16, 3))), []);
+        assert_eq!(stream.take(&frame(0, rows(16, 5, 3))), []);
+        assert_eq!((stream.tally().rows, stream.next_row()), (21, 21));
+    }
+
+    #[test]
+    fn what_is_missing_is_counted_by_frames_and_by_rows() {
+        let mut stream = Stream::default();
+        stream.take(&frame(10, rows(0, 16, 0)));
+        let damaged = Heard { said: Err(FrameError::Check), ..frame(11, rows(16, 16, 0)) };
+        assert_eq!(stream.take(&damaged), [Mark::Damaged(FrameError::Check)]);
+        let marks = stream.take(&frame(13, rows(48, 16, 0)));
+        assert_eq!(marks, [Mark::FramesLost(2), Mark::RowsLost { first: 16, count: 32 }]);
+        // Rows that the device dropped: no frame is missing.
+        let marks = stream.take(&frame(14, rows(70, 1, 0)));
+        assert_eq!(marks, [Mark::RowsLost { first: 64, count: 6 }]);
+        let tally =
+            Tally { frames: 3, damaged: 1, frames_lost: 2, rows: 33, rows_lost: 38, bytes: 40 };
+        assert_eq!(*stream.tally(), tally);
+    }
+
+    #[test]
+    fn a_reset_is_seen_by_numbers_that_go_back() {
+        let mut stream = Stream::default();
+        stream.take(&frame(500, rows(0, 16, 2)));
+        assert_eq!(stream.take(&frame(3, rows(0, 16, 0))), [Mark::Reset]);
+        assert_eq!(stream.take(&frame(4, rows(16, 1, 0))), []);
+    }
+
+    #[test]
+    fn other_settings_are_marked_once() {
+        let mut stream = Stream::default();
+        stream.take(&frame(0, rows(0, 4, 0)));
+        let settings = Said::Settings(1, Box::new(Settings::DEFAULT));
+        assert_eq!(stream.take(&frame(1, settings)), [Mark::Settings { generation: 1 }]);
+        assert_eq!(stream.take(&frame(2, rows(4, 4, 1))), []);
     }
 }

@@ -226,7 +226,7 @@ impl<'b> Body<'b> {
         let mut frame = [0; FRAME_MAX];
         let now_us = self.now_us();
         while self.waiting.len() < WAITING
-            && let Some(bytes) = self.device.next_frame(now_us, |_| 0, &mut frame)
+            && let Some(bytes) = self.device.next_frame(now_us, &mut (), &mut frame)
         {
             self.waiting.extend_from_slice(bytes);
         }
