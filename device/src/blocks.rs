@@ -60,6 +60,11 @@ impl Blocks {
         0
     }
 
+    /// Whether none waits.
+    pub(crate) const fn is_empty(&self) -> bool {
+        self.waiting == 0
+    }
+
     /// The oldest block that waits, and from which row on.
     pub(crate) fn next(&mut self) -> Option<(&Rows, usize)> {
         let (at, sent) = (self.oldest, self.sent);

@@ -247,7 +247,20 @@ impl<'a> Device<'a> {
     }
 
     /// Puts the next message into `frame`, if there is one; the bytes to send. What was logged comes last.
+    #[inline]
     pub fn next_frame<'f>(
+        &mut self,
+        now_us: u64,
+        log: &mut impl Log,
+        frame: &'f mut [u8; FRAME_MAX],
+    ) -> Option<&'f [u8]> {
+        if self.outgoing.is_empty() && self.stream.blocks.is_empty() && !log.is_waiting() {
+            return None;
+        }
+        self.encode_next(now_us, log, frame)
+    }
+
+    fn encode_next<'f>(
         &mut self,
         now_us: u64,
         log: &mut impl Log,

@@ -16,8 +16,6 @@ use dsp_process::SplitProcess;
 use idsp::iir::{Biquad, DirectForm1, DirectForm1Wide};
 use idsp::{Lowpass, LowpassState};
 use panic_semihosting as _;
-// The table of interrupts.
-use stm32f4xx_hal as _;
 use shared::adaptation;
 use shared::pipeline::{Config, GAUGES, Pipeline};
 use shared::wire::{

@@ -1,0 +1,5 @@
+//! Tells the linker where the memory of the firmware is.
+
+fn main() {
+    println!("cargo:rustc-link-search={}/..", std::env::var("CARGO_MANIFEST_DIR").unwrap_or_default());
+}
