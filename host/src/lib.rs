@@ -19,6 +19,7 @@
 pub mod cli;
 pub mod criticism;
 pub mod decomposition;
+pub mod device;
 pub mod dissertation;
 pub mod effects;
 pub mod files;

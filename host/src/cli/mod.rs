@@ -9,6 +9,7 @@ mod completions;
 mod convert;
 mod decompose;
 mod demo;
+mod device;
 mod diagnose;
 mod drop;
 mod effects;
@@ -16,10 +17,12 @@ mod explore;
 mod fit;
 mod hide;
 pub mod import;
+mod interrupt;
 mod output;
 mod plan;
 mod plot;
 mod progress;
+mod record;
 mod simulate;
 
 use std::process::ExitCode;
@@ -51,7 +54,9 @@ Examples:
   palpate effects mullins                          one effect of the library, in depth
   palpate hide -o practice/                        an exercise: which effect is in it?
   palpate simulate model.toml --motion press.csv   what the model says of another motion
-  palpate import lab.txt --map lab.map.toml        a foreign recording";
+  palpate import lab.txt --map lab.map.toml        a foreign recording
+  palpate device list                              the fingertips that are plugged in
+  palpate record -o press.palpate                  a recording of one";
 
 #[derive(Subcommand)]
 enum Command {
@@ -85,6 +90,10 @@ enum Command {
     Plot(plot::Args),
     /// How long and how fast to record for a wanted precision
     Plan(plan::Args),
+    /// Find, set, test and simulate fingertips
+    Device(device::Args),
+    /// Record a device into a file
+    Record(record::Args),
     /// Print completions for a shell
     Completions(completions::Args),
 }
@@ -138,6 +147,8 @@ pub fn run() -> ExitCode {
         Command::Convert(args) => convert::run(args),
         Command::Plot(args) => plot::run(args),
         Command::Plan(args) => plan::run(args),
+        Command::Device(args) => device::run(args),
+        Command::Record(args) => record::run(args),
         Command::Completions(args) => completions::run::<Arguments>(args),
     };
     match outcome {

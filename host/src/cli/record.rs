@@ -1,0 +1,123 @@
+//! `palpate record`.
+
+use std::io::IsTerminal;
+use std::path::PathBuf;
+use std::time::Duration;
+
+use serde_json::json;
+use shared::wire::{Columns, Source, Start};
+
+use super::device::At;
+use super::output::print;
+use super::{Failure, interrupt};
+use crate::device::describe::{live_line, view_json};
+use crate::device::record::{Beside, Plan, RecordError, View, record};
+
+/// Record a device into a file.
+#[derive(clap::Args)]
+#[command(after_help = "\
+Everything that the device sends goes into the file as it came. Where something is missing (a damaged
+line, a full queue, a reset, an unplugged cable) the file says so, and the recording goes on when the
+device is there again. Ctrl-C ends it in order; after a kill, a crash or a full disk all whole blocks
+written until then are readable. `palpate convert` makes traces of it.
+
+On a terminal a line shows time, rate, rows, gaps, what the device dropped, and FA and SA of each gauge.
+
+Examples:
+  palpate record -o press.palpate                    until Ctrl-C
+  palpate record -o press.palpate --duration 60
+  palpate record --port /dev/ttyACM0 -o press.palpate --json   an object a second, for programs")]
+pub struct Args {
+    #[command(flatten)]
+    at: At,
+    /// The recording to write
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    /// End after so many seconds
+    #[arg(long, value_name = "S", value_parser = parse_duration)]
+    duration: Option<Duration>,
+    /// Also record elastic input and equilibrium
+    #[arg(long)]
+    all: bool,
+    /// Print nothing but errors
+    #[arg(long, conflicts_with = "json")]
+    quiet: bool,
+    /// Print one JSON object a second on standard output, and a summary at the end
+    #[arg(long)]
+    json: bool,
+    /// Write over an existing file
+    #[arg(long)]
+    force: bool,
+}
+
+fn parse_duration(text: &str) -> Result<Duration, String> {
+    let seconds = text.parse().ok().filter(|seconds: &f64| *seconds > 0.0);
+    seconds
+        .and_then(|seconds| Duration::try_from_secs_f64(seconds).ok())
+        .ok_or_else(|| "give a number of seconds above 0".into())
+}
+
+/// What a person or a program sees of it.
+struct Screen {
+    live: bool,
+    json: bool,
+    shown_s: u64,
+    ended: fn() -> bool,
+}
+
+impl Beside for Screen {
+    fn ended(&mut self) -> bool {
+        (self.ended)()
+    }
+
+    fn watch(&mut self, view: &View) {
+        if self.live {
+            eprint!("\r{}\x1b[K", live_line(view));
+        }
+        if self.json && view.passed.as_secs() > self.shown_s {
+            self.shown_s = view.passed.as_secs();
+            // A reader that has gone away is no reason to end a recording.
+            let _ = print(&format!("{}\n", view_json(view)));
+        }
+    }
+}
+
+/// Records until told to end.
+pub fn run(args: &Args) -> Result<(), Failure> {
+    let ended = interrupt::handle()?;
+    let (port, session) = args.at.open()?;
+    let columns = if args.all { Columns::All } else { Columns::Parts };
+    let start = Start { source: Source::Converter, columns };
+    let plan = Plan { port, start, duration: args.duration };
+    let live = !args.quiet && !args.json && std::io::stderr().is_terminal();
+    let mut screen = Screen { live, json: args.json, shown_s: 0, ended };
+    let outcome = record(session, &plan, &args.output, args.force, &mut screen);
+    if live {
+        eprintln!();
+    }
+    let view = outcome.map_err(failed)?;
+    let file = args.output.display();
+    if args.json {
+        return print(&format!(
+            "{}\n",
+            json!({ "file": args.output, "summary": view_json(&view) })
+        ));
+    }
+    if args.quiet {
+        return Ok(());
+    }
+    print(&format!(
+        "{file}: {:.1} s, {} rows, {} gaps, {} drops\n",
+        view.passed.as_secs_f64(),
+        view.tally.rows,
+        view.gaps,
+        view.drops
+    ))
+}
+
+fn failed(error: RecordError) -> Failure {
+    match error {
+        RecordError::Exists(_) => Failure::input(error),
+        _ => Failure::work(error),
+    }
+}

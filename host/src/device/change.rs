@@ -1,0 +1,177 @@
+//! Changes of a device's settings, checked before they are sent.
+
+use shared::adaptation::Relaxation;
+use shared::fixed::strain_from_microstrain;
+use shared::pipeline::GAUGES;
+use shared::wire::{Oversampling, Settings, SettingsError, ToDevice};
+
+/// A threshold of the regions, by name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[allow(missing_docs)]
+pub enum Threshold {
+    Touch,
+    Release,
+    PeakDrop,
+    MotionStep,
+    DeadBand,
+    Smoothing,
+    Dwell,
+    Recovery,
+}
+
+impl Threshold {
+    /// All, with their names and units.
+    pub const ALL: [(Self, &'static str, &'static str); 8] = [
+        (Self::Touch, "touch", "µε"),
+        (Self::Release, "release", "µε"),
+        (Self::PeakDrop, "peak-drop", "µε"),
+        (Self::MotionStep, "motion-step", "µε"),
+        (Self::DeadBand, "dead-band", "µε"),
+        (Self::Smoothing, "smoothing", "s"),
+        (Self::Dwell, "dwell", "s"),
+        (Self::Recovery, "recovery", "s"),
+    ];
+
+    /// Its value in its unit.
+    #[must_use]
+    pub fn of(self, settings: &Settings) -> f64 {
+        let (all, strain) = (&settings.thresholds, shared::fixed::microstrain);
+        match self {
+            Self::Touch => strain(all.touch),
+            Self::Release => strain(all.release),
+            Self::PeakDrop => strain(all.peak_drop),
+            Self::MotionStep => strain(all.motion_step),
+            Self::DeadBand => strain(all.latent_dead_band),
+            Self::Smoothing => all.smoothing_s,
+            Self::Dwell => all.dwell_s,
+            Self::Recovery => all.recovery_limit_s,
+        }
+    }
+
+    fn set(self, settings: &mut Settings, value: f64) {
+        let (all, strain) = (&mut settings.thresholds, strain_from_microstrain(value));
+        match self {
+            Self::Touch => all.touch = strain,
+            Self::Release => all.release = strain,
+            Self::PeakDrop => all.peak_drop = strain,
+            Self::MotionStep => all.motion_step = strain,
+            Self::DeadBand => all.latent_dead_band = strain,
+            Self::Smoothing => all.smoothing_s = value,
+            Self::Dwell => all.dwell_s = value,
+            Self::Recovery => all.recovery_limit_s = value,
+        }
+    }
+}
+
+/// What is to be changed.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Change {
+    /// First of all, take the settings the device was made with.
+    pub defaults: bool,
+    /// Sample rate, Hz; the nearest of those possible is taken.
+    pub rate_hz: Option<f64>,
+    /// Gains of the converter.
+    pub gain: Option<[u8; GAUGES]>,
+    /// The relaxation function.
+    pub relaxation: Option<Relaxation>,
+    /// Thresholds, in their units.
+    pub thresholds: Vec<(Threshold, f64)>,
+}
+
+impl Change {
+    /// The settings after the change, and the commands that make it.
+    ///
+    /// # Errors
+    /// [`SettingsError`] names the setting that would be out of range; then the device need not be asked.
+    pub fn of(
+        &self,
+        before: &Settings,
+        converter_clock_hz: u32,
+    ) -> Result<(Settings, Vec<ToDevice<'static>>), SettingsError> {
+        let mut after = if self.defaults { Settings::DEFAULT } else { *before };
+        let mut commands = Vec::new();
+        if self.defaults {
+            commands.push(ToDevice::LoadDefaults);
+        }
+        if let Some(rate_hz) = self.rate_hz {
+            after.oversampling = nearest(rate_hz, converter_clock_hz);
+            commands.push(ToDevice::SetRate(after.oversampling));
+        }
+        if let Some(gain) = self.gain {
+            // Checked before the calibration follows it.
+            Settings { gain, ..after }.config(after.oversampling.interval_s(converter_clock_hz))?;
+            after = after.with_gain(gain);
+            commands.push(ToDevice::SetGain(gain));
+        }
+        if let Some(relaxation) = self.relaxation {
+            after.relaxation = relaxation;
+            commands.push(ToDevice::SetFilter(relaxation));
+        }
+        for (threshold, value) in &self.thresholds {
+            threshold.set(&mut after, *value);
+        }
+        if !self.thresholds.is_empty() {
+            commands.push(ToDevice::SetThresholds(after.thresholds));
+        }
+        after.config(after.oversampling.interval_s(converter_clock_hz))?;
+        Ok((after, commands))
+    }
+}
+
+/// Sample rate, Hz.
+#[must_use]
+pub fn rate_hz(oversampling: Oversampling, converter_clock_hz: u32) -> f64 {
+    oversampling.interval_s(converter_clock_hz).recip()
+}
+
+/// The oversampling whose rate is nearest, by ratio.
+#[must_use]
+pub fn nearest(wanted_hz: f64, converter_clock_hz: u32) -> Oversampling {
+    let off = |of: &Oversampling| (rate_hz(*of, converter_clock_hz) / wanted_hz).ln().abs();
+    let nearer = |a: Oversampling, b: Oversampling| if off(&b) < off(&a) { b } else { a };
+    Oversampling::ALL.into_iter().reduce(nearer).unwrap_or(Oversampling::X4096)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_nearest_rate_is_taken_by_ratio() {
+        let taken = |wanted| rate_hz(nearest(wanted, 8_000_000), 8_000_000);
+        assert_eq!(taken(1_000.0), 976.562_5);
+        assert_eq!(taken(1.0), 244.140_625);
+        assert_eq!(taken(1e6), 3_906.25);
+        // Nearer to 976.6 by difference, to 488.3 by ratio.
+        assert_eq!(taken(680.0), 488.281_25);
+    }
+
+    #[test]
+    fn a_change_out_of_range_is_refused_before_anything_is_sent() {
+        let change = Change { gain: Some([3, 1, 1, 1]), ..Change::default() };
+        let refused = change.of(&Settings::DEFAULT, 8_000_000).unwrap_err().to_string();
+        assert!(refused.contains("gauge 1: a gain of 3"), "{refused}");
+        let change = Change { thresholds: vec![(Threshold::Touch, 5.0)], ..Change::default() };
+        let refused = change.of(&Settings::DEFAULT, 8_000_000).unwrap_err().to_string();
+        assert!(refused.starts_with("thresholds:"), "{refused}");
+    }
+
+    #[test]
+    fn one_command_is_sent_for_each_kind_of_change() {
+        let change = Change {
+            defaults: true,
+            rate_hz: Some(500.0),
+            thresholds: vec![(Threshold::Touch, 40.0), (Threshold::Release, 30.0)],
+            ..Change::default()
+        };
+        let (after, commands) = change.of(&Settings::DEFAULT, 8_000_000).unwrap();
+        let kinds: Vec<_> = commands.iter().map(std::mem::discriminant).collect();
+        let expected = [
+            ToDevice::LoadDefaults,
+            ToDevice::SetRate(Oversampling::X8192),
+            ToDevice::SetThresholds(after.thresholds),
+        ];
+        assert_eq!(kinds, expected.each_ref().map(std::mem::discriminant));
+        assert_eq!(Threshold::Touch.of(&after), 40.0);
+    }
+}

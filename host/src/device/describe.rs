@@ -1,0 +1,299 @@
+//! A device in words, and as JSON.
+
+use serde_json::{Value, json};
+use shared::fixed::{celsius, microstrain};
+use shared::wire::{ClockSource, Counters, ResetCause, SelfTest, Settings, Source, Status};
+
+use super::change::{Threshold, rate_hz};
+use super::heard::Identity;
+use super::record::{View, parts};
+use super::refusal::Fault;
+use crate::report::number::significant;
+use crate::report::{Block, Callout, Column, Section, Table};
+
+/// Counts beyond this fraction of full scale are those of a bridge that is open or shorted.
+const NEAR_RAIL: f64 = 0.95;
+/// A rate further off than this is wrong.
+const RATE_TOLERANCE: f64 = 0.02;
+
+/// Why a device began.
+#[must_use]
+pub const fn reset_in_words(reset: ResetCause) -> &'static str {
+    match reset {
+        ResetCause::PowerOn => "power came",
+        ResetCause::BrownOut => "the supply was low",
+        ResetCause::Pin => "the reset button",
+        ResetCause::Software => "it was told to, or panicked",
+        ResetCause::Watchdog => "a part of the program stood still",
+    }
+}
+
+const fn clock_in_words(clock: ClockSource) -> &'static str {
+    match clock {
+        ClockSource::Crystal => "crystal",
+        ClockSource::Internal => "internal oscillator, 1 %: the crystal did not start",
+        ClockSource::Simulated => "simulated",
+    }
+}
+
+/// Who a device is, in one line.
+#[must_use]
+pub fn one_line(identity: &Identity) -> String {
+    let Identity { board, version, git, .. } = identity;
+    let git = if git.is_empty() { String::new() } else { format!(" ({git})") };
+    format!("{board}, firmware {version}{git}, serial {}", identity.serial_number())
+}
+
+/// Who a device is, its settings and how it is.
+#[must_use]
+pub fn info(identity: &Identity, settings: &Settings, status: &Status) -> Vec<Section> {
+    let text = |name: &str, value: String| (name.to_owned(), value);
+    let mut who = vec![
+        text("device", one_line(identity)),
+        text("clock", clock_in_words(identity.clock).into()),
+        text("began because", reset_in_words(identity.reset).into()),
+    ];
+    if !identity.panic.is_empty() {
+        who.push(text("last panic", identity.panic.clone()));
+    }
+    let temperature = status
+        .temperature
+        .map_or("no sensor".into(), |temperature| format!("{:.1} °C", celsius(temperature)));
+    who.push(text("temperature", temperature));
+    who.push(text(
+        "converter",
+        status.converter.map_or("as it should be".into(), |fault| Fault(fault).to_string()),
+    ));
+    if status.stack_used > 0 {
+        who.push(text("stack used", format!("{} bytes at most", status.stack_used)));
+    }
+    let mut blocks = vec![Block::Definitions(who)];
+    blocks.extend(self::settings(settings, identity.converter_clock_hz));
+    blocks.push(Block::Table(counters(&status.counters)));
+    vec![Section { title: "Device".into(), blocks }]
+}
+
+/// The settings.
+#[must_use]
+pub fn settings(settings: &Settings, converter_clock_hz: u32) -> Vec<Block> {
+    let rate = rate_hz(settings.oversampling, converter_clock_hz);
+    let relaxation = settings.relaxation;
+    let filter = format!(
+        "c1 {}, v1 {} 1/s, c2 {}, v2 {} 1/s",
+        relaxation.c1, relaxation.v1, relaxation.c2, relaxation.v2
+    );
+    let thresholds = Threshold::ALL
+        .map(|(threshold, name, unit)| format!("{name} {} {unit}", threshold.of(settings)));
+    let mut gauges = Table::new(
+        "",
+        vec![
+            Column::text("Gauge"),
+            Column::whole("Gain"),
+            Column::number("Calibration", "µε per 1000 counts"),
+            Column::whole("Offset (counts)"),
+            Column::number("Tare", "µε"),
+        ],
+    );
+    for (gauge, sheet) in settings.calibration.iter().enumerate() {
+        gauges = gauges.row([
+            (gauge + 1).to_string(),
+            settings.gain[gauge].to_string(),
+            significant(sheet.gain * 1e3, 6),
+            sheet.offset.to_string(),
+            format!("{:.1}", microstrain(settings.tare[gauge])),
+        ]);
+    }
+    vec![
+        Block::Definitions(vec![
+            ("rate".into(), format!("{rate} Hz")),
+            ("filter".into(), filter),
+            ("thresholds".into(), thresholds.join(", ")),
+        ]),
+        Block::Table(gauges),
+    ]
+}
+
+/// The counters by name.
+fn named(counters: &Counters) -> [(&'static str, u32); 8] {
+    [
+        ("conversions_missed", counters.conversions_missed),
+        ("conversions_damaged", counters.conversions_damaged),
+        ("queue_full", counters.queue_full),
+        ("link_full", counters.link_full),
+        ("log_full", counters.log_full),
+        ("bytes_lost", counters.bytes_lost),
+        ("frames_damaged", counters.frames_damaged),
+        ("frames_missed", counters.frames_missed),
+    ]
+}
+
+fn counters(counters: &Counters) -> Table {
+    let columns = vec![Column::text("Lost since the reset"), Column::whole("Count")];
+    named(counters).into_iter().fold(Table::new("", columns), |table, (name, count)| {
+        table.row([name.replace('_', " "), count.to_string()])
+    })
+}
+
+/// Who a device is.
+#[must_use]
+pub fn identity_json(identity: &Identity) -> Value {
+    json!({
+        "board": identity.board,
+        "version": identity.version,
+        "git": identity.git,
+        "serial": identity.serial_number(),
+        "channels": identity.channels,
+        "converter_clock_hz": identity.converter_clock_hz,
+        "clock": clock_in_words(identity.clock),
+        "reset": reset_in_words(identity.reset),
+        "panic": identity.panic,
+    })
+}
+
+/// Settings.
+#[must_use]
+pub fn settings_json(settings: &Settings, converter_clock_hz: u32) -> Value {
+    let gauge = |gauge: usize| {
+        let sheet = &settings.calibration[gauge];
+        json!({
+            "gain": settings.gain[gauge],
+            "ustrain_per_count": sheet.gain,
+            "offset_counts": sheet.offset,
+            "temperature_coefficient_ustrain_per_celsius": sheet.temperature_coefficient,
+            "reference_celsius": sheet.reference_celsius,
+            "tare_ustrain": microstrain(settings.tare[gauge]),
+        })
+    };
+    let thresholds = Threshold::ALL.map(|(threshold, name, _)| (name, threshold.of(settings)));
+    let relaxation = settings.relaxation;
+    json!({
+        "rate_hz": rate_hz(settings.oversampling, converter_clock_hz),
+        "relaxation": {
+            "c1": relaxation.c1, "v1": relaxation.v1, "c2": relaxation.c2, "v2": relaxation.v2,
+        },
+        "thresholds": thresholds.into_iter().map(|(name, value)| (name.to_owned(), json!(value)))
+            .collect::<serde_json::Map<_, _>>(),
+        "gauges": [gauge(0), gauge(1), gauge(2), gauge(3)],
+    })
+}
+
+/// How a device is.
+#[must_use]
+pub fn status_json(status: &Status) -> Value {
+    let counters = named(&status.counters).map(|(name, count)| (name.to_owned(), json!(count)));
+    json!({
+        "counters": counters.into_iter().collect::<serde_json::Map<_, _>>(),
+        "rows": status.rows,
+        "streaming": status.streaming.map(|source| match source {
+            Source::Converter => "converter",
+            Source::Link { .. } => "link",
+        }),
+        "temperature_celsius": status.temperature.map(celsius),
+        "converter": status.converter.map(|fault| Fault(fault).to_string()),
+        "stack_used_bytes": status.stack_used,
+    })
+}
+
+/// What a self-test found wrong, in words; nothing if all is well.
+#[must_use]
+pub fn faults(test: &SelfTest) -> Vec<String> {
+    let mut faults: Vec<String> =
+        test.converter.err().map(|fault| Fault(fault).to_string()).into_iter().collect();
+    for (gauge, mean) in (1..).zip(test.mean_counts) {
+        let size = f64::from(mean).abs() / 8_388_608.0;
+        if size > NEAR_RAIL {
+            faults.push(format!(
+                "gauge {gauge} is at {:.0} % of full scale: its bridge is open or shorted",
+                size * 100.0
+            ));
+        }
+    }
+    if test.samples > 0 && (f64::from(test.rate_ratio) - 1.0).abs() > RATE_TOLERANCE {
+        faults.push(format!("samples come at {:.3} times the rate", test.rate_ratio));
+    }
+    faults
+}
+
+/// A self-test.
+#[must_use]
+pub fn self_test(test: &SelfTest, settings: &Settings) -> Vec<Section> {
+    let mut table = Table::new(
+        "",
+        vec![
+            Column::text("Gauge"),
+            Column::whole("Mean (counts)"),
+            Column::number("Noise", "counts"),
+            Column::number("Noise", "µε"),
+        ],
+    )
+    .note(format!(
+        "{} samples, at {:.4} times the rate that is set",
+        test.samples, test.rate_ratio
+    ));
+    for gauge in 0..test.mean_counts.len() {
+        let noise = f64::from(test.noise_counts[gauge]);
+        table = table.row([
+            (gauge + 1).to_string(),
+            test.mean_counts[gauge].to_string(),
+            format!("{noise:.1}"),
+            format!("{:.3}", noise * settings.calibration[gauge].gain.abs()),
+        ]);
+    }
+    let kind = Callout::Warning;
+    let warn = |text| Block::Callout { kind, title: String::new(), text };
+    let blocks = std::iter::once(Block::Table(table)).chain(faults(test).into_iter().map(warn));
+    vec![Section { title: "Self-test".into(), blocks: blocks.collect() }]
+}
+
+/// A self-test.
+#[must_use]
+pub fn self_test_json(test: &SelfTest) -> Value {
+    json!({
+        "passed": faults(test).is_empty(),
+        "faults": faults(test),
+        "samples": test.samples,
+        "rate_ratio": test.rate_ratio,
+        "mean_counts": test.mean_counts,
+        "noise_counts": test.noise_counts,
+    })
+}
+
+/// How a recording goes, in one line.
+#[must_use]
+pub fn live_line(view: &View) -> String {
+    let time = view.passed.as_secs_f64();
+    if !view.linked {
+        return format!("{time:7.1} s  the device is gone; waiting for it");
+    }
+    let gauges = view.row.as_ref().map_or(String::new(), |row| {
+        let words = parts(row).map(|(fa, sa)| format!("{fa:7.1} {sa:7.1}"));
+        format!("  FA SA µε {}", words.join(" |"))
+    });
+    format!(
+        "{time:7.1} s {:6.1} Hz {:9} rows  {} gaps {} drops{gauges}",
+        view.rate_hz, view.tally.rows, view.gaps, view.drops
+    )
+}
+
+/// How a recording goes.
+#[must_use]
+pub fn view_json(view: &View) -> Value {
+    let gauges = view.row.as_ref().map(|row| {
+        parts(row).map(|(fa, sa)| json!({ "fa_ustrain": fa, "sa_ustrain": sa })).to_vec()
+    });
+    json!({
+        "time_s": view.passed.as_secs_f64(),
+        "linked": view.linked,
+        "rate_hz": view.rate_hz,
+        "rows": view.tally.rows,
+        "rows_lost": view.tally.rows_lost,
+        "frames_lost": view.tally.frames_lost,
+        "frames_damaged": view.tally.damaged,
+        "bytes": view.tally.bytes,
+        "gaps": view.gaps,
+        "drops": view.drops,
+        "backlog_frames": view.backlog.0,
+        "backlog_frames_most": view.backlog.1,
+        "gauges": gauges,
+    })
+}

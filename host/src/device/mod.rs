@@ -1,0 +1,42 @@
+//! A fingertip at the other end of a line.
+//!
+//! ```text
+//! port ── reader thread ── frames ── Session ── what was heard ──┬── Stream: what is missing
+//!      └─ writer ───────── commands, answered ─┘                 └── recording, log, live line
+//! ```
+//!
+//! - [`discover`]: which ports have a device.
+//! - [`line`]: a thread that does nothing but read, so that nothing else can make it lose bytes.
+//! - [`session`]: handshake, commands and their answers, what comes meanwhile.
+//! - [`stream`]: frames and rows that are missing.
+//! - [`record`]: into a file, through whatever happens to the line.
+//! - [`replay`]: rows put into a device as if its converter had given them.
+//! - [`change`]: settings, checked before they are sent.
+//! - [`measure`]: short streams, to read zero and to average.
+//! - [`calibrate`]: gain and offset of a gauge.
+//! - [`log`]: the device's log in words.
+//! - [`describe`]: everything else in words.
+//! - [`simulate`]: a device without hardware, behind a pseudo-terminal.
+
+pub mod calibrate;
+pub mod change;
+pub mod describe;
+pub mod discover;
+pub mod heard;
+pub mod line;
+pub mod log;
+pub mod measure;
+#[cfg(unix)]
+pub mod pty;
+pub mod record;
+pub mod refusal;
+pub mod replay;
+pub mod session;
+#[cfg(unix)]
+pub mod simulate;
+pub mod stream;
+
+mod handshake;
+
+#[cfg(test)]
+mod tests;

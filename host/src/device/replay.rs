@@ -1,0 +1,120 @@
+//! Rows put into a device as if its converter had given them.
+
+use std::time::{Duration, Instant};
+
+use shared::pipeline::GAUGES;
+use shared::wire::{
+    BLOCK_ROWS, Column, Columns, Done, FRAME_MAX, FrameError, Inject, Row, Source, Start, Status,
+    ToDevice,
+};
+
+use super::heard::Said;
+use super::session::{LinkError, Session};
+use super::stream::{Stream, Tally};
+
+/// Rows that may be under way, between being sent and being heard.
+const UNDER_WAY: u64 = 2 * BLOCK_ROWS as u64;
+/// Rows that are not heard after so long are lost.
+const PATIENCE: Duration = Duration::from_millis(500);
+
+/// What a device made of rows.
+#[derive(Clone, Debug)]
+pub struct Replayed {
+    /// The rows that came back.
+    pub rows: Vec<Row>,
+    /// What came and what did not.
+    pub tally: Tally,
+    /// How the device was at the end.
+    pub status: Status,
+}
+
+/// Sends rows of counts, `interval_ns` apart, and gathers what comes back. A stream that is on is ended.
+///
+/// # Errors
+/// [`LinkError`] if the device refuses or falls silent.
+pub fn replay(
+    session: &mut Session,
+    interval_ns: u32,
+    columns: Columns,
+    temperature: Option<i16>,
+    counts: &[[i32; GAUGES]],
+) -> Result<Replayed, LinkError> {
+    session.quiet()?;
+    session.status()?;
+    session.forget();
+    let start = Start { source: Source::Link { interval_ns }, columns };
+    session.command(&ToDevice::Start(start))?;
+    let mut hearing = Hearing { stream: Stream::default(), rows: Vec::new() };
+    let mut sent = 0_u64;
+    for rows in counts.chunks(BLOCK_ROWS) {
+        let room = UNDER_WAY.saturating_sub(rows.len() as u64);
+        hearing.until(session, |stream| sent.saturating_sub(stream.next_row()) <= room)?;
+        inject(session, rows, temperature)?;
+        sent += rows.len() as u64;
+    }
+    hearing.until(session, |stream| stream.next_row() >= sent)?;
+    session.quiet()?;
+    let status = session.status()?;
+    hearing.until(session, |_| false)?;
+    Ok(Replayed { rows: hearing.rows, tally: *hearing.stream.tally(), status })
+}
+
+/// Sends a few rows, 1 to [`BLOCK_ROWS`]; how many found room, and how many would next.
+///
+/// # Errors
+/// [`LinkError`].
+pub fn inject(
+    session: &mut Session,
+    rows: &[[i32; GAUGES]],
+    temperature: Option<i16>,
+) -> Result<(u8, u8), LinkError> {
+    let mut packed = [0; FRAME_MAX];
+    match session.command(&ToDevice::Inject(message(rows, temperature, &mut packed)?))? {
+        Done::Injected { taken, room, .. } => Ok((taken, room)),
+        other => Err(LinkError::Unsuited(other)),
+    }
+}
+
+/// The message that carries a few rows, 1 to [`BLOCK_ROWS`].
+///
+/// # Errors
+/// [`LinkError::TooLong`].
+pub fn message<'b>(
+    rows: &[[i32; GAUGES]],
+    temperature: Option<i16>,
+    packed: &'b mut [u8; FRAME_MAX],
+) -> Result<Inject<'b>, LinkError> {
+    let mut column = Column::<GAUGES>::new();
+    if let Some(first) = rows.first() {
+        column.begin(*first);
+    }
+    for (at, row) in rows.iter().enumerate().skip(1) {
+        column.set(at, *row);
+    }
+    let (counts, _) = column.pack(0..rows.len(), packed).ok_or(FrameError::TooLong)?;
+    Ok(Inject { rows: rows.len() as u8, temperature, counts })
+}
+
+/// What comes back.
+struct Hearing {
+    stream: Stream,
+    rows: Vec<Row>,
+}
+
+impl Hearing {
+    /// Hears until `enough`, or until nothing more comes.
+    fn until(
+        &mut self,
+        session: &mut Session,
+        enough: impl Fn(&Stream) -> bool,
+    ) -> Result<(), LinkError> {
+        while !enough(&self.stream) {
+            let Some(heard) = session.hear(Instant::now() + PATIENCE)? else { break };
+            self.stream.take(&heard);
+            if let Ok((_, Said::Rows(rows))) = &heard.said {
+                self.rows.extend(session.rows(rows).into_iter().flatten());
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,104 @@
+//! The simulated board: a converter that is never in doubt, and a file for flash.
+
+use std::io::ErrorKind;
+use std::path::PathBuf;
+use std::time::Duration;
+
+use device::Restart;
+use shared::pipeline::GAUGES;
+use shared::wire::{ConverterFault, Oversampling, Settings, StoreFault};
+
+use super::{CONVERTER_CLOCK_HZ, SimulationError};
+use crate::files::write_whole;
+
+/// With nothing to do, it looks so often for something.
+const IDLE: Duration = Duration::from_millis(5);
+
+/// The hardware of a simulated device.
+pub(super) struct Board {
+    settings: Option<PathBuf>,
+    oversampling: Oversampling,
+    gain: [u8; GAUGES],
+    listening: bool,
+    /// Time of the next sample, µs; none before the first.
+    next_us: Option<u64>,
+}
+
+impl Board {
+    pub(super) fn new(settings: Option<PathBuf>) -> Self {
+        let Settings { oversampling, gain, .. } = Settings::DEFAULT;
+        Self { settings, oversampling, gain, listening: false, next_us: None }
+    }
+
+    /// As after power-on.
+    pub(super) fn reset(&mut self) {
+        *self = Self::new(self.settings.take());
+    }
+
+    /// The settings that are kept, if any are.
+    pub(super) fn settings(&self) -> Result<Option<Settings>, SimulationError> {
+        let Some(path) = &self.settings else { return Ok(None) };
+        let refused = |reason: String| SimulationError::Settings { path: path.clone(), reason };
+        match std::fs::read(path) {
+            Ok(record) => Settings::from_record(&record)
+                .map(Some)
+                .ok_or_else(|| refused("it is of another version, or no settings".into())),
+            Err(error) if error.kind() == ErrorKind::NotFound => Ok(None),
+            Err(error) => Err(refused(error.to_string())),
+        }
+    }
+
+    pub(super) const fn gain(&self) -> [u8; GAUGES] {
+        self.gain
+    }
+
+    fn interval_us(&self) -> u64 {
+        (self.oversampling.interval_s(CONVERTER_CLOCK_HZ) * 1e6) as u64
+    }
+
+    /// Time of the next sample that is due, µs.
+    pub(super) fn next_sample(&mut self, now_us: u64) -> Option<u64> {
+        if !self.listening {
+            return None;
+        }
+        let time_us = *self.next_us.get_or_insert(now_us);
+        (time_us <= now_us).then(|| {
+            self.next_us = Some(time_us + self.interval_us());
+            time_us
+        })
+    }
+
+    /// How long there is nothing to do.
+    pub(super) fn wait(&self, now_us: u64) -> Duration {
+        match self.next_us {
+            Some(next_us) if self.listening => {
+                Duration::from_micros(next_us.saturating_sub(now_us)).min(IDLE)
+            }
+            _ => IDLE,
+        }
+    }
+}
+
+impl device::Board for Board {
+    fn configure(
+        &mut self,
+        oversampling: Oversampling,
+        gain: [u8; GAUGES],
+    ) -> Result<(), ConverterFault> {
+        (self.oversampling, self.gain) = (oversampling, gain);
+        Ok(())
+    }
+
+    fn listen(&mut self, to_converter: bool) {
+        (self.listening, self.next_us) = (to_converter, None);
+    }
+
+    fn store(&mut self, record: &[u8]) -> Result<(), StoreFault> {
+        let Some(path) = &self.settings else { return Ok(()) };
+        write_whole(path, |file| file.write_all(record)).map_err(|_| StoreFault::NotWritten)
+    }
+
+    fn can_restart(&self, _: Restart) -> bool {
+        true
+    }
+}
