@@ -1,5 +1,8 @@
 //! Tells the linker where the memory of the firmware is.
 
 fn main() {
-    println!("cargo:rustc-link-search={}/..", std::env::var("CARGO_MANIFEST_DIR").unwrap_or_default());
+    println!(
+        "cargo:rustc-link-search={}/..",
+        std::env::var("CARGO_MANIFEST_DIR").unwrap_or_default()
+    );
 }

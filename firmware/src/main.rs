@@ -37,9 +37,9 @@ type Frame = heapless::Vec<u8, { shared::wire::FRAME_MAX }>;
 
 #[rtic::app(device = stm32f4xx_hal::pac, peripherals = true, dispatchers = [EXTI0, EXTI1])]
 mod app {
+    use core::mem::MaybeUninit;
     use core::sync::atomic::{AtomicU32, Ordering};
     use defmt::{info, warn};
-    use core::mem::MaybeUninit;
     use device::{Blocks, Device, Identity, Sample, begin_with};
     use embedded_hal_bus::spi::{ExclusiveDevice, NoDelay};
     use embedded_hal_nb::serial::{Read, Write};
@@ -223,22 +223,24 @@ mod app {
         } else {
             rx.listen();
         }
-        if !tx.is_tx_empty() {
-            return;
-        }
-        match frames.peek().map(|frame| frame.get(*sent)) {
-            Some(Some(byte)) => {
-                *sent += 1;
-                let _ = tx.write(*byte);
-                tx.listen();
+        // On a real line the register is full again after a byte or two, and its interrupt brings us back here.
+        while tx.is_tx_empty() {
+            match frames.peek().map(|frame| frame.get(*sent)) {
+                Some(Some(byte)) => {
+                    *sent += 1;
+                    let _ = tx.write(*byte);
+                    tx.listen();
+                }
+                Some(None) => {
+                    *sent = 0;
+                    frames.dequeue();
+                    wake(&wake::SEND);
+                }
+                None => {
+                    tx.unlisten();
+                    break;
+                }
             }
-            Some(None) => {
-                *sent = 0;
-                frames.dequeue();
-                tx.listen();
-                wake(&wake::SEND);
-            }
-            None => tx.unlisten(),
         }
     }
 

@@ -19,8 +19,8 @@ use panic_semihosting as _;
 use shared::adaptation;
 use shared::pipeline::{Config, GAUGES, Pipeline};
 use shared::wire::{
-    self, ClockSource, ConverterFault, FRAME_MAX, Head, HelloToDevice, Oversampling, ResetCause, SCHEMA, Settings,
-    Source, Start, StoreFault, ToDevice,
+    self, ClockSource, ConverterFault, FRAME_MAX, Head, HelloToDevice, Oversampling, ResetCause,
+    SCHEMA, Settings, Source, Start, StoreFault, ToDevice,
 };
 
 /// Samples that are measured, after so many that are not.
@@ -138,7 +138,8 @@ fn report(name: &str, mut step: impl FnMut([i32; GAUGES])) {
             ticks += u64::from(took);
         }
     }
-    let tenths = ticks * 10_000 / TICKS_PER_THOUSAND_INSTRUCTIONS / u64::from(SAMPLES) / GAUGES as u64;
+    let tenths =
+        ticks * 10_000 / TICKS_PER_THOUSAND_INSTRUCTIONS / u64::from(SAMPLES) / GAUGES as u64;
     hprintln!("{} {}.{}", name, tenths / 10, tenths % 10);
 }
 
@@ -155,7 +156,9 @@ const IDENTITY: Identity<'static> = Identity {
 
 fn say(device: &mut Device<'_>, sequence: u32, command: &ToDevice<'_>) {
     let mut frame = [0; FRAME_MAX];
-    if let Ok(bytes) = wire::encode(Head { sequence, time_us: 0 }, command, &mut frame).map(<[u8]>::len) {
+    if let Ok(bytes) =
+        wire::encode(Head { sequence, time_us: 0 }, command, &mut frame).map(<[u8]>::len)
+    {
         device.receive(&mut frame[..bytes - 1], 0, &mut Desk);
     }
 }
