@@ -216,7 +216,7 @@ fn a_missing_file_and_a_folder_are_said_by_name() {
     let error = trace::read(folder.path()).unwrap_err().to_string();
     assert!(error.contains("cannot be read"), "{error}");
     let error = trace::read_set(&[folder.path()]).unwrap_err().to_string();
-    assert!(error.ends_with("no .csv file in this folder."), "{error}");
+    assert!(error.ends_with("no .csv and no .parquet file in this folder."), "{error}");
 }
 
 #[test]

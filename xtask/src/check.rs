@@ -6,6 +6,11 @@ use std::time::Instant;
 
 use miette::{IntoDiagnostic, bail};
 
+use crate::{emulate, firmware};
+
+/// How long the emulated device streams in the whole check, s.
+const STEADY_S: u32 = 60;
+
 /// The top of the workspace.
 pub fn workspace() -> &'static Path {
     let manifest = Path::new(env!("CARGO_MANIFEST_DIR"));
@@ -20,7 +25,17 @@ pub fn run() -> miette::Result<()> {
     step("lints", &["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"], &[])?;
     // The same random cases on every machine; `cargo test` alone draws new ones each time.
     step("tests", &["test", "--workspace"], &[("PROPTEST_RNG_SEED", "1")])?;
-    step("documentation", &["doc", "--workspace", "--no-deps"], &[("RUSTDOCFLAGS", "-D warnings")])
+    step(
+        "documentation",
+        &["doc", "--workspace", "--no-deps"],
+        &[("RUSTDOCFLAGS", "-D warnings")],
+    )?;
+    firmware::set_up()?;
+    let folder = firmware::folder();
+    rust("format of the firmware", &folder, &["fmt", "--all", "--check"], &[])?;
+    let lints = ["clippy", "--workspace", "--release", "--", "-D", "warnings"];
+    rust("lints of the firmware", &folder, &lints, &[])?;
+    emulate::run(STEADY_S, false)
 }
 
 /// Installs a component of the toolchain where it is missing.
@@ -40,12 +55,22 @@ fn component(name: &str, why: &str) -> miette::Result<()> {
 }
 
 fn step(name: &str, arguments: &[&str], environment: &[(&str, &str)]) -> miette::Result<()> {
+    rust(name, workspace(), arguments, environment)
+}
+
+/// Runs cargo in a folder.
+pub fn rust(
+    name: &str,
+    folder: &Path,
+    arguments: &[&str],
+    environment: &[(&str, &str)],
+) -> miette::Result<()> {
     println!("==> {name}: cargo {}", arguments.join(" "));
     let began = Instant::now();
     let status = Command::new(env!("CARGO"))
         .args(arguments)
         .envs(environment.iter().copied())
-        .current_dir(workspace())
+        .current_dir(folder)
         .status()
         .into_diagnostic()?;
     if !status.success() {

@@ -2,6 +2,9 @@
 
 mod check;
 mod effects;
+mod emulate;
+mod firmware;
+mod golden;
 mod traces;
 
 use std::process::ExitCode;
@@ -22,6 +25,17 @@ struct Arguments {
 enum Task {
     /// Set up what the tests need, then run format, lints, all tests and the documentation.
     Test,
+    /// Build the firmware and leave palpate.elf, palpate.bin and their sizes in target/firmware/.
+    Firmware,
+    /// Run the firmware on an emulated board and hold it to everything it promises; ten minutes of stream.
+    Emulate {
+        /// Seconds of steady stream.
+        #[arg(long, default_value_t = 600)]
+        steady: u32,
+        /// Write sizes and counts of instructions to tests/golden/firmware.txt instead of comparing them.
+        #[arg(long)]
+        update: bool,
+    },
     /// Write the bundled recordings of tests/traces/ anew; the same bytes on every run.
     Traces,
     /// Write the pages of docs/effects/ anew, from the library's own declarations.
@@ -31,6 +45,8 @@ enum Task {
 fn main() -> ExitCode {
     let outcome = match Arguments::parse().task {
         Task::Test => check::run(),
+        Task::Firmware => firmware::build(),
+        Task::Emulate { steady, update } => emulate::run(steady, update),
         Task::Effects => effects::write_all(),
         Task::Traces => traces::write_all(),
     };

@@ -1,5 +1,6 @@
 //! `palpate convert`: recordings of a device into traces, traces into other files, traces into recordings.
 
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 use miette::miette;
@@ -84,7 +85,7 @@ enum Form {
 
 impl Form {
     fn of(path: &Path) -> Result<Self, Failure> {
-        let extension = path.extension().map(|ending| ending.to_ascii_lowercase());
+        let extension = path.extension().map(OsStr::to_ascii_lowercase);
         match extension.as_ref().and_then(|ending| ending.to_str()) {
             Some("csv" | "parquet") => Ok(Self::Trace),
             Some(recording::EXTENSION) => Ok(Self::Recording),

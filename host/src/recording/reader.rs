@@ -11,6 +11,7 @@ use super::{BEGINNING, Error, VERSION};
 
 /// What a recording holds, in the order it was written.
 #[derive(Clone, Debug, PartialEq)]
+#[allow(clippy::large_enum_variant)] // There is one at a time, and most are the large one.
 pub enum Entry<'a> {
     /// What the device said.
     Frame {

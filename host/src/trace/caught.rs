@@ -32,7 +32,7 @@ mod tests {
 
     #[test]
     fn a_panic_is_no_result_and_the_next_work_is_done() {
-        assert_eq!(caught(|| i32::from_str_radix("x", 10).unwrap()), None);
+        assert_eq!(caught(|| "x".parse::<i32>().unwrap()), None);
         assert_eq!(caught(|| 7), Some(7));
     }
 }

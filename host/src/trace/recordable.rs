@@ -114,7 +114,7 @@ pub fn write_recording(
         .config(interval_s)
         .map_err(|source| RecordableError::Settings { trace: label(), source })?;
     let source = Source::Link { interval_ns: (interval_s * 1e9).round() as u32 };
-    let mut device = Device::begin(out, trace, settings, config, source)?;
+    let mut device = Device::begin(out, trace, settings, &config, source)?;
     let temperature = trace.column(TEMPERATURE);
     for (index, (time, number)) in trace.time.iter().zip(numbers).enumerate() {
         let strain = |values: &[f64]| strain_from_microstrain(values[index]);
@@ -154,7 +154,6 @@ struct Device<W: Write> {
     writer: Writer<W>,
     sequence: u32,
     pipeline: Pipeline,
-    config: Config,
     source: Source,
     rows: Rows,
     /// Number and device time, µs, of the next row, as far as is known.
@@ -168,14 +167,13 @@ impl<W: Write> Device<W> {
         out: W,
         trace: &Trace,
         settings: Settings,
-        config: Config,
+        config: &Config,
         source: Source,
     ) -> Result<Self, RecordableError> {
         let mut device = Self {
             writer: Writer::new(out, &Opened::timeless(&trace.label()))?,
             sequence: 0,
-            pipeline: Pipeline::new(),
-            config,
+            pipeline: Pipeline::new(config),
             source,
             rows: Rows::new(),
             next: 0,
@@ -214,8 +212,8 @@ impl<W: Write> Device<W> {
             self.rows.begin(Columns::All, number, time_us, self.now_us);
             (self.rows.generation, self.rows.temperature) = (1, temperature);
         }
-        let outputs = self.pipeline.process(&self.config, counts, temperature.unwrap_or(0));
-        self.rows.push(time_us, counts, &outputs);
+        self.pipeline.process(&counts, temperature.unwrap_or(0));
+        self.rows.push(time_us, counts, &self.pipeline);
         (self.next, self.now_us) = (number + 1, time_us);
         if time_us >= self.status_us {
             self.status_us = time_us + STATUS_US;

@@ -103,13 +103,13 @@ impl fmt::Display for SettingsError {
 impl core::error::Error for SettingsError {}
 
 impl Settings {
-    /// Those of a device that was never set: about 1 kHz, a gain of 128, quarter bridges of gauge factor 2 at 3.3 V on a
-    /// converter of ±1.2 V (ε = 4 V / (3.3 V × 2)), the relaxation function of eq. 3.6.
+    /// Those of a device that was never set: about 1 kHz, a gain of 128, quarter bridges of gauge factor 2 at 2.5 V on a
+    /// converter of ±1.2 V (ε = 4 V / (2.5 V × 2)), the relaxation function of eq. 3.6.
     pub const DEFAULT: Self = Self {
         oversampling: Oversampling::X4096,
         gain: [128; GAUGES],
         calibration: [Sheet {
-            gain: 4.0 * 1.2 / 128.0 / 8_388_608.0 / (3.3 * 2.0) * 1e6,
+            gain: 4.0 * 1.2 / 128.0 / 8_388_608.0 / (2.5 * 2.0) * 1e6,
             offset: 0,
             temperature_coefficient: 0.0,
             reference_celsius: 25.0,

@@ -1,0 +1,68 @@
+//! The release binary of the firmware on an emulated STM32F405, spoken to over a real serial port. Needs the emulator and the
+//! firmware, which `cargo xtask test` and `cargo xtask emulate` set up.
+#![cfg(unix)]
+
+use std::time::Duration;
+
+use palpate_tests::device::{
+    Checked, check_every_recording, check_flooding, check_handshake, check_noisy_line,
+    check_restart_while_recording, check_steady_stream, check_wrong_schema_is_refused,
+};
+use palpate_tests::emulator::Emulated;
+use shared::wire::Source;
+
+fn started() -> Emulated {
+    Emulated::start().unwrap()
+}
+
+fn passes(checked: Checked) {
+    println!("{}", checked.unwrap());
+}
+
+#[test]
+#[ignore = "needs the emulator: cargo xtask emulate"]
+fn it_says_who_it_is() {
+    passes(check_handshake(&started().port()));
+}
+
+#[test]
+#[ignore = "needs the emulator: cargo xtask emulate"]
+fn a_host_of_another_schema_is_refused() {
+    passes(check_wrong_schema_is_refused(&started().port()));
+}
+
+#[test]
+#[ignore = "needs the emulator: cargo xtask emulate"]
+fn every_recording_comes_back_as_the_host_decomposes_it_bit_for_bit() {
+    passes(check_every_recording(&started().port()));
+}
+
+#[test]
+#[ignore = "needs the emulator: cargo xtask emulate"]
+fn in_a_flood_what_was_sent_is_what_came_back_and_what_was_counted() {
+    passes(check_flooding(&started().port()));
+}
+
+#[test]
+#[ignore = "needs the emulator: cargo xtask emulate"]
+fn on_a_noisy_line_nothing_wrong_is_accepted_and_two_frames_are_the_most_it_costs() {
+    passes(check_noisy_line(&started().port(), &[1e-5, 1e-4, 1e-3], 4_000, 1));
+}
+
+#[test]
+#[ignore = "needs the emulator: cargo xtask emulate"]
+fn a_recording_goes_on_when_the_device_is_killed_and_started_again() {
+    let mut device = started();
+    let folder = tempfile::tempdir().unwrap();
+    let (port, file) = (device.port(), folder.path().join("killed.palpate"));
+    let source = Source::Link { interval_ns: 1_000_000 };
+    let mut restart = || Ok(device.restart()?);
+    passes(check_restart_while_recording(&port, source, &file, &mut restart));
+}
+
+#[test]
+#[ignore = "needs the emulator: cargo xtask emulate"]
+fn a_steady_stream_of_a_kilohertz_loses_nothing_and_its_stack_does_not_grow() {
+    let seconds = std::env::var("PALPATE_STEADY_S").ok().and_then(|text| text.parse().ok());
+    passes(check_steady_stream(&started().port(), Duration::from_secs(seconds.unwrap_or(60))));
+}

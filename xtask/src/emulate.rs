@@ -1,0 +1,89 @@
+//! The firmware on an emulated STM32F405.
+
+use std::process::Command;
+
+use miette::{IntoDiagnostic, bail};
+
+use crate::check::{rust, workspace};
+use crate::firmware;
+use crate::golden::Golden;
+
+const QEMU: &str = "qemu-system-arm";
+
+/// Sets up, builds and runs everything that the firmware promises, with a steady stream of so many seconds.
+pub fn run(steady_s: u32, update: bool) -> miette::Result<()> {
+    set_up()?;
+    let mut golden = Golden::open("firmware.txt", update)?;
+    firmware::check(&mut golden)?;
+    cost(&mut golden)?;
+    golden.close()?;
+    let tests = [
+        "test",
+        "-p",
+        "palpate-tests",
+        "--test",
+        "emulated",
+        "--",
+        "--ignored",
+        "--nocapture",
+        "--test-threads=2",
+    ];
+    rust("emulated device", workspace(), &tests, &[("PALPATE_STEADY_S", &steady_s.to_string())])
+}
+
+/// Instructions of a sample, printed beside those of rivals and held to the golden file.
+pub fn cost(golden: &mut Golden) -> miette::Result<()> {
+    rust(
+        "count of instructions",
+        &firmware::folder(),
+        &["build", "--release", "-p", "palpate-cost"],
+        &[],
+    )?;
+    let output = Command::new(QEMU)
+        .args(["-machine", "netduinoplus2", "-nographic", "-icount", "shift=0"])
+        .args(["-semihosting-config", "enable=on,target=native", "-kernel"])
+        .arg(firmware::executable("palpate-cost"))
+        .output()
+        .into_diagnostic()?;
+    let text = String::from_utf8_lossy(&output.stdout);
+    println!("instructions per gauge and sample on the emulated Cortex-M4:");
+    let mut figures = 0;
+    for line in text.lines() {
+        let Some((name, figure)) = line.rsplit_once(' ') else { continue };
+        let Ok(figure) = figure.parse::<f64>() else { continue };
+        println!("  {name:<40} {figure:>7}");
+        golden.hold(name, figure)?;
+        figures += 1;
+    }
+    if figures < 7 {
+        bail!("the count ended early: {text}{}", String::from_utf8_lossy(&output.stderr));
+    }
+    Ok(())
+}
+
+/// Installs the emulator where it is missing.
+pub fn set_up() -> miette::Result<()> {
+    let present =
+        Command::new(QEMU).arg("--version").output().is_ok_and(|out| out.status.success());
+    if present {
+        return Ok(());
+    }
+    println!("==> installing {QEMU} from the system's packages, to run the firmware");
+    let root =
+        Command::new("id").arg("-u").output().is_ok_and(|out| out.stdout.starts_with(b"0\n"));
+    for arguments in
+        [&["update", "-q"][..], &["install", "-y", "-q", "--no-install-recommends", QEMU]]
+    {
+        let mut command = if root { Command::new("apt-get") } else { Command::new("sudo") };
+        if !root {
+            command.arg("apt-get");
+        }
+        match command.args(arguments).status() {
+            Ok(status) if status.success() => {}
+            _ => bail!(
+                "{QEMU} is missing and could not be installed with apt-get; install it to run the firmware"
+            ),
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,141 @@
+//! The firmware: built, measured against its limits, and left where it is found to be flashed.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use miette::{IntoDiagnostic, WrapErr, bail, miette};
+use object::elf::{PT_LOAD, SHF_ALLOC};
+use object::read::elf::{ElfFile32, ProgramHeader, SectionHeader};
+
+use crate::check::{rust, workspace};
+use crate::golden::Golden;
+
+/// The processor's target.
+const TARGET: &str = "thumbv7em-none-eabihf";
+/// Where the flash begins and where the RAM does.
+const FLASH: u32 = 0x0800_0000;
+const RAM: u32 = 0x2000_0000;
+/// Most bytes of flash and of RAM, the stack included.
+const MOST: [(&str, u64); 2] = [("flash", 96 * 1024), ("RAM", 24 * 1024)];
+
+/// Bytes of flash and of RAM.
+#[derive(Clone, Copy, Debug)]
+pub struct Sizes {
+    flash: u64,
+    ram: u64,
+}
+
+/// The folder of the firmware.
+pub fn folder() -> PathBuf {
+    workspace().join("firmware")
+}
+
+/// An executable of the firmware's workspace.
+pub fn executable(name: &str) -> PathBuf {
+    folder().join("target").join(TARGET).join("release").join(name)
+}
+
+/// Installs the target where it is missing.
+pub fn set_up() -> miette::Result<()> {
+    let installed = Command::new("rustup").args(["target", "list", "--installed"]).output();
+    let present = installed.is_ok_and(|output| {
+        String::from_utf8_lossy(&output.stdout).lines().any(|line| line == TARGET)
+    });
+    if present {
+        return Ok(());
+    }
+    println!("==> installing the target {TARGET} with rustup, to build the firmware");
+    let status = Command::new("rustup").args(["target", "add", TARGET]).status();
+    match status {
+        Ok(status) if status.success() => Ok(()),
+        _ => bail!("`rustup target add {TARGET}` failed; install it to build the firmware"),
+    }
+}
+
+/// Builds the firmware and leaves it in `target/firmware/`, with its sizes.
+pub fn build() -> miette::Result<()> {
+    set_up()?;
+    rust("firmware", &folder(), &["build", "--release", "--bin", "palpate"], &[])?;
+    let elf = fs::read(executable("palpate")).into_diagnostic()?;
+    let out = workspace().join("target/firmware");
+    fs::create_dir_all(&out).into_diagnostic()?;
+    let sizes = sizes(&elf)?;
+    let text = format!("flash {} B\nRAM {} B, the stack included\n", sizes.flash, sizes.ram);
+    write(&out.join("palpate.elf"), &elf)?;
+    write(&out.join("palpate.bin"), &image(&elf)?)?;
+    write(&out.join("sizes.txt"), text.as_bytes())?;
+    print!("{text}");
+    println!("palpate.elf, palpate.bin and sizes.txt in {}", out.display());
+    Ok(())
+}
+
+/// Builds the firmware and holds its sizes to their limits and to the golden file.
+pub fn check(golden: &mut Golden) -> miette::Result<()> {
+    build()?;
+    let elf = fs::read(executable("palpate")).into_diagnostic()?;
+    let Sizes { flash, ram } = sizes(&elf)?;
+    for ((name, most), bytes) in MOST.iter().zip([flash, ram]) {
+        if bytes > *most {
+            bail!("the firmware takes {bytes} B of {name}; there are {most} B");
+        }
+        golden.hold(&format!("{name}, B"), bytes as f64)?;
+    }
+    Ok(())
+}
+
+/// Everything of the file that lies in flash, and all of the RAM that is taken, the stack too.
+fn sizes(elf: &[u8]) -> miette::Result<Sizes> {
+    let file = ElfFile32::<object::Endianness>::parse(elf).into_diagnostic()?;
+    let endian = file.endian();
+    let mut sizes = Sizes { flash: 0, ram: 0 };
+    for section in file.elf_section_table().iter() {
+        let (address, size) = (section.sh_addr(endian), u64::from(section.sh_size(endian)));
+        if section.sh_flags(endian).contains(SHF_ALLOC) && address >= RAM {
+            sizes.ram += size;
+        }
+    }
+    for header in file.elf_program_headers() {
+        if header.p_type(endian) == PT_LOAD && header.p_paddr(endian) < RAM {
+            sizes.flash += u64::from(header.p_filesz(endian));
+        }
+    }
+    sizes.ram += u64::from(stack(&file)?);
+    Ok(sizes)
+}
+
+/// Bytes between the two symbols that `memory.x` gives the stack.
+fn stack(file: &ElfFile32<'_>) -> miette::Result<u32> {
+    use object::{Object, ObjectSymbol};
+    let symbol = |name: &str| {
+        let found = file.symbols().find(|symbol| symbol.name() == Ok(name));
+        found
+            .map(|symbol| symbol.address())
+            .ok_or_else(|| miette!("no symbol {name} in the firmware"))
+    };
+    Ok((symbol("_stack_start")? - symbol("_stack_end")?) as u32)
+}
+
+/// The bytes to be written to the flash from its beginning on.
+fn image(elf: &[u8]) -> miette::Result<Vec<u8>> {
+    let file = ElfFile32::<object::Endianness>::parse(elf).into_diagnostic()?;
+    let endian = file.endian();
+    let mut image = Vec::new();
+    for header in file.elf_program_headers() {
+        let at = header.p_paddr(endian);
+        if header.p_type(endian) != PT_LOAD || !(FLASH..RAM).contains(&at) {
+            continue;
+        }
+        let bytes = header.data(endian, elf).map_err(|()| miette!("a segment is cut off"))?;
+        let at = (at - FLASH) as usize;
+        if image.len() < at + bytes.len() {
+            image.resize(at + bytes.len(), 0xff);
+        }
+        image[at..at + bytes.len()].copy_from_slice(bytes);
+    }
+    Ok(image)
+}
+
+fn write(path: &Path, bytes: &[u8]) -> miette::Result<()> {
+    fs::write(path, bytes).into_diagnostic().wrap_err_with(|| path.display().to_string())
+}
