@@ -1,6 +1,8 @@
 //! What the whole-product tests share: the binary under test and the folders they read.
 
 pub mod device;
+#[cfg(unix)]
+pub mod emulator;
 pub mod hidden;
 
 use std::path::{Path, PathBuf};
