@@ -16,17 +16,17 @@ use crate::device::record::{Beside, Plan, RecordError, View, record};
 /// Record a device into a file.
 #[derive(clap::Args)]
 #[command(after_help = "\
-Everything that the device sends goes into the file as it came. Where something is missing (a damaged
-line, a full queue, a reset, an unplugged cable) the file says so, and the recording goes on when the
-device is there again. Ctrl-C ends it in order; after a kill, a crash or a full disk all whole blocks
-written until then are readable. `palpate convert` makes traces of it.
+Everything that the device sends goes into the file as it came. Where something is missing (a
+damaged line, a full queue, a reset, an unplugged cable) the file says so, and the recording goes
+on when the device is there again. Ctrl-C ends it in order; after a kill, a crash or a full disk
+all whole blocks written until then are readable. `palpate convert` makes traces of it.
 
-On a terminal a line shows time, rate, rows, gaps, what the device dropped, and FA and SA of each gauge.
+On a terminal a line shows time, rate, rows, gaps, what the device dropped, FA and SA of each gauge.
 
 Examples:
   palpate record -o press.palpate                    until Ctrl-C
   palpate record -o press.palpate --duration 60
-  palpate record --port /dev/ttyACM0 -o press.palpate --json   an object a second, for programs")]
+  palpate record -o press.palpate --json             an object a second, for programs")]
 pub struct Args {
     #[command(flatten)]
     at: At,

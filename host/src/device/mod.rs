@@ -6,7 +6,7 @@
 //! ```
 //!
 //! - [`discover`]: which ports have a device.
-//! - [`line`]: a thread that does nothing but read, so that nothing else can make it lose bytes.
+//! - [`mod@line`]: a thread that does nothing but read, so that nothing else can make it lose bytes.
 //! - [`session`]: handshake, commands and their answers, what comes meanwhile.
 //! - [`stream`]: frames and rows that are missing.
 //! - [`record`]: into a file, through whatever happens to the line.

@@ -12,7 +12,7 @@ use super::heard::Said;
 use super::session::{LinkError, Session};
 use super::stream::{Stream, Tally};
 
-/// Rows that may be under way, between being sent and being heard.
+/// Rows that a device can take without being asked for its room, if they have all been heard.
 const UNDER_WAY: u64 = 2 * BLOCK_ROWS as u64;
 /// Rows that are not heard after so long are lost.
 const PATIENCE: Duration = Duration::from_millis(500);
@@ -45,17 +45,21 @@ pub fn replay(
     let start = Start { source: Source::Link { interval_ns }, columns };
     session.command(&ToDevice::Start(start))?;
     let mut hearing = Hearing { stream: Stream::default(), rows: Vec::new() };
-    let mut sent = 0_u64;
+    let (mut sent, mut room) = (0_u64, BLOCK_ROWS);
     for rows in counts.chunks(BLOCK_ROWS) {
-        let room = UNDER_WAY.saturating_sub(rows.len() as u64);
-        hearing.until(session, |stream| sent.saturating_sub(stream.next_row()) <= room)?;
-        inject(session, rows, temperature)?;
+        hearing.until(session, Duration::ZERO, |_| false)?;
+        if room < rows.len() {
+            let few = UNDER_WAY - rows.len() as u64;
+            let few = |stream: &Stream| sent.saturating_sub(stream.next_row()) <= few;
+            hearing.until(session, PATIENCE, few)?;
+        }
+        room = inject(session, rows, temperature)?.1.into();
         sent += rows.len() as u64;
     }
-    hearing.until(session, |stream| stream.next_row() >= sent)?;
+    hearing.until(session, PATIENCE, |stream| stream.next_row() >= sent)?;
     session.quiet()?;
     let status = session.status()?;
-    hearing.until(session, |_| false)?;
+    hearing.until(session, Duration::ZERO, |_| false)?;
     Ok(Replayed { rows: hearing.rows, tally: *hearing.stream.tally(), status })
 }
 
@@ -102,14 +106,15 @@ struct Hearing {
 }
 
 impl Hearing {
-    /// Hears until `enough`, or until nothing more comes.
+    /// Hears until `enough`, or until nothing has come for so long.
     fn until(
         &mut self,
         session: &mut Session,
+        patience: Duration,
         enough: impl Fn(&Stream) -> bool,
     ) -> Result<(), LinkError> {
         while !enough(&self.stream) {
-            let Some(heard) = session.hear(Instant::now() + PATIENCE)? else { break };
+            let Some(heard) = session.hear(Instant::now() + patience)? else { break };
             self.stream.take(&heard);
             if let Ok((_, Said::Rows(rows))) = &heard.said {
                 self.rows.extend(session.rows(rows).into_iter().flatten());

@@ -21,10 +21,11 @@ use crate::report::{Block, Column, Section, Table};
 /// Find gain and offset of the gauges, and set them.
 #[derive(clap::Args)]
 #[command(after_help = "\
-strain = gain (counts − offset), by least squares over known strains; two are enough, more show how far
-the gauge is from a line. With --gauge alone it asks: apply a strain, type it in µε, Enter; the counts are
-averaged; an empty line ends. With weights, type them and give --per-load, the strain of a load of one.
-The result is sent to the device and saved; the tare of the gauge is taken back.
+strain = gain (counts − offset), by least squares over known strains; two are enough, more show
+how far the gauge is from a line. With --gauge alone it asks: apply a strain, type it in µε, Enter;
+the counts are averaged; an empty line ends. With weights, type them and give --per-load, the
+strain of a load of one. The result is sent to the device and saved; the tare of the gauge is taken
+back.
 
 The file of --points is CSV with the columns gauge, strain_ustrain, counts.
 

@@ -24,8 +24,8 @@ The loader of the STM32F405 speaks DFU over USB; the program `dfu-util` writes t
 firmware` makes the .bin file.
 
 Examples:
-  palpate device dfu                         begins the loader and prints the command to go on with
-  palpate device dfu --flash palpate.bin     begins the loader and runs it")]
+  palpate device dfu                       begins the loader and prints the command to go on with
+  palpate device dfu --flash palpate.bin   begins the loader and runs it")]
 pub struct Args {
     #[command(flatten)]
     at: At,

@@ -12,8 +12,8 @@ use crate::device::discover::{Found, ask, ports};
 /// Say which ports have a device.
 #[derive(clap::Args)]
 #[command(after_help = "\
-Every serial port of this computer is asked who is there. Pseudo-terminals are no serial ports of the
-computer: name them.
+Every serial port of this computer is asked who is there. Pseudo-terminals are none of them: name
+them.
 
 Examples:
   palpate device list

@@ -17,8 +17,8 @@ const PAUSE: Duration = Duration::from_millis(700);
 /// Print the device's log.
 #[derive(clap::Args)]
 #[command(after_help = "\
-The device sends numbers; the words are in the ELF file of its firmware. `cargo xtask firmware` writes
-it beside the binary; take that of the version which `palpate device info` shows.
+The device sends numbers; the words are in the ELF file of its firmware. `cargo xtask firmware`
+writes it beside the binary; take that of the version which `palpate device info` shows.
 
 Examples:
   palpate device log --elf palpate.elf            what waits, then ends

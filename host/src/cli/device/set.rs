@@ -19,10 +19,11 @@ use crate::report::Section;
 /// Set rate, gain, filter and thresholds.
 #[derive(clap::Args)]
 #[command(after_help = "\
-Everything is checked before it is sent. What is set is lost with the power unless --save keeps it. The
-calibration follows the gain, so that strain stays what it is.
+Everything is checked before it is sent. What is set is lost with the power unless --save keeps
+it. The calibration follows the gain, so that strain stays what it is.
 
-Thresholds, in µε: touch, release, peak-drop, motion-step, dead-band; in s: smoothing, dwell, recovery.
+Thresholds in µε: touch, release, peak-drop, motion-step, dead-band.
+Thresholds in s: smoothing, dwell, recovery.
 
 Examples:
   palpate device set --rate 2000                       the nearest rate that is possible

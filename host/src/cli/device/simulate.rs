@@ -8,8 +8,8 @@ use crate::cli::Failure;
 #[derive(clap::Args)]
 #[command(after_help = "\
 The device's own program runs here; only the board is made up: four gauges that are pressed, held,
-released and left to rest, over and over. Prints the path to open as a serial port, then runs until
-Ctrl-C. Needs Linux or macOS.
+released and left to rest, over and over. Prints the path to open as a serial port, then runs
+until Ctrl-C. Needs Linux or macOS.
 
 Examples:
   palpate device simulate                              prints a path such as /dev/pts/4
