@@ -211,17 +211,13 @@ mod app {
     #[task(binds = USART3, priority = 3, local = [rx, tx, bytes_in, frames, sent: usize = 0])]
     fn line(cx: line::Context) {
         let line::LocalResources { rx, tx, bytes_in, frames, sent, .. } = cx.local;
-        // Without room the byte stays where it is; the command task calls again when there is.
-        if !bytes_in.ready() {
-            rx.unlisten();
-        } else if rx.is_rx_not_empty() {
-            match rx.read() {
-                Ok(byte) => drop(bytes_in.enqueue(byte)),
-                Err(_) => drop(BYTES_LOST.fetch_add(1, Ordering::Relaxed)),
+        if rx.is_rx_not_empty() {
+            // The line cannot be held back: without room the byte is lost, and counted.
+            let kept = rx.read().ok().and_then(|byte| bytes_in.enqueue(byte).ok());
+            if kept.is_none() {
+                BYTES_LOST.fetch_add(1, Ordering::Relaxed);
             }
             wake(&wake::COMMAND);
-        } else {
-            rx.listen();
         }
         // On a real line the register is full again after a byte or two, and its interrupt brings us back here.
         while tx.is_tx_empty() {
@@ -271,7 +267,6 @@ mod app {
                 wake(&wake::SEND);
                 give_way().await;
             }
-            rtic::pend(Interrupt::USART3);
         }
     }
 

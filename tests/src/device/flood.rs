@@ -12,7 +12,7 @@ use shared::wire::{
     ToDevice, encode,
 };
 
-use super::{Checked, Report, require};
+use super::{Checked, PATIENCE, Report, require};
 
 /// Frames in one go, without waiting for an answer.
 const FRAMES: u32 = 400;
@@ -33,7 +33,7 @@ pub fn check_flooding(port: &Path) -> Checked {
         lost: 0,
         answered: 0,
     };
-    host.ask(&ToDevice::Hello(HelloToDevice { schema: SCHEMA, version: "flood" }))?;
+    host.greet()?;
     let before = host.status()?;
     if before.streaming.is_some() {
         host.ask(&ToDevice::Stop)?;
@@ -103,6 +103,18 @@ impl Flood {
         self.line.send(frame).map_err(|error| error.to_string())
     }
 
+    /// Says `Hello` until it is heard: an emulated device may be booting.
+    fn greet(&mut self) -> Result<(), String> {
+        let hello = ToDevice::Hello(HelloToDevice { schema: SCHEMA, version: "flood" });
+        let until = Instant::now() + PATIENCE;
+        loop {
+            match self.ask(&hello) {
+                Err(_) if Instant::now() < until => {}
+                done => return done,
+            }
+        }
+    }
+
     /// The next message, if one comes soon.
     fn hear(&mut self) -> Result<Option<Said>, String> {
         let arrival = self.line.receive(Instant::now() + QUIET);
@@ -123,8 +135,16 @@ impl Flood {
         Ok(Some(said))
     }
 
+    /// Hears until nothing comes any more but the status, which an emulated device, whose clock is fast, says often.
     fn hear_all(&mut self) -> Result<(), String> {
-        while self.hear()?.is_some() {}
+        let mut until = Instant::now() + QUIET;
+        while Instant::now() < until {
+            match self.hear()? {
+                None => return Ok(()),
+                Some(Said::Status(_)) => {}
+                Some(_) => until = Instant::now() + QUIET,
+            }
+        }
         Ok(())
     }
 
@@ -147,13 +167,12 @@ impl Flood {
 
     fn status(&mut self) -> Result<Status, String> {
         self.ask(&ToDevice::Status)?;
-        let mut found = None;
-        // The last of them is the one that was asked for.
+        // It follows its answer, and every row before it.
         while let Some(said) = self.hear()? {
             if let Said::Status(status) = said {
-                found = Some(*status);
+                return Ok(*status);
             }
         }
-        found.ok_or_else(|| "no status".into())
+        Err("no status".into())
     }
 }
