@@ -104,6 +104,11 @@ fn run(document: &str, command: &str, folder: &Path) -> String {
 }
 
 #[test]
+fn the_walk_from_a_fingertip_to_a_trace_says_what_the_commands_print() {
+    run_all("docs/device.md");
+}
+
+#[test]
 fn the_commands_of_the_readme_run() {
     run_all("README.md");
 }
