@@ -8,7 +8,8 @@ use palpate_tests::device::{
     Checked, check_every_recording, check_flooding, check_handshake, check_noisy_line,
     check_restart_while_recording, check_steady_stream, check_wrong_schema_is_refused,
 };
-use palpate_tests::emulator::Emulated;
+use palpate_tests::emulator::{Emulated, firmware};
+use palpate_tests::palpate;
 use shared::wire::Source;
 
 fn started() -> Emulated {
@@ -65,4 +66,38 @@ fn a_recording_goes_on_when_the_device_is_killed_and_started_again() {
 fn a_steady_stream_of_a_kilohertz_loses_nothing_and_its_stack_does_not_grow() {
     let seconds = std::env::var("PALPATE_STEADY_S").ok().and_then(|text| text.parse().ok());
     passes(check_steady_stream(&started().port(), Duration::from_secs(seconds.unwrap_or(60))));
+}
+
+/// What `palpate device` and the like say about a device: standard output and error, and the exit status.
+fn said(arguments: &[&str], device: &Emulated) -> (String, Option<i32>) {
+    let output = palpate().args(arguments).arg("--port").arg(device.port()).output().unwrap();
+    let text = [output.stdout, output.stderr].concat();
+    (String::from_utf8(text).unwrap(), output.status.code())
+}
+
+#[test]
+#[ignore = "needs the emulator: cargo xtask emulate"]
+fn its_log_is_read_with_the_file_it_was_flashed_from() {
+    let device = started();
+    let elf = firmware();
+    let (log, status) = said(&["device", "log", "--elf", elf.to_str().unwrap()], &device);
+    assert_eq!(status, Some(0), "{log}");
+    assert!(log.contains("palpate 0.1.0 on feather-stm32f405, 16 MHz"), "{log}");
+}
+
+#[test]
+#[ignore = "needs the emulator: cargo xtask emulate"]
+fn what_the_emulated_board_lacks_is_refused_in_words_and_nothing_is_left_behind() {
+    let device = started();
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("touch.palpate");
+    let (refused, status) = said(&["record", "-o", file.to_str().unwrap()], &device);
+    assert_ne!(status, Some(0), "{refused}");
+    assert!(refused.contains("converter"), "{refused}");
+    assert!(!file.exists(), "a recording of nothing");
+    let (refused, status) = said(&["device", "set", "--rate", "500", "--save"], &device);
+    assert_ne!(status, Some(0), "{refused}");
+    assert!(refused.contains("flash"), "{refused}");
+    let (info, _) = said(&["device", "info"], &device);
+    assert!(info.contains("rate: 488.28125 Hz"), "set, though not kept: {info}");
 }

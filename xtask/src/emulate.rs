@@ -26,7 +26,7 @@ pub fn run(steady_s: u32, update: bool) -> miette::Result<()> {
         "--",
         "--ignored",
         "--nocapture",
-        "--test-threads=2",
+        "--test-threads=1",
     ];
     rust("emulated device", workspace(), &tests, &[("PALPATE_STEADY_S", &steady_s.to_string())])
 }

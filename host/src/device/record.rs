@@ -92,7 +92,7 @@ pub trait Beside {
 /// # Errors
 /// [`RecordError`].
 pub fn record(
-    session: Session,
+    mut session: Session,
     plan: &Plan,
     file: &Path,
     overwrite: bool,
@@ -101,11 +101,20 @@ pub fn record(
     let failed = |source| RecordError::File { path: file.into(), source };
     let port = plan.port.to_string_lossy();
     let began = Instant::now();
+    if !overwrite && file.exists() {
+        return Err(RecordError::Exists(file.into()));
+    }
+    // A device that refuses leaves no file, and an older one as it is.
+    begin(&mut session, plan.start)?;
     let writer = match Writer::create(file, overwrite, &Opened::now(&port)) {
-        Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {
-            return Err(RecordError::Exists(file.into()));
+        Ok(writer) => writer,
+        Err(error) => {
+            let _ = session.command(&ToDevice::Stop);
+            return Err(match error.kind() {
+                io::ErrorKind::AlreadyExists => RecordError::Exists(file.into()),
+                _ => failed(error),
+            });
         }
-        created => created.map_err(failed)?,
     };
     let mut recorder = Recorder::new(plan, writer, began, session.identity().clone());
     let outcome = recorder.run(session, beside);
@@ -187,7 +196,6 @@ impl<'p> Recorder<'p> {
     }
 
     fn run(&mut self, mut session: Session, beside: &mut dyn Beside) -> Result<(), Stop> {
-        begin(&mut session, self.plan.start)?;
         self.heard_at = Instant::now();
         let mut watched = self.began;
         while !self.is_over(beside) {

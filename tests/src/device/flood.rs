@@ -108,16 +108,16 @@ impl Flood {
         let hello = ToDevice::Hello(HelloToDevice { schema: SCHEMA, version: "flood" });
         let until = Instant::now() + PATIENCE;
         loop {
-            match self.ask(&hello) {
+            match self.ask_within(&hello, QUIET) {
                 Err(_) if Instant::now() < until => {}
                 done => return done,
             }
         }
     }
 
-    /// The next message, if one comes soon.
-    fn hear(&mut self) -> Result<Option<Said>, String> {
-        let arrival = self.line.receive(Instant::now() + QUIET);
+    /// The next message, if one comes in time.
+    fn hear(&mut self, patience: Duration) -> Result<Option<Said>, String> {
+        let arrival = self.line.receive(Instant::now() + patience);
         let Some(heard) = arrival.map_err(|error| error.to_string())?.and_then(Heard::of) else {
             return Ok(None);
         };
@@ -139,7 +139,7 @@ impl Flood {
     fn hear_all(&mut self) -> Result<(), String> {
         let mut until = Instant::now() + QUIET;
         while Instant::now() < until {
-            match self.hear()? {
+            match self.hear(QUIET)? {
                 None => return Ok(()),
                 Some(Said::Status(_)) => {}
                 Some(_) => until = Instant::now() + QUIET,
@@ -149,9 +149,13 @@ impl Flood {
     }
 
     fn ask(&mut self, command: &ToDevice<'_>) -> Result<(), String> {
+        self.ask_within(command, PATIENCE)
+    }
+
+    fn ask_within(&mut self, command: &ToDevice<'_>, patience: Duration) -> Result<(), String> {
         self.send(command)?;
         let to = self.sequence;
-        while let Some(said) = self.hear()? {
+        while let Some(said) = self.hear(patience)? {
             match said {
                 Said::Answer(answer) if answer.to == to => {
                     return answer
@@ -168,7 +172,7 @@ impl Flood {
     fn status(&mut self) -> Result<Status, String> {
         self.ask(&ToDevice::Status)?;
         // It follows its answer, and every row before it.
-        while let Some(said) = self.hear()? {
+        while let Some(said) = self.hear(PATIENCE)? {
             if let Said::Status(status) = said {
                 return Ok(*status);
             }
