@@ -115,12 +115,9 @@ impl<SPI: SpiDevice, RESET: OutputPin> FrontEnd<SPI, RESET> {
 
 fn config(oversampling: Oversampling, gain: [u8; GAUGES]) -> Option<Config> {
     let clock = Clock::new(CONVERTER_CLOCK_HZ, PowerMode::HighResolution).ok()?;
-    let ratio = |wanted: u32| {
-        ads131m04::Oversampling::ALL.into_iter().find(|each| u32::from(each.ratio()) == wanted)
-    };
-    let factor = |wanted: u8| {
-        Gain::ALL.into_iter().find(|each| u32::from(each.factor()) == u32::from(wanted))
-    };
+    let ratio =
+        |wanted: u32| ads131m04::Oversampling::ALL.into_iter().find(|each| each.ratio() == wanted);
+    let factor = |wanted: u8| Gain::ALL.into_iter().find(|each| each.factor() == u32::from(wanted));
     let [a, b, c, d] = gain;
     Some(Config {
         clock,

@@ -3,17 +3,29 @@
 #[cfg(feature = "rtt")]
 use defmt_rtt as _;
 
-/// What was logged and is not sent yet; nothing if a probe reads the log.
 #[cfg(feature = "rtt")]
-pub type Waiting = ();
-#[cfg(feature = "rtt")]
-#[allow(non_upper_case_globals)]
-pub const Waiting: () = ();
+pub use probe::{Waiting, lost};
 
-/// Bytes that found no room since the last call.
+/// A probe reads the log; the link has nothing of it.
 #[cfg(feature = "rtt")]
-pub fn lost() -> u32 {
-    0
+mod probe {
+    /// Nothing waits for the link.
+    pub struct Waiting;
+
+    impl device::Log for Waiting {
+        fn is_waiting(&self) -> bool {
+            false
+        }
+
+        fn take(&mut self, _: &mut [u8]) -> usize {
+            0
+        }
+    }
+
+    /// Bytes that found no room since the last call.
+    pub fn lost() -> u32 {
+        0
+    }
 }
 
 #[cfg(not(feature = "rtt"))]

@@ -23,7 +23,7 @@ mod log;
 mod memory;
 mod wake;
 
-use defmt as _;
+defmt::timestamp!("{=u64:us}", board::time::now_us());
 
 /// Rows that may wait for the filter, plus one.
 const SAMPLES: usize = 65;
@@ -103,8 +103,8 @@ mod app {
         panic: [u8; Hello::PANIC] = [0; Hello::PANIC],
     ])]
     fn init(cx: init::Context) -> (Shared, Local) {
-        let panic = reset::last_words(cx.local.panic);
         let p = cx.device;
+        let panic = reset::last_words(cx.local.panic, &p.RCC, &p.SYSCFG);
         let why = reset::cause(&p.RCC);
         let fingerprint = fingerprint::read(&p.RCC);
         let (mut rcc, clock) = clocks::start(p.RCC);
@@ -314,9 +314,12 @@ mod app {
                     device
                         .set_temperature(cx.local.thermometer.as_mut().and_then(Thermometer::read));
                     device.set_stack_used(stack::used());
-                    if let Some(fault) = hardware.front_end.fault() {
-                        warn!("the converter's data-ready line stands still");
-                        device.set_converter(Some(fault));
+                    if hardware.front_end.is_listening() {
+                        let fault = hardware.front_end.fault();
+                        if fault.is_some() {
+                            warn!("the converter's data-ready line stands still");
+                        }
+                        device.set_converter(fault);
                     }
                 }
                 device.tick(time::now_us(), hardware);

@@ -35,6 +35,10 @@ pub fn run() -> miette::Result<()> {
     rust("format of the firmware", &folder, &["fmt", "--all", "--check"], &[])?;
     let lints = ["clippy", "--workspace", "--release", "--", "-D", "warnings"];
     rust("lints of the firmware", &folder, &lints, &[])?;
+    for features in ["pyboard", "olimex-h405", "feather,rtt"] {
+        let lints = ["clippy", "--release", "--no-default-features", "--features", features];
+        rust(features, &folder, &[&lints[..], &["--", "-D", "warnings"]].concat(), &[])?;
+    }
     emulate::run(STEADY_S, false)
 }
 

@@ -6,7 +6,7 @@ use core::ptr::{addr_of, addr_of_mut};
 
 use device::Restart;
 use shared::wire::{Hello, ResetCause};
-use stm32f4xx_hal::pac::RCC;
+use stm32f4xx_hal::pac::{RCC, SYSCFG};
 
 /// A note to the program after the reset, in memory that the reset does not touch.
 #[derive(Clone, Copy)]
@@ -32,21 +32,19 @@ fn write(note: Note) {
 
 /// Takes the note of the program before the reset.
 fn take() -> Option<Note> {
-    // SAFETY: as in `write`. Any bytes are a `u32`, `usize` and bytes; the `bool` is read only if the mark is there, and
-    // whoever wrote the mark wrote it.
+    // SAFETY: as in `write`; any bytes are a `u32`.
     let marked = unsafe { addr_of!(NOTE).cast::<u32>().read() } == MARK;
+    // SAFETY: as in `write`; whoever wrote the mark wrote the note.
     let note = marked.then(|| unsafe { addr_of!(NOTE).cast::<Note>().read() });
     write(Note { mark: 0, bootloader: false, length: 0, text: [0; Hello::PANIC] });
     note
 }
 
 /// What the last panic said, now in `text`. Goes on to the loader in ROM instead of returning, if that was asked for.
-pub fn last_words(text: &mut [u8; Hello::PANIC]) -> &str {
+pub fn last_words<'t>(text: &'t mut [u8; Hello::PANIC], rcc: &RCC, syscfg: &SYSCFG) -> &'t str {
     let Some(note) = take() else { return "" };
     if note.bootloader {
-        // SAFETY: the system memory of the STM32F405 begins with the loader's stack pointer and entry (AN2606); nothing was
-        // set up yet that it would not expect.
-        unsafe { cortex_m::asm::bootload(SYSTEM_MEMORY) }
+        enter_loader(rcc, syscfg);
     }
     *text = note.text;
     let said = text.get(..note.length).unwrap_or_default();
@@ -55,6 +53,20 @@ pub fn last_words(text: &mut [u8; Hello::PANIC]) -> &str {
         Err(error) => {
             core::str::from_utf8(said.get(..error.valid_up_to()).unwrap_or_default()).unwrap_or("")
         }
+    }
+}
+
+/// Begins the loader in ROM, as the boot pin would: its memory at address 0, interrupts on (AN2606).
+fn enter_loader(rcc: &RCC, syscfg: &SYSCFG) -> ! {
+    rcc.apb2enr().modify(|_, w| w.syscfgen().enabled());
+    // The clock of a peripheral runs two cycles after it was enabled (RM0090 §7.3.13).
+    cortex_m::asm::delay(2);
+    syscfg.memrmp().modify(|_, w| w.mem_mode().system_flash());
+    // SAFETY: no interrupt of ours is enabled yet. The system memory of the STM32F405 begins with the loader's stack pointer
+    // and entry; nothing was set up that it would not expect.
+    unsafe {
+        cortex_m::interrupt::enable();
+        cortex_m::asm::bootload(SYSTEM_MEMORY)
     }
 }
 
