@@ -31,7 +31,19 @@ impl Emulated {
     /// When the emulator or the firmware is not there, or the emulator ends at once.
     pub fn start() -> Result<Self> {
         let folder = tempfile::tempdir()?;
-        let qemu = boot(&link(folder.path()))?;
+        let qemu = boot(&link(folder.path()), None)?;
+        Ok(Self { qemu, folder })
+    }
+
+    /// Starts the firmware with these bytes at an address of its RAM, as if a reset had left them there.
+    ///
+    /// # Errors
+    /// As [`Self::start`].
+    pub fn start_with_memory(address: u32, bytes: &[u8]) -> Result<Self> {
+        let folder = tempfile::tempdir()?;
+        let left = folder.path().join("left-in-memory.bin");
+        std::fs::write(&left, bytes)?;
+        let qemu = boot(&link(folder.path()), Some((address, &left)))?;
         Ok(Self { qemu, folder })
     }
 
@@ -48,7 +60,7 @@ impl Emulated {
     pub fn restart(&mut self) -> Result<()> {
         self.stop()?;
         std::thread::sleep(Duration::from_millis(300));
-        self.qemu = boot(&self.port())?;
+        self.qemu = boot(&self.port(), None)?;
         Ok(())
     }
 
@@ -73,8 +85,13 @@ fn link(folder: &Path) -> PathBuf {
 }
 
 /// Boots the firmware and links its pseudo-terminal to `port`. The link is the third serial port, USART3.
-fn boot(port: &Path) -> Result<Child> {
-    let mut qemu = Command::new(QEMU)
+fn boot(port: &Path, memory: Option<(u32, &Path)>) -> Result<Child> {
+    let mut command = Command::new(QEMU);
+    if let Some((address, file)) = memory {
+        let loader = format!("loader,addr={address:#x},force-raw=on,file={}", file.display());
+        command.args(["-device", &loader]);
+    }
+    let mut qemu = command
         .args(["-machine", "netduinoplus2", "-display", "none", "-monitor", "none"])
         .args(["-serial", "null", "-serial", "null", "-serial", "pty", "-kernel"])
         .arg(firmware())

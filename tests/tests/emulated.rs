@@ -4,13 +4,15 @@
 
 use std::time::Duration;
 
+use object::{Object, ObjectSymbol};
+use palpate::device::session::Session;
 use palpate_tests::device::{
     Checked, check_every_recording, check_flooding, check_handshake, check_noisy_line,
     check_restart_while_recording, check_steady_stream, check_wrong_schema_is_refused,
 };
 use palpate_tests::emulator::{Emulated, firmware};
 use palpate_tests::palpate;
-use shared::wire::Source;
+use shared::wire::{Source, ToDevice};
 
 fn started() -> Emulated {
     Emulated::start().unwrap()
@@ -100,4 +102,43 @@ fn what_the_emulated_board_lacks_is_refused_in_words_and_nothing_is_left_behind(
     assert!(refused.contains("flash"), "{refused}");
     let (info, _) = said(&["device", "info"], &device);
     assert!(info.contains("rate: 488.28125 Hz"), "set, though not kept: {info}");
+}
+
+/// Where the firmware keeps its note to the program after a reset.
+fn address_of_note() -> u32 {
+    let elf = std::fs::read(firmware()).unwrap();
+    let file = object::File::parse(&*elf).unwrap();
+    let name = |symbol: &object::Symbol<'_, '_>| symbol.name().unwrap_or_default().to_owned();
+    let note = file.symbols().find(|symbol| {
+        let name = name(symbol);
+        name.contains("reset") && name.contains("NOTE")
+    });
+    note.unwrap().address() as u32
+}
+
+#[test]
+#[ignore = "needs the emulator: cargo xtask emulate"]
+fn what_a_panic_said_before_the_reset_is_told() {
+    let said = b"main.rs:1: the end";
+    // The mark, no loader asked for, the length and the text, as `board::reset` keeps them.
+    let mut note = vec![0x70, 0x6c, 0x61, 0x70, 0, 0, 0, 0, said.len() as u8, 0, 0, 0];
+    note.extend(said);
+    let device = Emulated::start_with_memory(address_of_note(), &note).unwrap();
+    let (info, status) = self::said(&["device", "info"], &device);
+    assert_eq!(status, Some(0), "{info}");
+    assert!(info.contains("main.rs:1: the end"), "{info}");
+}
+
+#[test]
+#[ignore = "needs the emulator: cargo xtask emulate"]
+fn told_to_begin_again_it_answers_first_and_is_soon_back_as_it_was_made() {
+    let device = started();
+    let (changed, _) = said(&["device", "set", "--rate", "500"], &device);
+    assert!(changed.contains("488.28125 Hz"), "{changed}");
+    let mut session = Session::open(&device.port(), Duration::from_secs(5)).unwrap();
+    session.command(&ToDevice::Reboot).unwrap();
+    drop(session);
+    let (info, status) = said(&["device", "info"], &device);
+    assert_eq!(status, Some(0), "it did not come back: {info}");
+    assert!(info.contains("976.5625 Hz"), "{info}");
 }
