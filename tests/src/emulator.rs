@@ -11,10 +11,15 @@ use crate::workspace;
 /// The program that emulates; Debian has it in `qemu-system-arm`.
 pub const QEMU: &str = "qemu-system-arm";
 
-/// The release binary, the same that is flashed.
+/// The executable of the firmware, as `cargo xtask firmware` leaves it.
 #[must_use]
 pub fn firmware() -> PathBuf {
-    workspace().join("firmware/target/thumbv7em-none-eabihf/release/palpate")
+    workspace().join("target/firmware/palpate.elf")
+}
+
+/// The very bytes that are flashed.
+fn image() -> PathBuf {
+    firmware().with_extension("bin")
 }
 
 /// A running device. It ends with this value.
@@ -94,7 +99,7 @@ fn boot(port: &Path, memory: Option<(u32, &Path)>) -> Result<Child> {
     let mut qemu = command
         .args(["-machine", "netduinoplus2", "-display", "none", "-monitor", "none"])
         .args(["-serial", "null", "-serial", "null", "-serial", "pty", "-kernel"])
-        .arg(firmware())
+        .arg(image())
         .stdout(Stdio::piped())
         .stderr(Stdio::inherit())
         .spawn()?;
@@ -108,7 +113,7 @@ fn boot(port: &Path, memory: Option<(u32, &Path)>) -> Result<Child> {
         let status = qemu.wait()?;
         return Err(Error::other(format!(
             "{QEMU} with {} ended with {status} before it had a serial port",
-            firmware().display()
+            image().display()
         )));
     };
     symlink(terminal, port)?;
