@@ -151,7 +151,7 @@ pub fn diagnose(model: &Model, traces: &[Trace]) -> Result<Diagnosis, DiagnoseEr
         if base.bic() < found.model().bic() {
             notes.push(format!(
                 "with separation = \"{}\" the model explains these traces better than with any effect added; that was used",
-                name_of(other)
+                other.name()
             ));
             separation = other;
             found = search.run(base);
@@ -210,14 +210,6 @@ pub fn diagnose(model: &Model, traces: &[Trace]) -> Result<Diagnosis, DiagnoseEr
         found,
         candidates,
     })
-}
-
-fn name_of(separation: Separation) -> &'static str {
-    match separation {
-        Separation::Clamp => "clamp",
-        Separation::Free => "free",
-        Separation::Bonded => "bonded",
-    }
 }
 
 /// Whether the mean square error on traces left out falls by more than two standard errors over them.

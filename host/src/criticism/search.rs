@@ -70,8 +70,6 @@ pub struct Rival {
     pub candidate: usize,
     /// Name of the effect.
     pub effect: String,
-    /// Gain that the screen foretold: fall of the whitened sum of squares.
-    pub predicted: f64,
     /// The model with it.
     pub fitted: Fitted,
     /// Part of the resamplings of the data in which it is best.
@@ -228,32 +226,36 @@ impl Search<'_> {
             }
             kept
         });
-        let fits: Vec<(usize, f64, Fitted)> = tried
+        self.refitted(tried, Effort::QUICK)
+    }
+
+    /// Fits each to its end, from where it was tried; the best law of each effect, best effect first.
+    fn refitted(&self, tried: Vec<(&Direction, Chain, Solution)>, effort: Effort) -> Vec<Rival> {
+        let fits: Vec<(usize, Fitted)> = tried
             .into_par_iter()
-            .map(|(direction, chain, found)| {
+            .map(|(direction, chain, trial)| {
                 let problem = self.problem.with_chain(&chain);
-                let fitted = Fitted::new(&problem, &found.point, Effort::QUICK);
-                (direction.candidate, direction.gain, fitted)
+                (direction.candidate, Fitted::new(&problem, &trial.point, effort))
             })
             .collect();
         self.by_effect(fits)
     }
 
     /// The best law of each effect, best effect first.
-    fn by_effect(&self, fits: Vec<(usize, f64, Fitted)>) -> Vec<Rival> {
+    fn by_effect(&self, fits: Vec<(usize, Fitted)>) -> Vec<Rival> {
         let mut rivals: Vec<Rival> = Vec::new();
-        for (candidate, predicted, fitted) in fits {
+        for (candidate, fitted) in fits {
             if !fitted.bic().is_finite() || !fitted.rms().is_finite() {
                 continue;
             }
             match rivals.iter_mut().find(|rival| rival.candidate == candidate) {
                 Some(rival) if fitted.bic() < rival.fitted.bic() => {
-                    (rival.predicted, rival.fitted) = (predicted, fitted);
+                    rival.fitted = fitted;
                 }
                 Some(_) => {}
                 None => {
                     let effect = self.candidates[candidate].name.clone();
-                    rivals.push(Rival { candidate, effect, predicted, fitted, won: 0.0 });
+                    rivals.push(Rival { candidate, effect, fitted, won: 0.0 });
                 }
             }
         }
@@ -356,15 +358,7 @@ impl Search<'_> {
         let explained = found.base.cost - found.model().cost;
         tried.retain(|(.., trial)| found.base.cost - trial.normal.cost > ALONE * explained);
         tried.truncate(2);
-        let fits: Vec<(usize, f64, Fitted)> = tried
-            .into_par_iter()
-            .map(|(direction, chain, trial)| {
-                let problem = self.problem.with_chain(&chain);
-                let fitted = Fitted::new(&problem, &trial.point, Effort::LONG);
-                (direction.candidate, direction.gain, fitted)
-            })
-            .collect();
-        let rivals = self.by_effect(fits);
+        let rivals = self.refitted(tried, Effort::LONG);
         let Some(best) = rivals.first() else { return false };
         if best.fitted.bic() > found.model().bic() + DECISIVE {
             return false;

@@ -114,8 +114,6 @@ pub enum Needs {
     Temperature,
     /// Another channel than the signal.
     Channels,
-    /// More traces than one.
-    Traces,
     /// More loadings than one.
     Loadings,
     /// Sampling so fast that a hum is not the alias of anything else: 20 Hz.
@@ -173,7 +171,6 @@ impl Needs {
             Self::Channels if setting.channels.is_empty() => {
                 Some("no other channel was recorded that could leak into this one")
             }
-            Self::Traces if setting.traces.len() < 2 => Some("it takes more than one trace"),
             Self::FastSampling if scales.interval > 0.05 => {
                 Some("sampled too slowly to tell a hum from other changes")
             }

@@ -22,6 +22,18 @@ pub enum Separation {
     Bonded,
 }
 
+impl Separation {
+    /// Its name in a model file.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Clamp => "clamp",
+            Self::Free => "free",
+            Self::Bonded => "bonded",
+        }
+    }
+}
+
 /// Base law `fung`: F = ∫ g(t−s) dN(x(s)) (eq. 2.1), N(x) = p/(q+1) x^(q+1) for x > 0 (eq. 3.2),
 /// g(t) = c0 + Σ ci e^(−vi t), Σ c = 1 (eq. 3.3); contact breaks at zero force unless bonded.
 ///

@@ -125,7 +125,6 @@ fn needs(needs: Needs) -> &'static str {
         Needs::Nothing => "displacement and the signal",
         Needs::Temperature => "a temperature that was recorded and changes (`temperature_C`)",
         Needs::Channels => "another channel than the signal, in every trace",
-        Needs::Traces => "more than one trace",
         Needs::Loadings => "more than one loading",
         Needs::FastSampling => "samples at 20 Hz or faster",
     }
