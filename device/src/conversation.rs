@@ -10,7 +10,7 @@ use crate::blocks::Blocks;
 use crate::board::{Board, Log, Restart};
 use crate::outgoing::Outgoing;
 use crate::self_test::SelfTest;
-use crate::stream::{Sample, Stream};
+use crate::stream::{Lost, Sample, Stream};
 
 /// Status messages of a stream are this far apart, µs.
 const STATUS_US: u64 = 1_000_000;
@@ -144,16 +144,25 @@ impl<'a> Device<'a> {
     /// Takes a sample of the converter.
     #[inline]
     pub fn sample(&mut self, sample: &Sample) {
-        let counters = &mut self.counters;
-        let lost = sample.lost;
-        counters.conversions_missed = counters.conversions_missed.saturating_add(lost.missed);
-        counters.conversions_damaged = counters.conversions_damaged.saturating_add(lost.damaged);
-        counters.queue_full = counters.queue_full.saturating_add(lost.queue_full);
+        if sample.lost != Lost::default() {
+            self.count_lost(sample.lost);
+        }
         if let Some(test) = &mut self.test {
             test.take(sample);
         }
         if self.stream.source() == Some(Source::Converter) {
-            self.stream.sample(sample, self.temperature);
+            self.stream.row(sample.time_us, &sample.counts, self.temperature);
+        }
+    }
+
+    #[cold]
+    fn count_lost(&mut self, lost: Lost) {
+        let counters = &mut self.counters;
+        counters.conversions_missed = counters.conversions_missed.saturating_add(lost.missed);
+        counters.conversions_damaged = counters.conversions_damaged.saturating_add(lost.damaged);
+        counters.queue_full = counters.queue_full.saturating_add(lost.queue_full);
+        if self.stream.source() == Some(Source::Converter) {
+            self.stream.lose(lost.all());
         }
     }
 
@@ -277,11 +286,10 @@ impl<'a> Device<'a> {
             wire::encode(head, &settings, frame)
         } else if let Some(answer) = self.outgoing.next_answer() {
             wire::encode(head, &ToHost::Answer(answer), frame)
-        } else if let Some((rows, from)) = self.stream.blocks.next() {
-            rows.encode(from, self.sequence, frame).map(|(bytes, held)| {
-                self.stream.blocks.sent(held);
-                bytes
-            })
+        } else if let Some(rows) = self.stream.blocks.next() {
+            let sent = rows.encode(self.sequence, frame);
+            self.stream.blocks.sent();
+            sent
         } else if self.outgoing.status {
             self.outgoing.status = false;
             wire::encode(head, &ToHost::Status(self.status()), frame)
@@ -300,7 +308,7 @@ impl<'a> Device<'a> {
     /// Blocks of older settings go before the new ones, so that a host always has those of the block it hears.
     fn settings_are_next(&mut self) -> bool {
         let generation = self.stream.generation;
-        self.stream.blocks.next().is_none_or(|(rows, _)| rows.generation == generation)
+        self.stream.blocks.next().is_none_or(|rows| rows.generation == generation)
     }
 
     /// What to do now that everything was sent, if the host asked for it.

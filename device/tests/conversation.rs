@@ -5,7 +5,7 @@ use proptest::prelude::*;
 use shared::calibration::Sheet;
 use shared::pipeline::{GAUGES, Pipeline};
 use shared::wire::{
-    self, Accumulated, Accumulator, BLOCK_ROWS, ClockSource, Column, Columns, ConverterFault, Done,
+    self, Accumulated, Accumulator, BLOCK_ROWS, ClockSource, Columns, ConverterFault, Done,
     FRAME_MAX, Head, HelloToDevice, Inject, Oversampling, Refusal, ResetCause, Row, Rows, SCHEMA,
     Settings, Source, Start, Status, StoreFault, ToDevice, ToHost,
 };
@@ -127,7 +127,7 @@ impl Host {
                             let (generation, settings) = self.settings.unwrap();
                             assert_eq!(generation, block.generation, "told before its first block");
                             let calibration = settings.config(1e-3).unwrap().calibration;
-                            self.generations.extend((0..block.rows).map(|_| generation));
+                            self.generations.extend((0..rows.len()).map(|_| generation));
                             self.rows.extend(rows.iter(&calibration));
                         }
                         ToHost::Log(_) => unreachable!("nothing is logged here"),
@@ -144,7 +144,7 @@ impl Host {
     fn inject(&mut self, rows: &[[i32; GAUGES]]) -> Result<Done, Refusal> {
         let mut room = [0; 300];
         let counts = packed(rows, &mut room);
-        self.say(&ToDevice::Inject(Inject { rows: rows.len() as u8, temperature: None, counts }))
+        self.say(&ToDevice::Inject(Inject { temperature: None, counts }))
     }
 
     fn sample(&mut self, counts: [i32; GAUGES], lost: Lost) {
@@ -159,11 +159,7 @@ impl Host {
 }
 
 fn packed<'b>(rows: &[[i32; GAUGES]], room: &'b mut [u8]) -> &'b [u8] {
-    let mut column = Column::new();
-    for (at, row) in rows.iter().enumerate() {
-        if at == 0 { column.begin(*row) } else { column.set(at, *row) }
-    }
-    column.pack(0..rows.len(), room).unwrap().0
+    wire::pack(rows, room).unwrap()
 }
 
 const LINK: Source = Source::Link { interval_ns: 5_000_000 };
@@ -302,7 +298,7 @@ fn a_command_that_comes_again_is_answered_again_and_not_carried_out_again() {
     let (again, said) = (host.sequence, host.answers.len());
     let mut room = [0; 100];
     let counts = packed(&[press(0); 3], &mut room);
-    host.send(again, &ToDevice::Inject(Inject { rows: 3, temperature: None, counts }));
+    host.send(again, &ToDevice::Inject(Inject { temperature: None, counts }));
     host.hear();
     assert_eq!(host.answers.len(), said + 1);
     assert_eq!(host.answers[said], host.answers[said - 1]);
