@@ -48,11 +48,12 @@ impl Blocks {
 
     /// Sends the filled block on its way and begins an empty one. Without room it is dropped: how many rows were lost.
     pub(crate) fn close(&mut self) -> usize {
-        let rows = self.filled();
-        let lost = if self.waiting == WAITING { rows } else { 0 };
-        if rows > lost {
+        let mut lost = 0;
+        if self.waiting < WAITING {
             self.waiting = self.waiting.wrapping_add(1);
             self.filling = self.filling.wrapping_add(1) % PLACES;
+        } else {
+            lost = self.filled();
         }
         self.filling().clear();
         lost

@@ -49,6 +49,11 @@ pub(crate) struct Stream<'a> {
     pub(crate) blocks: &'a mut Blocks,
     injected: Deque<([i32; GAUGES], Option<i16>), INJECTED_ROWS>,
     on: Option<Start>,
+    /// Of what comes next, 2^-8 °C, and what is taken for it where there is no sensor.
+    temperature: Option<i16>,
+    used_temperature: i16,
+    /// Device time of the last row before the block that is filled, µs.
+    last_us: u64,
     /// Number of the first row of the block that is filled.
     first: u64,
     /// A block is sent when it spans this, µs.
@@ -67,6 +72,9 @@ impl<'a> Stream<'a> {
             blocks,
             injected: Deque::new(),
             on: None,
+            temperature: None,
+            used_temperature: REFERENCE_TEMPERATURE,
+            last_us: 0,
             first: 0,
             span_us: 0,
             seen_waiting: 0,
@@ -148,51 +156,65 @@ impl<'a> Stream<'a> {
         let Some(Source::Link { interval_ns }) = self.source() else { return false };
         let Some((counts, temperature)) = self.injected.pop_front() else { return false };
         let time_us = self.rows().saturating_mul(u64::from(interval_ns)) / 1_000;
-        self.row(time_us, &counts, temperature);
+        self.set_temperature(temperature);
+        self.row(&counts, time_us);
         true
     }
 
-    /// A row of counts, while the stream is on.
-    #[inline(always)]
-    pub(crate) fn row(&mut self, time_us: u64, counts: &[i32; GAUGES], temperature: Option<i16>) {
-        self.pipeline.process(counts, temperature.unwrap_or(REFERENCE_TEMPERATURE));
-        let mut rows = self.blocks.filling();
-        loop {
-            if rows.is_empty() || rows.temperature != temperature {
-                self.begin(time_us, temperature);
-                rows = self.blocks.filling();
-            }
-            if rows.push(time_us, counts, &self.pipeline) {
-                break;
-            }
-            // The next block has room for any row.
+    /// What comes next is of another temperature, 2^-8 °C; none without a sensor. A block has one temperature.
+    pub(crate) fn set_temperature(&mut self, temperature: Option<i16>) {
+        if temperature != self.temperature {
             self.close();
+            self.temperature = temperature;
+        }
+        self.used_temperature = temperature.unwrap_or(REFERENCE_TEMPERATURE);
+    }
+
+    /// A row of counts, while the stream is on.
+    #[inline(never)]
+    pub(crate) fn row(&mut self, counts: &[i32; GAUGES], time_us: u64) {
+        self.pipeline.process(counts, self.used_temperature);
+        let mut rows = self.blocks.filling();
+        if rows.is_empty() {
+            self.begin(time_us);
             rows = self.blocks.filling();
+        }
+        if !rows.push(time_us, counts, &self.pipeline) {
+            return self.push_into_next(time_us, counts);
         }
         if rows.is_full() || rows.span_us() >= self.span_us {
             self.close();
         }
     }
 
-    /// Begins a block; a block has one temperature.
+    /// A block that a row does not fit into is sent; the next one has room for any row.
     #[cold]
     #[inline(never)]
-    fn begin(&mut self, time_us: u64, temperature: Option<i16>) {
+    fn push_into_next(&mut self, time_us: u64, counts: &[i32; GAUGES]) {
+        self.begin(time_us);
+        let _ = self.blocks.filling().push(time_us, counts, &self.pipeline);
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn begin(&mut self, time_us: u64) {
         self.close();
         let Some(start) = self.on else { return };
-        let (first, generation) = (self.first, self.generation);
         let rows = self.blocks.filling();
-        rows.begin(start.columns, first, time_us);
-        (rows.generation, rows.temperature) = (generation, temperature);
+        rows.begin(start.columns, self.first, time_us, self.last_us);
+        (rows.generation, rows.temperature) = (self.generation, self.temperature);
     }
 
     /// Sends what waits; without room it is lost and counted.
     #[cold]
     #[inline(never)]
     pub(crate) fn close(&mut self) {
-        self.first = self.rows();
-        let lost = self.blocks.close();
-        self.link_full = self.link_full.saturating_add(lost as u32);
+        if self.blocks.filled() > 0 {
+            self.first = self.rows();
+            self.last_us = self.blocks.filling().last_us();
+            let lost = self.blocks.close();
+            self.link_full = self.link_full.saturating_add(lost as u32);
+        }
     }
 
     /// Rows that nothing follows are not kept waiting for long.

@@ -75,7 +75,7 @@ pub fn encode<'f, M: Serialize + ?Sized>(
     message: &M,
     frame: &'f mut [u8; FRAME_MAX],
 ) -> Result<&'f [u8], FrameError> {
-    let written = postcard::serialize_with_flavor(message, Stuffed::new(head, frame));
+    let written = postcard::serialize_with_flavor(message, &mut Stuffed::new(head, frame));
     written.ok().and_then(|bytes| frame.get(..bytes)).ok_or(FrameError::TooLong)
 }
 

@@ -5,7 +5,7 @@
 //! | 1 | head: bits 0 to 2 the class of the counts, 3 to 5 that of FA, 6 and 7 whether interval and news follow |
 //! | … | counts, then FA, as [`Differences`] codes them |
 //! | … | if asked for: a byte with the classes of elastic input and equilibrium, as in the head, then these |
-//! | 1 … 5 | interval: µs since the row before, less what this was there; zigzag, varint. 0 before the first row |
+//! | 1 … 5 | interval: µs since the row before, less what this was there, or less 0 in the first; zigzag, varint |
 //! | 4 | news: states, one byte for each gauge; without news, as in the row before |
 //! | 1 | news: from bit 0 on, whether a region was found on each gauge |
 //! | … | news: how many samples ago each of these was entered; varint |

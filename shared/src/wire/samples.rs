@@ -169,10 +169,10 @@ impl Rows {
         }
     }
 
-    /// Forgets the rows and begins again with a row of this number and time.
-    pub const fn begin(&mut self, columns: Columns, first: u64, time_us: u64) {
+    /// Forgets the rows and begins again with a row of this number and time, and the time of the row before it.
+    pub const fn begin(&mut self, columns: Columns, first: u64, time_us: u64, last_us: u64) {
         (self.first, self.time_us) = (first, time_us);
-        (self.last_us, self.coder) = (time_us as u32, Coder::new(columns));
+        (self.last_us, self.coder) = (last_us as u32, Coder::new(columns));
         self.clear();
     }
 
@@ -199,7 +199,13 @@ impl Rows {
         self.count >= BLOCK_ROWS
     }
 
-    /// Time from the first row to the last, µs; wraps after an hour.
+    /// Device time of the last row, µs. A block spans less than an hour.
+    #[must_use]
+    pub const fn last_us(&self) -> u64 {
+        self.time_us.wrapping_add(self.span_us() as u64)
+    }
+
+    /// Time from the first row to the last, µs.
     #[must_use]
     pub const fn span_us(&self) -> u32 {
         self.last_us.wrapping_sub(self.time_us as u32)
@@ -244,7 +250,7 @@ impl Rows {
     /// [`CodingError`] if the block contradicts itself.
     pub fn decode(head: Head, block: &Block<'_>) -> Result<Self, CodingError> {
         let mut rows = Self::new();
-        rows.begin(block.columns, block.first, head.time_us);
+        rows.begin(block.columns, block.first, head.time_us, head.time_us);
         (rows.generation, rows.temperature) = (block.generation, block.temperature);
         rows.packed.get_mut(..block.packed.len()).ok_or(CodingError)?.copy_from_slice(block.packed);
         rows.length = block.packed.len();
@@ -252,7 +258,9 @@ impl Rows {
         while !left.is_empty() {
             let coded;
             (coded, left) = coder.take(left)?;
-            rows.last_us = rows.last_us.wrapping_add(coded.interval);
+            if rows.count > 0 {
+                rows.last_us = rows.last_us.wrapping_add(coded.interval);
+            }
             rows.count = rows.count.wrapping_add(1);
         }
         if rows.count <= BLOCK_ROWS { Ok(rows) } else { Err(CodingError) }
@@ -265,7 +273,9 @@ impl Rows {
         self.coded().map(move |coded| {
             let number = next;
             next = next.wrapping_add(1);
-            time_us = time_us.wrapping_add(coded.interval.into());
+            if number != self.first {
+                time_us = time_us.wrapping_add(coded.interval.into());
+            }
             let (counts, fa) = coded.parts;
             let mut sa = fa;
             for ((sa, counts), calibration) in sa.iter_mut().zip(counts).zip(calibration) {
@@ -340,7 +350,8 @@ mod tests {
         let mut noise = 1_u32;
         for block in 0..200_u64 {
             let mut rows = Rows::new();
-            rows.begin(Columns::Parts, block * 12, block * 12 * 1_024);
+            let start = block * 12 * 1_024 + 1;
+            rows.begin(Columns::Parts, block * 12, start, start.saturating_sub(1_024));
             for row in 0..12 {
                 let t = (block * 12 + row) as f64 * 1.024e-3;
                 let press = 2e6 * (t.clamp(0.5, 1.0) - 0.5) - 1e6 * (t.clamp(2.0, 2.5) - 2.0);
@@ -406,14 +417,14 @@ mod tests {
             let mut rows = Rows::new();
             let columns = if all { Columns::All } else { Columns::Parts };
             let (mut time, mut number) = (1_000_000, u64::from(first));
-            rows.begin(columns, number, time);
+            rows.begin(columns, number, time + given[0].2, time);
             (rows.generation, rows.temperature) = (3, Some(-5));
             let mut heard = Vec::new();
             for (counts, outputs, interval) in &given {
                 time += interval;
                 if !rows.push(time, counts, outputs) {
                     heard.extend(through_the_line(&rows).0);
-                    rows.begin(columns, number, time);
+                    rows.begin(columns, number, time, time - interval);
                     prop_assert!(rows.push(time, counts, outputs));
                 }
                 number += 1;

@@ -5,15 +5,26 @@ use core::mem::take;
 use postcard::ser_flavors::Flavor;
 
 use super::check::Check;
-use super::frame::{FRAME_MAX, Head};
+use super::frame::{FRAME_MAX, HEAD, Head};
 
-/// A frame that is being written. Postcard writes the message straight into it; behind the first byte of that, the type,
-/// comes the rest of the head.
+/// Short pieces wait until there are so many bytes.
+const WAITING: usize = 32;
+
+/// A frame that is being written. Postcard writes the message straight into it; its first byte, the type, stands where the
+/// head ends, and goes into the head.
 ///
 /// COBS: the first byte, and every zero after it, becomes the distance to the next. A frame is too short to need a further
 /// code byte.
 pub(super) struct Stuffed<'f> {
     head: Option<Head>,
+    /// Bytes that wait, so that a message of many short pieces costs no more than it must.
+    waiting: [u8; WAITING],
+    waiting_bytes: usize,
+    written: Written<'f>,
+}
+
+/// What was written already, and the room behind it.
+struct Written<'f> {
     check: Check,
     links: Links<'f>,
     room: &'f mut [u8],
@@ -57,9 +68,28 @@ impl<'f> Stuffed<'f> {
     pub(super) fn new(head: Head, frame: &'f mut [u8; FRAME_MAX]) -> Self {
         let [code, room @ ..] = frame;
         let links = Links { code: Some(code), distance: 1 };
-        Self { head: Some(head), check: Check::new(), links, room }
+        Self {
+            head: Some(head),
+            waiting: [0; WAITING],
+            waiting_bytes: HEAD.saturating_sub(1),
+            written: Written { check: Check::new(), links, room },
+        }
     }
 
+    /// Puts what waits.
+    fn flush(&mut self) -> postcard::Result<()> {
+        if let Some(head) = self.head.take()
+            && let Some(place) = self.waiting.first_chunk_mut::<HEAD>()
+        {
+            let [.., kind] = *place;
+            *place = head.bytes(kind);
+        }
+        let bytes = take(&mut self.waiting_bytes);
+        self.written.put(self.waiting.get(..bytes).unwrap_or_default())
+    }
+}
+
+impl<'f> Written<'f> {
     /// Room for so many bytes.
     #[inline]
     fn place(&mut self, bytes: usize) -> postcard::Result<&'f mut [u8]> {
@@ -93,39 +123,43 @@ impl<'f> Stuffed<'f> {
         (self.check, self.links) = (check, links);
         Ok(())
     }
-
-    /// Version, type, sequence and time.
-    #[inline(never)]
-    fn put_head(&mut self, kind: u8, head: Head) -> postcard::Result<()> {
-        self.put(&head.bytes(kind))
-    }
 }
 
-impl Flavor for Stuffed<'_> {
+impl Flavor for &mut Stuffed<'_> {
     /// How many bytes the frame has.
     type Output = usize;
 
+    #[inline(always)]
     fn try_push(&mut self, byte: u8) -> postcard::Result<()> {
-        self.try_extend(&[byte])
+        if self.waiting_bytes >= WAITING {
+            self.flush()?;
+        }
+        if let Some(place) = self.waiting.get_mut(self.waiting_bytes) {
+            *place = byte;
+            self.waiting_bytes = self.waiting_bytes.wrapping_add(1);
+        }
+        Ok(())
     }
 
-    #[inline]
+    #[inline(always)]
     fn try_extend(&mut self, bytes: &[u8]) -> postcard::Result<()> {
-        let Some(head) = self.head.take() else { return self.put(bytes) };
-        let (kind, rest) = bytes.split_first().ok_or(postcard::Error::SerializeBufferFull)?;
-        self.put_head(*kind, head)?;
-        self.put(rest)
+        if bytes.len() > 10 {
+            self.flush()?;
+            return self.written.put(bytes);
+        }
+        bytes.iter().try_for_each(|byte| self.try_push(*byte))
     }
 
     /// Adds the sum and ends the frame.
-    fn finalize(mut self) -> postcard::Result<usize> {
-        let sum = self.check.sum().to_le_bytes();
-        self.put(&sum)?;
-        if let [end] = self.place(1)? {
+    fn finalize(self) -> postcard::Result<usize> {
+        self.flush()?;
+        let sum = self.written.check.sum().to_le_bytes();
+        self.written.put(&sum)?;
+        if let [end] = self.written.place(1)? {
             *end = 0;
         }
-        self.links.end();
-        Ok(FRAME_MAX.saturating_sub(self.room.len()))
+        self.written.links.end();
+        Ok(FRAME_MAX.saturating_sub(self.written.room.len()))
     }
 }
 
