@@ -2,15 +2,15 @@
 
 use heapless::{Deque, Vec};
 use shared::pipeline::{Config, Counters, GAUGES, Pipeline};
-use shared::wire::{self, BLOCK_ROWS, CodingError, Inject, REFERENCE_TEMPERATURE, Source, Start};
+use shared::wire::{self, CodingError, INJECT_ROWS, Inject, REFERENCE_TEMPERATURE, Source, Start};
 
 use crate::blocks::Blocks;
 
 /// Injected rows that may wait for the filter.
-pub const INJECTED_ROWS: usize = 2 * BLOCK_ROWS;
+pub const INJECTED_ROWS: usize = 2 * INJECT_ROWS;
 
 /// A block of live rows is sent when it spans this, µs, even if more rows would fit.
-const SPAN_US: u32 = 12_000;
+const SPAN_US: u32 = 18_000;
 
 /// A conversion of all gauges.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -124,7 +124,7 @@ impl<'a> Stream<'a> {
     /// # Errors
     /// [`CodingError`] if they cannot be read; then none is taken.
     pub(crate) fn inject(&mut self, inject: &Inject<'_>) -> Result<(u8, u8), CodingError> {
-        let mut rows = Vec::<_, BLOCK_ROWS>::new();
+        let mut rows = Vec::<_, INJECT_ROWS>::new();
         for counts in wire::unpack(inject.counts) {
             rows.push(counts?).map_err(|_| CodingError)?;
         }
@@ -158,6 +158,9 @@ impl<'a> Stream<'a> {
         let time_us = self.rows().saturating_mul(u64::from(interval_ns)) / 1_000;
         self.set_temperature(temperature);
         self.row(&counts, time_us);
+        if self.injected.is_empty() {
+            self.close();
+        }
         true
     }
 
@@ -182,7 +185,7 @@ impl<'a> Stream<'a> {
         if !rows.push(time_us, counts, &self.pipeline) {
             return self.push_into_next(time_us, counts);
         }
-        if rows.is_full() || rows.span_us() >= self.span_us {
+        if rows.span_us() >= self.span_us {
             self.close();
         }
     }

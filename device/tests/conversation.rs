@@ -5,8 +5,8 @@ use proptest::prelude::*;
 use shared::calibration::Sheet;
 use shared::pipeline::{GAUGES, Pipeline};
 use shared::wire::{
-    self, Accumulated, Accumulator, BLOCK_ROWS, ClockSource, Columns, ConverterFault, Done,
-    FRAME_MAX, Head, HelloToDevice, Inject, Oversampling, Refusal, ResetCause, Row, Rows, SCHEMA,
+    self, Accumulated, Accumulator, ClockSource, Columns, ConverterFault, Done, FRAME_MAX, Head,
+    HelloToDevice, INJECT_ROWS, Inject, Oversampling, Refusal, ResetCause, Row, Rows, SCHEMA,
     Settings, Source, Start, Status, StoreFault, ToDevice, ToHost,
 };
 
@@ -200,7 +200,7 @@ fn injected_rows_come_back_as_the_pipeline_makes_them_bit_for_bit() {
     let config = Settings::DEFAULT.config(0.005).unwrap();
     let mut pipeline = Pipeline::new(&config);
     let rows: Vec<_> = (0..600).map(press).collect();
-    for chunk in rows.chunks(BLOCK_ROWS) {
+    for chunk in rows.chunks(INJECT_ROWS) {
         assert!(matches!(host.inject(chunk), Ok(Done::Injected { lost: 0, .. })));
         while host.device.process_injected() {}
     }
@@ -230,7 +230,7 @@ fn in_a_flood_what_was_sent_is_what_came_back_and_what_was_counted() {
     host.start(LINK);
     let mut sent = 0;
     for i in 0..50 {
-        let rows = vec![press(i); BLOCK_ROWS];
+        let rows = vec![press(i); INJECT_ROWS];
         host.inject(&rows).unwrap();
         sent += rows.len();
         if i % 7 == 0 {

@@ -355,12 +355,15 @@ pub struct Start {
     pub columns: Columns,
 }
 
+/// Most rows that are injected at once.
+pub const INJECT_ROWS: usize = 16;
+
 /// Rows of raw counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub struct Inject<'a> {
     /// Their temperature, 2^-8 °C.
     pub temperature: Option<i16>,
-    /// Counts of at most [`super::BLOCK_ROWS`] rows, as [`super::pack`] packs them.
+    /// Counts of at most [`INJECT_ROWS`] rows, as [`super::pack`] packs them.
     #[serde(borrow, with = "serde_bytes")]
     pub counts: &'a [u8],
 }

@@ -40,10 +40,10 @@ pub use frame::{
 };
 pub use message::{
     Answer, ClockSource, Columns, ConverterFault, Counters, Done, Formats, Hello, HelloToDevice,
-    Inject, Introduction, Log, Refusal, ResetCause, SelfTest, Source, Start, Status, StoreFault,
-    ToDevice, ToHost,
+    INJECT_ROWS, Inject, Introduction, Log, Refusal, ResetCause, SelfTest, Source, Start, Status,
+    StoreFault, ToDevice, ToHost,
 };
-pub use samples::{BLOCK_ROWS, Block, Made, REFERENCE_TEMPERATURE, Row, RowState, Rows};
+pub use samples::{Block, Made, REFERENCE_TEMPERATURE, Row, RowState, Rows};
 pub use settings::{Oversampling, Settings, SettingsError};
 
 /// Version of the frame; a frame of another version is refused.

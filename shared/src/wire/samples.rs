@@ -13,8 +13,6 @@ use crate::pipeline::{GAUGES, Output, Pipeline};
 
 /// Temperature at which a calibration is applied where none is measured, 2^-8 °C.
 pub const REFERENCE_TEMPERATURE: i16 = 25 * 256;
-/// Most rows in a block.
-pub const BLOCK_ROWS: usize = 16;
 /// Room for packed rows in a frame: what its head, its sum and the longest of the other fields of [`Block`] leave.
 const PACKED: usize = 214;
 
@@ -29,7 +27,7 @@ pub struct Block<'a> {
     pub temperature: Option<i16>,
     /// What each row holds.
     pub columns: Columns,
-    /// The rows, one after the other, at most [`BLOCK_ROWS`], as the table in the module `rows` says. SA is not sent: it is
+    /// The rows, one after the other, as the table in the module `rows` says. SA is not sent: it is
     /// the calibrated strain of the counts less FA, bit for bit, and [`Rows::iter`] gives it.
     #[serde(borrow, with = "serde_bytes")]
     pub packed: &'a [u8],
@@ -193,12 +191,6 @@ impl Rows {
         self.count == 0
     }
 
-    /// Whether there are [`BLOCK_ROWS`].
-    #[must_use]
-    pub const fn is_full(&self) -> bool {
-        self.count >= BLOCK_ROWS
-    }
-
     /// Device time of the last row, µs. A block spans less than an hour.
     #[must_use]
     pub const fn last_us(&self) -> u64 {
@@ -263,7 +255,7 @@ impl Rows {
             }
             rows.count = rows.count.wrapping_add(1);
         }
-        if rows.count <= BLOCK_ROWS { Ok(rows) } else { Err(CodingError) }
+        Ok(rows)
     }
 
     /// The rows one by one, with the calibration of the settings that made them ([`Self::generation`]).
@@ -409,7 +401,7 @@ mod tests {
         fn whatever_the_rows_are_they_arrive_as_they_were(
             given in prop::collection::vec(
                 (prop::array::uniform4(any::<i32>()), prop::array::uniform4(any_output()), 0..100_000_u64),
-                1..=BLOCK_ROWS,
+                1..=20,
             ),
             first in any::<u32>(),
             all in any::<bool>(),

@@ -10,7 +10,7 @@ use palpate::device::replay::inject;
 use palpate::device::session::{LinkError, Session};
 use palpate::recording::{Entry, Gap, Note, Reader};
 use shared::pipeline::GAUGES;
-use shared::wire::{BLOCK_ROWS, Columns, Source, Start, ToHost};
+use shared::wire::{Columns, INJECT_ROWS, Source, Start, ToHost};
 
 use super::{Checked, Report, open, require};
 
@@ -76,7 +76,7 @@ impl Beside for Feed<'_> {
 
     fn command(&mut self, session: &mut Session) -> Result<(), LinkError> {
         if self.inject {
-            inject(session, &[[1_000; GAUGES]; BLOCK_ROWS], None)?;
+            inject(session, &[[1_000; GAUGES]; INJECT_ROWS], None)?;
         }
         Ok(())
     }
