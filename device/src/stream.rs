@@ -10,7 +10,7 @@ use crate::blocks::Blocks;
 pub const INJECTED_ROWS: usize = 2 * INJECT_ROWS;
 
 /// A block of live rows is sent when it spans this, µs, even if more rows would fit.
-const SPAN_US: u32 = 18_000;
+const SPAN_US: u32 = 20_000;
 
 /// A conversion of all gauges.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -278,9 +278,8 @@ fn what_the_interrupt_lost_is_a_gap_in_the_numbers_and_counted_by_cause() {
 #[test]
 fn rows_that_nothing_follows_are_sent_soon() {
     let mut host = Host::introduced();
-    host.start(LINK);
-    host.inject(&[press(0)]).unwrap();
-    while host.device.process_injected() {}
+    host.start(Source::Converter);
+    host.sample(press(0), Lost::default());
     host.hear();
     assert!(host.rows.is_empty());
     for _ in 0..2 {
@@ -288,6 +287,16 @@ fn rows_that_nothing_follows_are_sent_soon() {
     }
     host.hear();
     assert_eq!(host.rows.len(), 1);
+}
+
+#[test]
+fn injected_rows_are_sent_when_no_more_wait() {
+    let mut host = Host::introduced();
+    host.start(LINK);
+    host.inject(&[press(0); 2]).unwrap();
+    while host.device.process_injected() {}
+    host.hear();
+    assert_eq!(host.rows.len(), 2);
 }
 
 #[test]

@@ -11,7 +11,7 @@
 //! | … | news: how many samples ago each of these was entered; varint |
 
 use super::Columns;
-use super::differences::{CodingError, Differences, Gauges};
+use super::differences::{CodingError, Differences, Gauges, LONGEST, length};
 use super::samples::Made;
 use crate::pipeline::{GAUGES, Output};
 
@@ -53,41 +53,43 @@ impl Coder {
         }
     }
 
-    /// Puts a row into the beginning of `room` and gives what is left; `None` if there is too little. The first one has
-    /// news in any case.
+    /// Puts a row into the beginning of `room` and gives its length; `None` if there is too little, of which a row asks for
+    /// [`PAIR`] more than it takes. The first one has news in any case.
     #[inline(always)]
-    pub(super) fn put<'b>(
+    pub(super) fn put(
         &mut self,
         interval: u32,
         counts: &Gauges,
         made: &impl Made,
-        room: &'b mut [u8],
-    ) -> Option<&'b mut [u8]> {
-        let (head, room) = room.split_first_mut()?;
-        let (of_counts, room) = self.parts.0.put(*counts, room)?;
-        let (of_fa, room) = self.parts.1.put(made.outputs().map(|out| out.fa), room)?;
-        *head = of_counts | of_fa << 3;
+        room: &mut [u8],
+    ) -> Option<usize> {
+        let place = room.first_chunk_mut()?;
+        let bytes = self.parts.put(*counts, || made.outputs().map(|out| out.fa), place)?;
         if self.has_more | made.is_news() | (interval != self.interval) {
-            return self.put_more(interval, made, head, room);
+            return self.put_more(interval, made, bytes, room);
         }
-        Some(room)
+        Some(bytes)
     }
 
     /// Beyond what every row has, so that this costs no more than it must.
     #[cold]
     #[inline(never)]
-    fn put_more<'b>(
+    fn put_more(
         &mut self,
         interval: u32,
         made: &impl Made,
-        head: &mut u8,
-        mut room: &'b mut [u8],
-    ) -> Option<&'b mut [u8]> {
+        bytes: usize,
+        room: &mut [u8],
+    ) -> Option<usize> {
+        let all = room.len();
+        let (row, mut room) = room.split_at_mut_checked(bytes)?;
+        let head = row.first_mut()?;
         let outputs = made.outputs();
         if self.columns == Columns::All {
-            let rest = (outputs.map(|out| out.elastic), outputs.map(|out| out.equilibrium));
-            let (classes, codes) = room.split_first_mut()?;
-            (*classes, room) = self.rest.put(rest, codes)?;
+            let elastic = outputs.map(|out| out.elastic);
+            let equilibrium = || outputs.map(|out| out.equilibrium);
+            let bytes = self.rest.put(elastic, equilibrium, room.first_chunk_mut()?)?;
+            room = room.get_mut(bytes..)?;
         }
         if interval != self.interval {
             *head |= INTERVAL;
@@ -102,17 +104,15 @@ impl Coder {
             self.states = Some(states);
         }
         self.has_more = self.columns == Columns::All;
-        Some(room)
+        Some(all.wrapping_sub(room.len()))
     }
 
     /// Reads a row from the beginning of `bytes`; also gives those behind it.
     pub(super) fn take<'b>(&mut self, bytes: &'b [u8]) -> Result<(Coded, &'b [u8]), CodingError> {
-        let (head, left) = bytes.split_first().ok_or(CodingError)?;
-        let (parts, mut left) = self.parts.take(*head, left)?;
+        let (head, parts, mut left) = self.parts.take(bytes)?;
         let mut rest = Default::default();
         if self.columns == Columns::All {
-            let (classes, codes) = left.split_first().ok_or(CodingError)?;
-            (rest, left) = self.rest.take(*classes, codes)?;
+            (_, rest, left) = self.rest.take(left)?;
         }
         if head & INTERVAL != 0 {
             let code;
@@ -155,31 +155,40 @@ fn put_news<'b>(
     Some(room)
 }
 
-/// Two quantities whose classes share a byte.
+/// Most bytes of two quantities and the byte of their classes.
+pub(super) const PAIR: usize = 2 * LONGEST + 1;
+
+/// Two quantities whose classes share a byte, the first in bits 0 to 2, the second in 3 to 5.
 #[derive(Clone, Copy, Debug)]
 struct Pair(Differences, Differences);
 
 impl Pair {
     const NEW: Self = Self(Differences::new(), Differences::new());
 
-    fn put<'b>(
+    /// How many bytes it takes. The second quantity is asked for when the first is done with.
+    #[inline(always)]
+    fn put(
         &mut self,
-        (a, b): (Gauges, Gauges),
-        room: &'b mut [u8],
-    ) -> Option<(u8, &'b mut [u8])> {
-        let (of_a, room) = self.0.put(a, room)?;
-        let (of_b, room) = self.1.put(b, room)?;
-        Some((of_a | of_b << 3, room))
+        a: Gauges,
+        b: impl FnOnce() -> Gauges,
+        [classes, codes @ ..]: &mut [u8; PAIR],
+    ) -> Option<usize> {
+        let of_a = self.0.put(a, codes.first_chunk_mut()?);
+        let behind = length(of_a);
+        let of_b = self.1.put(b(), codes.get_mut(behind..)?.first_chunk_mut()?);
+        *classes = of_a | of_b << 3;
+        Some(behind.wrapping_add(length(of_b)).wrapping_add(1))
     }
 
+    /// Also gives the first byte, which has two bits to spare.
     fn take<'b>(
         &mut self,
-        classes: u8,
         bytes: &'b [u8],
-    ) -> Result<((Gauges, Gauges), &'b [u8]), CodingError> {
-        let (a, left) = self.0.take(classes & 7, bytes)?;
+    ) -> Result<(u8, (Gauges, Gauges), &'b [u8]), CodingError> {
+        let (classes, left) = bytes.split_first().ok_or(CodingError)?;
+        let (a, left) = self.0.take(classes & 7, left)?;
         let (b, left) = self.1.take(classes >> 3 & 7, left)?;
-        Ok(((a, b), left))
+        Ok((*classes, (a, b), left))
     }
 }
 

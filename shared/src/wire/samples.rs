@@ -4,7 +4,7 @@ use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
 
 use super::differences::{CodingError, Gauges};
-use super::rows::{Coded, Coder};
+use super::rows::{Coded, Coder, PAIR};
 use super::{Columns, FRAME_MAX, FrameError, Head, ToHost, encode};
 use crate::calibration::Calibration;
 use crate::flags::Flags;
@@ -147,7 +147,7 @@ pub struct Rows {
     coder: Coder,
     /// Bytes that are packed.
     length: usize,
-    packed: [u8; PACKED],
+    packed: [u8; PACKED + PAIR],
 }
 
 impl Rows {
@@ -163,7 +163,7 @@ impl Rows {
             last_us: 0,
             coder: Coder::new(Columns::Parts),
             length: 0,
-            packed: [0; PACKED],
+            packed: [0; PACKED + PAIR],
         }
     }
 
@@ -210,8 +210,12 @@ impl Rows {
     pub fn push(&mut self, time_us: u64, counts: &Gauges, made: &impl Made) -> bool {
         let interval = (time_us as u32).wrapping_sub(self.last_us);
         let room = self.packed.get_mut(self.length..).unwrap_or_default();
-        let Some(left) = self.coder.put(interval, counts, made, room) else { return false };
-        self.length = PACKED.wrapping_sub(left.len());
+        let Some(bytes) = self.coder.put(interval, counts, made, room) else { return false };
+        let length = self.length.wrapping_add(bytes);
+        if length > PACKED {
+            return false;
+        }
+        self.length = length;
         self.last_us = time_us as u32;
         self.count = self.count.wrapping_add(1);
         true
@@ -244,7 +248,8 @@ impl Rows {
         let mut rows = Self::new();
         rows.begin(block.columns, block.first, head.time_us, head.time_us);
         (rows.generation, rows.temperature) = (block.generation, block.temperature);
-        rows.packed.get_mut(..block.packed.len()).ok_or(CodingError)?.copy_from_slice(block.packed);
+        let place = rows.packed.get_mut(..block.packed.len()).ok_or(CodingError)?;
+        place.copy_from_slice(block.packed);
         rows.length = block.packed.len();
         let (mut left, mut coder) = (block.packed, Coder::new(block.columns));
         while !left.is_empty() {
