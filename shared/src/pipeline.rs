@@ -99,15 +99,8 @@ pub struct Pipeline {
 struct News {
     /// At the last sample.
     now: bool,
-    /// At the next one in any case: flags hold for one sample, and so does a region that was found.
+    /// At the next one in any case, because there were flags, which hold for one sample, or the regions begin again.
     next: bool,
-}
-
-impl News {
-    #[cold]
-    const fn tell(&mut self) {
-        *self = Self { now: true, next: true };
-    }
 }
 
 /// One gauge. All that a sample needs lies side by side, with coefficients of its own: on the device that saves a tenth.
@@ -309,14 +302,14 @@ impl Channel {
         let split = self.adaptation.output(&self.relaxation);
         let motion = motion.unwrap_or(split.elastic);
         if self.phase.advance(phase, motion, strain, split.latent()) {
-            news.tell();
+            news.now = true;
         }
     }
 
     #[cold]
     #[inline(never)]
     fn warn(&mut self, flags: Flags, news: &mut News) {
-        news.tell();
+        *news = News { now: true, next: true };
         self.flags = self.flags | flags;
         self.counters.count(flags);
     }

@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use shared::pipeline::GAUGES;
 use shared::wire::{
-    Column, Columns, Done, FRAME_MAX, FrameError, INJECT_ROWS, Inject, Row, Source, Start, Status,
+    self, Columns, Done, FRAME_MAX, FrameError, INJECT_ROWS, Inject, Row, Source, Start, Status,
     ToDevice,
 };
 
@@ -88,15 +88,8 @@ pub fn message<'b>(
     temperature: Option<i16>,
     packed: &'b mut [u8; FRAME_MAX],
 ) -> Result<Inject<'b>, LinkError> {
-    let mut column = Column::<GAUGES>::new();
-    if let Some(first) = rows.first() {
-        column.begin(*first);
-    }
-    for (at, row) in rows.iter().enumerate().skip(1) {
-        column.set(at, *row);
-    }
-    let (counts, _) = column.pack(0..rows.len(), packed).ok_or(FrameError::TooLong)?;
-    Ok(Inject { rows: rows.len() as u8, temperature, counts })
+    let counts = wire::pack(rows, packed).ok_or(FrameError::TooLong)?;
+    Ok(Inject { temperature, counts })
 }
 
 /// What comes back.

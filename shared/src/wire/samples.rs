@@ -209,7 +209,7 @@ impl Rows {
     #[must_use]
     pub fn push(&mut self, time_us: u64, counts: &Gauges, made: &impl Made) -> bool {
         let interval = (time_us as u32).wrapping_sub(self.last_us);
-        let room = self.packed.get_mut(self.length..).unwrap_or_default();
+        let Some(room) = self.packed.get_mut(self.length..) else { return false };
         let Some(bytes) = self.coder.put(interval, counts, made, room) else { return false };
         let length = self.length.wrapping_add(bytes);
         if length > PACKED {
@@ -302,6 +302,16 @@ impl Rows {
             (coded, left) = coder.take(left).ok()?;
             Some(coded)
         })
+    }
+}
+
+/// The same rows; what is behind them does not count.
+impl PartialEq for Rows {
+    fn eq(&self, other: &Self) -> bool {
+        let fields = |rows: &Self| {
+            (rows.first, rows.time_us, rows.generation, rows.temperature, rows.coder.columns)
+        };
+        fields(self) == fields(other) && self.bytes() == other.bytes()
     }
 }
 
