@@ -7,6 +7,7 @@ use shared::wire::{
 
 use crate::board::{Board, Restart};
 use crate::conversation::Device;
+use crate::outgoing::Due;
 use crate::self_test::SelfTest;
 
 impl Device<'_> {
@@ -45,11 +46,11 @@ impl Device<'_> {
             ToDevice::LoadDefaults => self.convert(Settings::DEFAULT, board),
             ToDevice::Inject(inject) => return self.inject(&inject).map(Some),
             ToDevice::Settings => {
-                self.outgoing.settings = true;
+                self.outgoing.ask(Due::Settings);
                 Ok(())
             }
             ToDevice::Status => {
-                self.outgoing.status = true;
+                self.outgoing.ask(Due::Status);
                 Ok(())
             }
             ToDevice::SelfTest => return self.test(number, now_us, board),
@@ -80,6 +81,7 @@ impl Device<'_> {
             board.listen(true);
         }
         self.stream.start(start, &config);
+        self.set_temperature(self.temperature);
         Ok(())
     }
 
@@ -121,7 +123,7 @@ impl Device<'_> {
     fn changed(&mut self) {
         self.stream.close();
         self.stream.generation = self.stream.generation.wrapping_add(1);
-        self.outgoing.settings = true;
+        self.outgoing.ask(Due::Settings);
     }
 
     fn tare(&mut self) -> Result<(), Refusal> {

@@ -8,9 +8,9 @@ use shared::wire::{
 
 use crate::blocks::Blocks;
 use crate::board::{Board, Log, Restart};
-use crate::outgoing::Outgoing;
+use crate::outgoing::{Due, Outgoing};
 use crate::self_test::SelfTest;
-use crate::stream::{Sample, Stream};
+use crate::stream::{Lost, Sample, Stream};
 
 /// Status messages of a stream are this far apart, µs.
 const STATUS_US: u64 = 1_000_000;
@@ -70,7 +70,7 @@ pub struct Device<'a> {
     last: Option<Answer>,
     heard: Option<u32>,
     sequence: u32,
-    temperature: Option<i16>,
+    pub(crate) temperature: Option<i16>,
     converter: Option<ConverterFault>,
     stack_used: u32,
     queue_most: u8,
@@ -112,8 +112,11 @@ impl<'a> Device<'a> {
     }
 
     /// Notes a temperature, 2^-8 °C.
-    pub const fn set_temperature(&mut self, temperature: Option<i16>) {
+    pub fn set_temperature(&mut self, temperature: Option<i16>) {
         self.temperature = temperature;
+        if self.stream.source() == Some(Source::Converter) {
+            self.stream.set_temperature(temperature);
+        }
     }
 
     /// Notes what is wrong with the converter.
@@ -144,16 +147,25 @@ impl<'a> Device<'a> {
     /// Takes a sample of the converter.
     #[inline]
     pub fn sample(&mut self, sample: &Sample) {
-        let counters = &mut self.counters;
-        let lost = sample.lost;
-        counters.conversions_missed = counters.conversions_missed.saturating_add(lost.missed);
-        counters.conversions_damaged = counters.conversions_damaged.saturating_add(lost.damaged);
-        counters.queue_full = counters.queue_full.saturating_add(lost.queue_full);
+        if sample.lost != Lost::default() {
+            self.count_lost(sample.lost);
+        }
         if let Some(test) = &mut self.test {
             test.take(sample);
         }
         if self.stream.source() == Some(Source::Converter) {
-            self.stream.sample(sample, self.temperature);
+            self.stream.row(&sample.counts, sample.time_us);
+        }
+    }
+
+    #[cold]
+    fn count_lost(&mut self, lost: Lost) {
+        let counters = &mut self.counters;
+        counters.conversions_missed = counters.conversions_missed.saturating_add(lost.missed);
+        counters.conversions_damaged = counters.conversions_damaged.saturating_add(lost.damaged);
+        counters.queue_full = counters.queue_full.saturating_add(lost.queue_full);
+        if self.stream.source() == Some(Source::Converter) {
+            self.stream.lose(lost.all());
         }
     }
 
@@ -166,7 +178,8 @@ impl<'a> Device<'a> {
     pub fn tick(&mut self, now_us: u64, board: &mut impl Board) {
         self.stream.tick();
         if self.stream.source().is_some() && now_us.saturating_sub(self.status_at_us) >= STATUS_US {
-            (self.status_at_us, self.outgoing.status) = (now_us, true);
+            self.status_at_us = now_us;
+            self.outgoing.ask(Due::Status);
         }
         if let Some(test) = &self.test
             && let Some(result) = test.result(now_us)
@@ -222,9 +235,9 @@ impl<'a> Device<'a> {
     fn hello(&mut self, sequence: u32, ours: bool) {
         (self.host, self.last, self.heard) = (Some(ours), None, Some(sequence));
         self.outgoing = Outgoing::new();
-        self.outgoing.hello = true;
+        self.outgoing.ask(Due::Hello);
         if ours {
-            self.outgoing.settings = true;
+            self.outgoing.ask(Due::Settings);
             self.answer(sequence, Ok(Done::Carried));
         } else {
             self.answer(sequence, Err(Refusal::Schema(wire::SCHEMA)));
@@ -267,23 +280,20 @@ impl<'a> Device<'a> {
         frame: &'f mut [u8; FRAME_MAX],
     ) -> Option<&'f [u8]> {
         let head = Head { sequence: self.sequence, time_us: now_us };
-        let sent = if self.outgoing.hello {
-            self.outgoing.hello = false;
+        let sent = if self.outgoing.take(Due::Hello) {
             wire::encode(head, &ToHost::Hello(self.introduction()), frame)
-        } else if self.outgoing.settings && self.settings_are_next() {
-            self.outgoing.settings = false;
+        } else if self.outgoing.is_due(Due::Settings) && self.settings_are_next() {
+            self.outgoing.take(Due::Settings);
             let settings =
                 ToHost::Settings { generation: self.stream.generation, settings: self.settings };
             wire::encode(head, &settings, frame)
         } else if let Some(answer) = self.outgoing.next_answer() {
             wire::encode(head, &ToHost::Answer(answer), frame)
-        } else if let Some((rows, from)) = self.stream.blocks.next() {
-            rows.encode(from, self.sequence, frame).map(|(bytes, held)| {
-                self.stream.blocks.sent(held);
-                bytes
-            })
-        } else if self.outgoing.status {
-            self.outgoing.status = false;
+        } else if let Some(rows) = self.stream.blocks.next() {
+            let sent = rows.encode(self.sequence, frame);
+            self.stream.blocks.sent();
+            sent
+        } else if self.outgoing.take(Due::Status) {
             wire::encode(head, &ToHost::Status(self.status()), frame)
         } else if self.host == Some(true) && log.is_waiting() {
             let mut piece = [0; LOG_PIECE];
@@ -300,7 +310,7 @@ impl<'a> Device<'a> {
     /// Blocks of older settings go before the new ones, so that a host always has those of the block it hears.
     fn settings_are_next(&mut self) -> bool {
         let generation = self.stream.generation;
-        self.stream.blocks.next().is_none_or(|(rows, _)| rows.generation == generation)
+        self.stream.blocks.next().is_none_or(|rows| rows.generation == generation)
     }
 
     /// What to do now that everything was sent, if the host asked for it.

@@ -1,16 +1,16 @@
 //! From samples to blocks of rows.
 
-use heapless::Deque;
+use heapless::{Deque, Vec};
 use shared::pipeline::{Config, Counters, GAUGES, Pipeline};
-use shared::wire::{BLOCK_ROWS, CodingError, Column, Inject, REFERENCE_TEMPERATURE, Source, Start};
+use shared::wire::{self, CodingError, INJECT_ROWS, Inject, REFERENCE_TEMPERATURE, Source, Start};
 
 use crate::blocks::Blocks;
 
 /// Injected rows that may wait for the filter.
-pub const INJECTED_ROWS: usize = 2 * BLOCK_ROWS;
+pub const INJECTED_ROWS: usize = 2 * INJECT_ROWS;
 
 /// A block of live rows is sent when it spans this, µs, even if more rows would fit.
-const SPAN_US: u64 = 12_000;
+const SPAN_US: u32 = 20_000;
 
 /// A conversion of all gauges.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,7 +35,7 @@ pub struct Lost {
 }
 
 impl Lost {
-    fn all(self) -> u64 {
+    pub(crate) fn all(self) -> u64 {
         u64::from(self.missed)
             .saturating_add(u64::from(self.damaged))
             .saturating_add(u64::from(self.queue_full))
@@ -49,9 +49,15 @@ pub(crate) struct Stream<'a> {
     pub(crate) blocks: &'a mut Blocks,
     injected: Deque<([i32; GAUGES], Option<i16>), INJECTED_ROWS>,
     on: Option<Start>,
-    next_row: u64,
-    /// Device time of the last row, µs.
+    /// Of what comes next, 2^-8 °C, and what is taken for it where there is no sensor.
+    temperature: Option<i16>,
+    used_temperature: i16,
+    /// Device time of the last row before the block that is filled, µs.
     last_us: u64,
+    /// Number of the first row of the block that is filled.
+    first: u64,
+    /// A block is sent when it spans this, µs.
+    span_us: u32,
     /// Rows in the block at the last tick.
     seen_waiting: usize,
     pub(crate) generation: u32,
@@ -66,8 +72,11 @@ impl<'a> Stream<'a> {
             blocks,
             injected: Deque::new(),
             on: None,
-            next_row: 0,
+            temperature: None,
+            used_temperature: REFERENCE_TEMPERATURE,
             last_us: 0,
+            first: 0,
+            span_us: 0,
             seen_waiting: 0,
             generation: 0,
             link_full: 0,
@@ -78,7 +87,8 @@ impl<'a> Stream<'a> {
         self.pipeline = Pipeline::new(config);
         self.blocks.clear();
         self.injected.clear();
-        (self.on, self.next_row, self.last_us, self.seen_waiting) = (Some(start), 0, 0, 0);
+        (self.on, self.first, self.seen_waiting) = (Some(start), 0, 0);
+        self.span_us = if start.source == Source::Converter { SPAN_US } else { u32::MAX };
     }
 
     pub(crate) fn stop(&mut self) {
@@ -90,8 +100,9 @@ impl<'a> Stream<'a> {
         self.on.map(|start| start.source)
     }
 
+    /// Rows since the start, lost ones too.
     pub(crate) fn rows(&self) -> u64 {
-        self.next_row
+        self.first.saturating_add(self.blocks.filled() as u64)
     }
 
     pub(crate) fn gauges(&self) -> [Counters; GAUGES] {
@@ -102,15 +113,10 @@ impl<'a> Stream<'a> {
         &mut self.pipeline
     }
 
-    /// A sample of the converter, at a temperature.
-    #[inline]
-    pub(crate) fn sample(&mut self, sample: &Sample, temperature: Option<i16>) {
-        if sample.lost != Lost::default() {
-            // A block has no gaps.
-            self.close();
-            self.next_row = self.next_row.saturating_add(sample.lost.all());
-        }
-        self.row(sample.time_us, sample.counts, temperature);
+    /// Rows that are lost before the next one. A block has no gaps.
+    pub(crate) fn lose(&mut self, rows: u64) {
+        self.close();
+        self.first = self.first.saturating_add(rows);
     }
 
     /// Takes injected rows into the queue: how many found room, how many did not.
@@ -118,26 +124,25 @@ impl<'a> Stream<'a> {
     /// # Errors
     /// [`CodingError`] if they cannot be read; then none is taken.
     pub(crate) fn inject(&mut self, inject: &Inject<'_>) -> Result<(u8, u8), CodingError> {
-        let rows = usize::from(inject.rows);
-        let (counts, left) = Column::<GAUGES>::unpack(inject.counts, rows)?;
-        if !left.is_empty() {
-            return Err(CodingError::Length);
+        let mut rows = Vec::<_, INJECT_ROWS>::new();
+        for counts in wire::unpack(inject.counts) {
+            rows.push(counts?).map_err(|_| CodingError)?;
         }
-        let mut taken = 0_u8;
-        for counts in counts.iter().take(rows) {
-            if self.injected.push_back((counts, inject.temperature)).is_ok() {
-                taken = taken.saturating_add(1);
+        let (mut taken, mut lost) = (0_u8, 0_u8);
+        for counts in rows {
+            match self.injected.push_back((counts, inject.temperature)) {
+                Ok(()) => taken = taken.saturating_add(1),
+                Err(_) => lost = lost.saturating_add(1),
             }
         }
-        Ok((taken, inject.rows.saturating_sub(taken)))
+        Ok((taken, lost))
     }
 
     /// Numbers go on where injected rows found no room. They are lost behind those that wait, so those come first.
     pub(crate) fn skip(&mut self, rows: u8) {
         if rows > 0 {
             while self.injected() {}
-            self.close();
-            self.next_row = self.next_row.saturating_add(u64::from(rows));
+            self.lose(rows.into());
         }
     }
 
@@ -150,46 +155,77 @@ impl<'a> Stream<'a> {
     pub(crate) fn injected(&mut self) -> bool {
         let Some(Source::Link { interval_ns }) = self.source() else { return false };
         let Some((counts, temperature)) = self.injected.pop_front() else { return false };
-        let time_us = self.next_row.saturating_mul(u64::from(interval_ns)) / 1_000;
-        self.row(time_us, counts, temperature);
+        let time_us = self.rows().saturating_mul(u64::from(interval_ns)) / 1_000;
+        self.set_temperature(temperature);
+        self.row(&counts, time_us);
+        if self.injected.is_empty() {
+            self.close();
+        }
         true
     }
 
-    fn row(&mut self, time_us: u64, counts: [i32; GAUGES], temperature: Option<i16>) {
-        let Some(Start { columns, source }) = self.on else { return };
-        let used = temperature.unwrap_or(REFERENCE_TEMPERATURE);
-        self.pipeline.process(&counts, used);
-        let mut rows = self.blocks.filling();
-        if rows.temperature != temperature {
-            // A block has one temperature.
+    /// What comes next is of another temperature, 2^-8 °C; none without a sensor. A block has one temperature.
+    pub(crate) fn set_temperature(&mut self, temperature: Option<i16>) {
+        if temperature != self.temperature {
             self.close();
+            self.temperature = temperature;
+        }
+        self.used_temperature = temperature.unwrap_or(REFERENCE_TEMPERATURE);
+    }
+
+    /// A row of counts, while the stream is on.
+    #[inline(never)]
+    pub(crate) fn row(&mut self, counts: &[i32; GAUGES], time_us: u64) {
+        self.pipeline.process(counts, self.used_temperature);
+        let mut rows = self.blocks.filling();
+        if rows.is_empty() {
+            self.begin(time_us);
             rows = self.blocks.filling();
         }
-        if rows.is_empty() {
-            rows.begin(columns, self.next_row, time_us, self.last_us);
-            (rows.generation, rows.temperature) = (self.generation, temperature);
+        if !rows.push(time_us, counts, &self.pipeline) {
+            return self.push_into_next(time_us, counts);
         }
-        self.last_us = time_us;
-        rows.push(time_us, counts, &self.pipeline);
-        self.next_row = self.next_row.wrapping_add(1);
-        let late = source == Source::Converter && rows.span_us() >= SPAN_US;
-        if rows.is_full() || late {
+        if rows.span_us() >= self.span_us {
             self.close();
         }
     }
 
+    /// A block that a row does not fit into is sent; the next one has room for any row.
+    #[cold]
+    #[inline(never)]
+    fn push_into_next(&mut self, time_us: u64, counts: &[i32; GAUGES]) {
+        self.begin(time_us);
+        let _ = self.blocks.filling().push(time_us, counts, &self.pipeline);
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn begin(&mut self, time_us: u64) {
+        self.close();
+        let Some(start) = self.on else { return };
+        let rows = self.blocks.filling();
+        rows.begin(start.columns, self.first, time_us, self.last_us);
+        (rows.generation, rows.temperature) = (self.generation, self.temperature);
+    }
+
     /// Sends what waits; without room it is lost and counted.
+    #[cold]
+    #[inline(never)]
     pub(crate) fn close(&mut self) {
-        let lost = self.blocks.close();
-        self.link_full = self.link_full.saturating_add(lost as u32);
+        if self.blocks.filled() > 0 {
+            self.first = self.rows();
+            self.last_us = self.blocks.filling().last_us();
+            let lost = self.blocks.close();
+            self.link_full = self.link_full.saturating_add(lost as u32);
+        }
     }
 
     /// Rows that nothing follows are not kept waiting for long.
     pub(crate) fn tick(&mut self) {
-        let waiting = self.blocks.filling().len();
+        let waiting = self.blocks.filled();
         if waiting > 0 && waiting == self.seen_waiting {
             self.close();
         }
-        self.seen_waiting = self.blocks.filling().len();
+        self.seen_waiting = self.blocks.filled();
     }
 }

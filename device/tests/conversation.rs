@@ -5,8 +5,8 @@ use proptest::prelude::*;
 use shared::calibration::Sheet;
 use shared::pipeline::{GAUGES, Pipeline};
 use shared::wire::{
-    self, Accumulated, Accumulator, BLOCK_ROWS, ClockSource, Column, Columns, ConverterFault, Done,
-    FRAME_MAX, Head, HelloToDevice, Inject, Oversampling, Refusal, ResetCause, Row, Rows, SCHEMA,
+    self, Accumulated, Accumulator, ClockSource, Columns, ConverterFault, Done, FRAME_MAX, Head,
+    HelloToDevice, INJECT_ROWS, Inject, Oversampling, Refusal, ResetCause, Row, Rows, SCHEMA,
     Settings, Source, Start, Status, StoreFault, ToDevice, ToHost,
 };
 
@@ -127,7 +127,7 @@ impl Host {
                             let (generation, settings) = self.settings.unwrap();
                             assert_eq!(generation, block.generation, "told before its first block");
                             let calibration = settings.config(1e-3).unwrap().calibration;
-                            self.generations.extend((0..block.rows).map(|_| generation));
+                            self.generations.extend((0..rows.len()).map(|_| generation));
                             self.rows.extend(rows.iter(&calibration));
                         }
                         ToHost::Log(_) => unreachable!("nothing is logged here"),
@@ -144,7 +144,7 @@ impl Host {
     fn inject(&mut self, rows: &[[i32; GAUGES]]) -> Result<Done, Refusal> {
         let mut room = [0; 300];
         let counts = packed(rows, &mut room);
-        self.say(&ToDevice::Inject(Inject { rows: rows.len() as u8, temperature: None, counts }))
+        self.say(&ToDevice::Inject(Inject { temperature: None, counts }))
     }
 
     fn sample(&mut self, counts: [i32; GAUGES], lost: Lost) {
@@ -159,11 +159,7 @@ impl Host {
 }
 
 fn packed<'b>(rows: &[[i32; GAUGES]], room: &'b mut [u8]) -> &'b [u8] {
-    let mut column = Column::new();
-    for (at, row) in rows.iter().enumerate() {
-        if at == 0 { column.begin(*row) } else { column.set(at, *row) }
-    }
-    column.pack(0..rows.len(), room).unwrap().0
+    wire::pack(rows, room).unwrap()
 }
 
 const LINK: Source = Source::Link { interval_ns: 5_000_000 };
@@ -204,7 +200,7 @@ fn injected_rows_come_back_as_the_pipeline_makes_them_bit_for_bit() {
     let config = Settings::DEFAULT.config(0.005).unwrap();
     let mut pipeline = Pipeline::new(&config);
     let rows: Vec<_> = (0..600).map(press).collect();
-    for chunk in rows.chunks(BLOCK_ROWS) {
+    for chunk in rows.chunks(INJECT_ROWS) {
         assert!(matches!(host.inject(chunk), Ok(Done::Injected { lost: 0, .. })));
         while host.device.process_injected() {}
     }
@@ -234,7 +230,7 @@ fn in_a_flood_what_was_sent_is_what_came_back_and_what_was_counted() {
     host.start(LINK);
     let mut sent = 0;
     for i in 0..50 {
-        let rows = vec![press(i); BLOCK_ROWS];
+        let rows = vec![press(i); INJECT_ROWS];
         host.inject(&rows).unwrap();
         sent += rows.len();
         if i % 7 == 0 {
@@ -282,9 +278,8 @@ fn what_the_interrupt_lost_is_a_gap_in_the_numbers_and_counted_by_cause() {
 #[test]
 fn rows_that_nothing_follows_are_sent_soon() {
     let mut host = Host::introduced();
-    host.start(LINK);
-    host.inject(&[press(0)]).unwrap();
-    while host.device.process_injected() {}
+    host.start(Source::Converter);
+    host.sample(press(0), Lost::default());
     host.hear();
     assert!(host.rows.is_empty());
     for _ in 0..2 {
@@ -295,6 +290,16 @@ fn rows_that_nothing_follows_are_sent_soon() {
 }
 
 #[test]
+fn injected_rows_are_sent_when_no_more_wait() {
+    let mut host = Host::introduced();
+    host.start(LINK);
+    host.inject(&[press(0); 2]).unwrap();
+    while host.device.process_injected() {}
+    host.hear();
+    assert_eq!(host.rows.len(), 2);
+}
+
+#[test]
 fn a_command_that_comes_again_is_answered_again_and_not_carried_out_again() {
     let mut host = Host::introduced();
     host.start(LINK);
@@ -302,7 +307,7 @@ fn a_command_that_comes_again_is_answered_again_and_not_carried_out_again() {
     let (again, said) = (host.sequence, host.answers.len());
     let mut room = [0; 100];
     let counts = packed(&[press(0); 3], &mut room);
-    host.send(again, &ToDevice::Inject(Inject { rows: 3, temperature: None, counts }));
+    host.send(again, &ToDevice::Inject(Inject { temperature: None, counts }));
     host.hear();
     assert_eq!(host.answers.len(), said + 1);
     assert_eq!(host.answers[said], host.answers[said - 1]);

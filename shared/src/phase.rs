@@ -169,11 +169,21 @@ impl State {
     /// Takes one sample: motion and signal in the units of the thresholds, and the filter's latent part.
     #[inline]
     pub fn step(&mut self, config: &Config, motion: i32, signal: i32, latent: i32) -> Phase {
-        self.phase.entered_samples_ago = None;
-        if self.average.add(motion, signal) {
-            self.look(config, latent);
-        }
+        self.advance(config, motion, signal, latent);
         self.phase
+    }
+
+    /// As [`Self::step`]; whether region or type of relaxation changed.
+    #[inline(always)]
+    pub(crate) fn advance(
+        &mut self,
+        config: &Config,
+        motion: i32,
+        signal: i32,
+        latent: i32,
+    ) -> bool {
+        self.phase.entered_samples_ago = None;
+        self.average.add(motion, signal) && self.look(config, latent)
     }
 
     /// What is known after the last sample.
@@ -182,9 +192,9 @@ impl State {
         self.phase
     }
 
-    /// Looks for a boundary in the mean of the samples since the last one.
+    /// Looks for a boundary in the mean of the samples since the last one; whether region or type of relaxation changed.
     #[inline(never)]
-    fn look(&mut self, config: &Config, latent: i32) {
+    fn look(&mut self, config: &Config, latent: i32) -> bool {
         let mean = self.average.mean();
         self.average = config.average;
         self.last = self.last.wrapping_add(mean.samples);
@@ -194,17 +204,21 @@ impl State {
         }
         self.motion.step(config, mean.motion, self.now);
         self.contact.step(config, &mean, self.now);
-        self.phase.relaxation = RelaxationType::of(latent, config.latent_dead_band);
+        let relaxation = RelaxationType::of(latent, config.latent_dead_band);
+        let relaxes_otherwise = relaxation != self.phase.relaxation;
+        self.phase.relaxation = relaxation;
         if self.phase.relaxation != RelaxationType::None {
             self.unsettled_at = self.now;
         }
-        if let Some((region, since)) = self.next(config, mean.signal) {
+        let next = self.next(config, mean.signal);
+        if let Some((region, since)) = next {
             let ago = self.enter(region, since);
             if region == Region::Loading {
                 (self.peak, self.peak_at) = (mean.signal, self.now);
             }
             self.phase.entered_samples_ago = Some(ago.saturating_add(mean.samples / 2));
         }
+        relaxes_otherwise || next.is_some()
     }
 
     /// Enters a region, not before the last one; returns how long ago.

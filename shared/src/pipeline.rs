@@ -87,10 +87,20 @@ pub struct Pipeline {
     channels: [Channel; GAUGES],
     config: Config,
     samples: u32,
+    news: News,
     /// Of the last sample, if it came as counts.
     counts: Option<[i32; GAUGES]>,
     /// Of the conversions, 2^-8 °C.
     temperature: i16,
+}
+
+/// Whether region, relaxation or flags of any gauge may be others than a sample before.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct News {
+    /// At the last sample.
+    now: bool,
+    /// At the next one in any case, because there were flags, which hold for one sample, or the regions begin again.
+    next: bool,
 }
 
 /// One gauge. All that a sample needs lies side by side, with coefficients of its own: on the device that saves a tenth.
@@ -117,7 +127,14 @@ impl Pipeline {
             flags: Flags::NONE,
             counters: Counters::default(),
         });
-        Self { config: *config, channels, samples: 0, counts: None, temperature }
+        Self {
+            config: *config,
+            channels,
+            samples: 0,
+            news: News { now: true, next: true },
+            counts: None,
+            temperature,
+        }
     }
 
     /// Takes one sample of every gauge (counts, 24 bits) and the temperature (2^-8 °C). The elastic input of each gauge
@@ -152,6 +169,13 @@ impl Pipeline {
     pub fn outputs(&self) -> [Output; GAUGES] {
         let [a, b, c, d] = &self.channels;
         [a.output(), b.output(), c.output(), d.output()]
+    }
+
+    /// Whether at the last sample a region was found, or region, relaxation or flags of any gauge may be others than before.
+    #[inline(always)]
+    #[must_use]
+    pub const fn is_news(&self) -> bool {
+        self.news.now
     }
 
     /// How many samples were taken since the start; stops at the largest `u32`.
@@ -215,6 +239,7 @@ impl Pipeline {
     #[cold]
     fn read_anew(&mut self) {
         let Some(counts) = self.counts else { return };
+        self.news.next = true;
         for (channel, counts) in self.channels.iter_mut().zip(counts) {
             channel.rest_at(channel.conversion.apply(counts).strain, None);
         }
@@ -225,15 +250,20 @@ impl Pipeline {
         &mut self,
         raw: &[i32; GAUGES],
         motion: Option<i32>,
-        strain: impl Fn(&mut Channel, i32) -> i32,
+        strain: impl Fn(&mut Channel, i32, &mut News) -> i32,
     ) {
         self.samples = self.samples.saturating_add(1);
+        self.news.now = self.news.next;
+        if self.news.next {
+            self.news.next = false;
+            self.channels.iter_mut().for_each(Channel::forget_flags);
+        }
         let [a, b, c, d] = &mut self.channels;
         let [p, q, r, s] = *raw;
-        let phase = &self.config.phase;
-        let step = |channel: &mut Channel, raw| {
-            let strain = strain(channel, raw);
-            channel.step(phase, strain, motion);
+        let (phase, news) = (&self.config.phase, &mut self.news);
+        let mut step = |channel: &mut Channel, raw| {
+            let strain = strain(channel, raw, news);
+            channel.step(phase, strain, motion, news);
         };
         step(a, p);
         step(b, q);
@@ -245,41 +275,49 @@ impl Pipeline {
 impl Channel {
     /// Counts → strain.
     #[inline(always)]
-    fn calibrate(&mut self, counts: i32) -> i32 {
-        self.flags = Flags::NONE;
+    fn calibrate(&mut self, counts: i32, news: &mut News) -> i32 {
         self.conversion.ordinary(counts).unwrap_or_else(|| {
             let Calibrated { strain, flags } = self.conversion.limited(counts);
-            self.warn(flags);
+            self.warn(flags, news);
             strain
         })
     }
 
     /// Strain → strain of 24 bits.
     #[inline(always)]
-    fn admit(&mut self, wide: i32) -> i32 {
-        self.flags = Flags::NONE;
+    fn admit(&mut self, wide: i32, news: &mut News) -> i32 {
         let strain = saturate_to_24_bits(i64::from(wide));
         if strain != wide {
-            self.warn(Flags::STRAIN_SATURATED);
+            self.warn(Flags::STRAIN_SATURATED, news);
         }
         strain
     }
 
     /// Strain of 24 bits → everything else.
     #[inline(always)]
-    fn step(&mut self, phase: &phase::Config, strain: i32, motion: Option<i32>) {
+    fn step(&mut self, phase: &phase::Config, strain: i32, motion: Option<i32>, news: &mut News) {
         if self.adaptation.advance(&self.relaxation, strain) {
-            self.warn(Flags::FILTER_SATURATED);
+            self.warn(Flags::FILTER_SATURATED, news);
         }
         let split = self.adaptation.output(&self.relaxation);
-        self.phase.step(phase, motion.unwrap_or(split.elastic), strain, split.latent());
+        let motion = motion.unwrap_or(split.elastic);
+        if self.phase.advance(phase, motion, strain, split.latent()) {
+            news.now = true;
+        }
     }
 
     #[cold]
     #[inline(never)]
-    fn warn(&mut self, flags: Flags) {
+    fn warn(&mut self, flags: Flags, news: &mut News) {
+        *news = News { now: true, next: true };
         self.flags = self.flags | flags;
         self.counters.count(flags);
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn forget_flags(&mut self) {
+        self.flags = Flags::NONE;
     }
 
     /// Takes a strain for settled; the regions begin at rest.

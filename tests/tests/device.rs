@@ -10,7 +10,7 @@ use palpate::recording::{Entry, Gap, Note, Reader};
 use palpate_tests::device::{self, Checked, Foreign};
 use palpate_tests::palpate;
 use serde_json::Value;
-use shared::wire::{Source, ToHost};
+use shared::wire::{Rows, Source, ToHost};
 
 /// `palpate device simulate` as a process, at a path that stays the same.
 struct Simulated {
@@ -322,7 +322,9 @@ fn contents(file: &Path) -> (u64, Vec<Gap>, bool) {
     let (mut rows, mut gaps) = (0, Vec::new());
     while let Some(entry) = reader.next_entry().unwrap() {
         match entry {
-            Entry::Frame { message: ToHost::Samples(block), .. } => rows += u64::from(block.rows),
+            Entry::Frame { head, message: ToHost::Samples(block), .. } => {
+                rows += Rows::decode(head, &block).unwrap().len() as u64;
+            }
             Entry::Note { note: Note::Gap(gap), .. } => gaps.push(gap),
             _ => {}
         }

@@ -67,9 +67,9 @@ fn rivals() {
 fn decomposition(config: &adaptation::Config) {
     // As the pipeline holds them: side by side.
     let mut channels = [(*config, adaptation::State::at_rest(0)); GAUGES];
-    report("decomposition", |counts| {
+    report("decomposition", press, |counts| {
         for ((config, state), signal) in channels.iter_mut().zip(counts) {
-            black_box(state.step(config, signal));
+            black_box(state.step(config, *signal));
         }
     });
 }
@@ -77,8 +77,8 @@ fn decomposition(config: &adaptation::Config) {
 #[inline(never)]
 fn pipeline(config: &Config) {
     let mut pipeline = Pipeline::new(config);
-    report("calibration, decomposition, regions", |counts| {
-        pipeline.process(&counts, 25 * 256);
+    report("calibration, decomposition, regions", press, |counts| {
+        pipeline.process(counts, 25 * 256);
         black_box(&pipeline);
     });
 }
@@ -95,12 +95,14 @@ fn everything(settings: &(Settings, Config)) {
     let start = Start { source: Source::Converter, columns: wire::Columns::Parts };
     say(device, 2, &ToDevice::Start(start));
     let mut frame = [0; FRAME_MAX];
-    let mut time_us = 0;
     let mut sent = 0;
-    report("whole pipeline with framing", |counts| {
-        time_us += 1_024;
-        device.sample(&Sample { time_us, counts, lost: Lost::default() });
-        while let Some(bytes) = device.next_frame(time_us, &mut (), &mut frame) {
+    let sample = |number| {
+        let time_us = u64::from(number) * 1_024;
+        Sample { time_us, counts: press(number), lost: Lost::default() }
+    };
+    report("whole pipeline with framing", sample, |sample| {
+        device.sample(sample);
+        while let Some(bytes) = device.next_frame(sample.time_us, &mut (), &mut frame) {
             sent += black_box(bytes).len();
         }
     });
@@ -110,9 +112,9 @@ fn everything(settings: &(Settings, Config)) {
 /// A filter of others in the same loop.
 fn rival<F: SplitProcess<i32, i32, S>, S>(name: &str, filter: &F, state: impl Fn() -> S) {
     let mut states = [state(), state(), state(), state()];
-    report(name, |counts| {
+    report(name, press, |counts| {
         for (state, signal) in states.iter_mut().zip(counts) {
-            black_box(filter.process(state, signal));
+            black_box(filter.process(state, *signal));
         }
     });
 }
@@ -125,13 +127,13 @@ fn press(sample: u32) -> [i32; GAUGES] {
     [up * 1_000 + noise, up * 700 - noise, up * 400 + noise / 2, noise - up * 100]
 }
 
-/// Prints instructions per gauge and sample.
-fn report(name: &str, mut step: impl FnMut([i32; GAUGES])) {
+/// Prints instructions per gauge and sample of a step; what it is given is made beforehand.
+fn report<T>(name: &str, given: impl Fn(u32) -> T, mut step: impl FnMut(&T)) {
     let mut ticks = 0;
     for sample in 0..BEFORE + SAMPLES {
-        let counts = black_box(press(sample));
+        let given = black_box(given(sample));
         let before = SYST::get_current();
-        step(counts);
+        step(&given);
         // It counts down, 24 bits.
         let took = before.wrapping_sub(SYST::get_current()) & 0x00ff_ffff;
         if sample >= BEFORE {

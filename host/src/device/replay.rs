@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use shared::pipeline::GAUGES;
 use shared::wire::{
-    BLOCK_ROWS, Column, Columns, Done, FRAME_MAX, FrameError, Inject, Row, Source, Start, Status,
+    self, Columns, Done, FRAME_MAX, FrameError, INJECT_ROWS, Inject, Row, Source, Start, Status,
     ToDevice,
 };
 
@@ -13,7 +13,7 @@ use super::session::{LinkError, Session};
 use super::stream::{Stream, Tally};
 
 /// Rows that a device can take without being asked for its room, if they have all been heard.
-const UNDER_WAY: u64 = 2 * BLOCK_ROWS as u64;
+const UNDER_WAY: u64 = 2 * INJECT_ROWS as u64;
 /// Rows that are not heard after so long are lost.
 const PATIENCE: Duration = Duration::from_millis(500);
 
@@ -45,8 +45,8 @@ pub fn replay(
     let start = Start { source: Source::Link { interval_ns }, columns };
     session.command(&ToDevice::Start(start))?;
     let mut hearing = Hearing { stream: Stream::default(), rows: Vec::new() };
-    let (mut sent, mut room) = (0_u64, BLOCK_ROWS);
-    for rows in counts.chunks(BLOCK_ROWS) {
+    let (mut sent, mut room) = (0_u64, INJECT_ROWS);
+    for rows in counts.chunks(INJECT_ROWS) {
         hearing.until(session, Duration::ZERO, |_| false)?;
         if room < rows.len() {
             let few = UNDER_WAY - rows.len() as u64;
@@ -63,7 +63,7 @@ pub fn replay(
     Ok(Replayed { rows: hearing.rows, tally: *hearing.stream.tally(), status })
 }
 
-/// Sends a few rows, 1 to [`BLOCK_ROWS`]; how many found room, and how many would next.
+/// Sends a few rows, 1 to [`INJECT_ROWS`]; how many found room, and how many would next.
 ///
 /// # Errors
 /// [`LinkError`].
@@ -79,7 +79,7 @@ pub fn inject(
     }
 }
 
-/// The message that carries a few rows, 1 to [`BLOCK_ROWS`].
+/// The message that carries a few rows, 1 to [`INJECT_ROWS`].
 ///
 /// # Errors
 /// [`LinkError::TooLong`].
@@ -88,15 +88,8 @@ pub fn message<'b>(
     temperature: Option<i16>,
     packed: &'b mut [u8; FRAME_MAX],
 ) -> Result<Inject<'b>, LinkError> {
-    let mut column = Column::<GAUGES>::new();
-    if let Some(first) = rows.first() {
-        column.begin(*first);
-    }
-    for (at, row) in rows.iter().enumerate().skip(1) {
-        column.set(at, *row);
-    }
-    let (counts, _) = column.pack(0..rows.len(), packed).ok_or(FrameError::TooLong)?;
-    Ok(Inject { rows: rows.len() as u8, temperature, counts })
+    let counts = wire::pack(rows, packed).ok_or(FrameError::TooLong)?;
+    Ok(Inject { temperature, counts })
 }
 
 /// What comes back.

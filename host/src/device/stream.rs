@@ -142,7 +142,7 @@ mod tests {
         rows.generation = generation;
         for row in first..first + count {
             pipeline.process(&[1; 4], 0);
-            rows.push(row * 1_000, [1; 4], &pipeline);
+            assert!(rows.push(row * 1_000, &[1; 4], &pipeline));
         }
         Said::Rows(Box::new(rows))
     }

@@ -111,9 +111,7 @@ impl Clock {
         self.row = block.first;
         match (self.source, Rows::decode(head, block)) {
             // A block is sent with its last row, not with its first.
-            (Some(Source::Converter), Ok(rows)) => {
-                self.anchor(rows.time_us.saturating_add(rows.span_us()), host_us)
-            }
+            (Some(Source::Converter), Ok(rows)) => self.anchor(rows.last_us(), host_us),
             _ => false,
         }
     }

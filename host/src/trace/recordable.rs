@@ -205,15 +205,15 @@ impl<W: Write> Device<W> {
         counts: [i32; GAUGES],
         temperature: Option<i16>,
     ) -> io::Result<()> {
-        if self.rows.is_full() || number != self.next {
+        self.pipeline.process(&counts, temperature.unwrap_or(0));
+        let goes_on = !self.rows.is_empty() && number == self.next;
+        if !(goes_on && self.rows.push(time_us, &counts, &self.pipeline)) {
             self.send_rows()?;
-        }
-        if self.rows.is_empty() {
             self.rows.begin(Columns::All, number, time_us, self.now_us);
             (self.rows.generation, self.rows.temperature) = (1, temperature);
+            // The first row of a block always fits.
+            let _ = self.rows.push(time_us, &counts, &self.pipeline);
         }
-        self.pipeline.process(&counts, temperature.unwrap_or(0));
-        self.rows.push(time_us, counts, &self.pipeline);
         (self.next, self.now_us) = (number + 1, time_us);
         if time_us >= self.status_us {
             self.status_us = time_us + STATUS_US;
@@ -223,18 +223,15 @@ impl<W: Write> Device<W> {
         Ok(())
     }
 
-    /// Sends the rows that wait, in as many frames as they need.
+    /// Sends the rows that wait.
     fn send_rows(&mut self) -> io::Result<()> {
-        let mut from = 0;
-        while from < self.rows.len() {
+        if !self.rows.is_empty() {
             let mut frame = [0; FRAME_MAX];
-            let encoded = self.rows.encode(from, self.sequence, &mut frame);
-            let (bytes, held) = encoded.map_err(io::Error::other)?;
+            let bytes = self.rows.encode(self.sequence, &mut frame).map_err(io::Error::other)?;
             self.sequence = self.sequence.wrapping_add(1);
             self.writer.frame(self.now_us, &bytes[..bytes.len() - 1])?;
-            from += held;
+            self.rows.clear();
         }
-        self.rows.begin(Columns::All, 0, 0, 0);
         Ok(())
     }
 

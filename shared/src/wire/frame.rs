@@ -2,9 +2,10 @@
 
 use core::fmt;
 
-use crc::{CRC_32_ISO_HDLC, Crc, Table};
 use serde::{Deserialize, Serialize};
 
+use super::check::Check;
+use super::stuffing::Stuffed;
 use super::{Introduction, VERSION};
 
 /// Bytes of the head.
@@ -16,8 +17,6 @@ pub const MAX_CONTENT: usize = 254;
 /// Most bytes of a frame on the line: code byte, content, zero byte.
 pub const FRAME_MAX: usize = MAX_CONTENT + 2;
 
-const CRC: Crc<u32, Table<1>> = Crc::<u32, Table<1>>::new(&CRC_32_ISO_HDLC);
-
 /// What a frame says about its message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub struct Head {
@@ -25,6 +24,15 @@ pub struct Head {
     pub sequence: u32,
     /// Device time, µs since reset.
     pub time_us: u64,
+}
+
+impl Head {
+    /// As it is sent, for a message of this type.
+    pub(super) const fn bytes(self, kind: u8) -> [u8; HEAD] {
+        let [a, b, c, d] = self.sequence.to_le_bytes();
+        let [e, f, g, h, i, j, k, l] = self.time_us.to_le_bytes();
+        [VERSION, kind, a, b, c, d, e, f, g, h, i, j, k, l]
+    }
 }
 
 /// Why bytes are not a frame, or a message does not fit into one.
@@ -67,69 +75,8 @@ pub fn encode<'f, M: Serialize + ?Sized>(
     message: &M,
     frame: &'f mut [u8; FRAME_MAX],
 ) -> Result<&'f [u8], FrameError> {
-    // The message begins with its type, for which postcard takes one byte; the head takes that byte's place afterwards.
-    let (_, body) = frame.split_at_mut_checked(HEAD).ok_or(FrameError::TooLong)?;
-    let written = postcard::to_slice(message, body).map_err(|_| FrameError::TooLong)?.len();
-    let end = HEAD.saturating_add(written);
-    put_head(frame, head).ok_or(FrameError::TooLong)?;
-    close(frame, end).ok_or(FrameError::TooLong)
-}
-
-/// Bytes of the frame before COBS begin after the code byte.
-fn put_head(frame: &mut [u8; FRAME_MAX], head: Head) -> Option<()> {
-    let kind = *frame.get(HEAD)?;
-    *frame.get_mut(1)? = VERSION;
-    *frame.get_mut(2)? = kind;
-    frame.get_mut(3..7)?.copy_from_slice(&head.sequence.to_le_bytes());
-    frame.get_mut(7..15)?.copy_from_slice(&head.time_us.to_le_bytes());
-    Some(())
-}
-
-/// Adds the CRC, stuffs the bytes in place and ends the frame.
-fn close(frame: &mut [u8; FRAME_MAX], end: usize) -> Option<&[u8]> {
-    let check = CRC.checksum(frame.get(1..end)?);
-    let last = end.saturating_add(CHECK);
-    frame.get_mut(end..last)?.copy_from_slice(&check.to_le_bytes());
-    let sent = frame.get_mut(..=last)?;
-    stuff(sent);
-    Some(sent)
-}
-
-/// COBS in place: the first byte, and every zero after it, becomes the distance to the next; the last byte ends the frame.
-/// Only for up to [`MAX_CONTENT`] bytes between the two, where no further code byte is due.
-fn stuff(sent: &mut [u8]) {
-    let Some(([code, content @ ..], [end])) = sent.split_last_chunk_mut() else { return };
-    *end = 0;
-    let mut distance = 1;
-    let (words, tail) = content.as_chunks_mut::<4>();
-    for byte in tail.iter_mut().rev() {
-        distance = link(byte, distance);
-    }
-    for word in words.iter_mut().rev() {
-        if has_zero(u32::from_le_bytes(*word)) {
-            for byte in word.iter_mut().rev() {
-                distance = link(byte, distance);
-            }
-        } else {
-            distance = distance.wrapping_add(4);
-        }
-    }
-    *code = distance;
-}
-
-/// A zero becomes its distance to the next; returns the distance of the byte before.
-#[inline]
-const fn link(byte: &mut u8, distance: u8) -> u8 {
-    if *byte != 0 {
-        return distance.wrapping_add(1);
-    }
-    *byte = distance;
-    1
-}
-
-/// Whether any of four bytes is zero: only there a borrow reaches the upper bit that was not set.
-const fn has_zero(word: u32) -> bool {
-    word.wrapping_sub(0x0101_0101) & !word & 0x8080_8080 != 0
+    let written = postcard::serialize_with_flavor(message, &mut Stuffed::new(head, frame));
+    written.ok().and_then(|bytes| frame.get(..bytes)).ok_or(FrameError::TooLong)
 }
 
 /// Checks the bytes of a frame, without its zero byte, and decodes them in place: the head, and the message for [`read`].
@@ -140,7 +87,7 @@ pub fn open(bytes: &mut [u8]) -> Result<(Head, &[u8]), FrameError> {
     let length = cobs::decode_in_place(bytes).map_err(|_| FrameError::Shape)?;
     let content = bytes.get_mut(..length).ok_or(FrameError::Shape)?;
     let (covered, check) = content.split_last_chunk_mut::<CHECK>().ok_or(FrameError::Shape)?;
-    if CRC.checksum(covered) != u32::from_le_bytes(*check) {
+    if Check::of(covered) != u32::from_le_bytes(*check) {
         return Err(FrameError::Check);
     }
     let &mut [version, kind, a, b, c, d, ref time @ ..] =
@@ -257,12 +204,7 @@ mod tests {
         let mut plain = frame[..frame.len() - 1].to_vec();
         let length = cobs::decode_in_place(&mut plain).unwrap();
         assert_eq!(plain[..length - 4], [1, 0, 1, 2, 3, 4, 0, 0x10, 0, 0, 0, 0, 0, 0, 7]);
-        assert_eq!(plain[length - 4..length], CRC.checksum(&plain[..length - 4]).to_le_bytes());
-    }
-
-    #[test]
-    fn the_check_value_is_that_of_the_standard() {
-        assert_eq!(CRC.checksum(b"123456789"), 0xcbf4_3926);
+        assert_eq!(plain[length - 4..length], Check::of(&plain[..length - 4]).to_le_bytes());
     }
 
     #[test]
@@ -277,7 +219,7 @@ mod tests {
     #[test]
     fn a_frame_of_another_version_is_refused_by_number() {
         let mut plain = vec![9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 7];
-        plain.extend(CRC.checksum(&plain).to_le_bytes());
+        plain.extend(Check::of(&plain).to_le_bytes());
         let mut frame = vec![0; 40];
         let length = cobs::encode(&plain, &mut frame);
         assert_eq!(decode::<Message>(&mut frame[..length]), Err(FrameError::Version(9)));

@@ -355,14 +355,15 @@ pub struct Start {
     pub columns: Columns,
 }
 
+/// Most rows that are injected at once.
+pub const INJECT_ROWS: usize = 16;
+
 /// Rows of raw counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub struct Inject<'a> {
-    /// How many; at most [`super::BLOCK_ROWS`].
-    pub rows: u8,
     /// Their temperature, 2^-8 °C.
     pub temperature: Option<i16>,
-    /// Counts of four gauges, as [`super::Column`] packs them.
+    /// Counts of at most [`INJECT_ROWS`] rows, as [`super::pack`] packs them.
     #[serde(borrow, with = "serde_bytes")]
     pub counts: &'a [u8],
 }
@@ -453,6 +454,6 @@ mod tests {
     #[test]
     fn the_schema_changes_with_the_messages_and_with_nothing_else() {
         // A change of any message must change this number, and this number must not change without one.
-        assert_eq!(SCHEMA, 0xcb61_051d_a284_e14e, "{SCHEMA:#018x}");
+        assert_eq!(SCHEMA, 0x0f17_4425_efab_2c7a, "{SCHEMA:#018x}");
     }
 }

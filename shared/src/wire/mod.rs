@@ -24,21 +24,24 @@
 //! Every command is answered by one [`Answer`] that carries the sequence number of the command. A command that comes again
 //! with the same number is not carried out again, only its answer is repeated: a host that hears nothing asks again safely.
 
-mod columns;
+mod check;
+mod differences;
 mod frame;
 mod message;
+mod rows;
 mod samples;
 mod settings;
+mod stuffing;
 
-pub use columns::{BLOCK_ROWS, CodingError, Column};
+pub use differences::{CodingError, Gauges, pack, unpack};
 pub use frame::{
     Accumulated, Accumulator, FRAME_MAX, FrameError, HEAD, Head, MAX_CONTENT, decode, encode,
     introduction, open, read,
 };
 pub use message::{
     Answer, ClockSource, Columns, ConverterFault, Counters, Done, Formats, Hello, HelloToDevice,
-    Inject, Introduction, Log, Refusal, ResetCause, SelfTest, Source, Start, Status, StoreFault,
-    ToDevice, ToHost,
+    INJECT_ROWS, Inject, Introduction, Log, Refusal, ResetCause, SelfTest, Source, Start, Status,
+    StoreFault, ToDevice, ToHost,
 };
 pub use samples::{Block, Made, REFERENCE_TEMPERATURE, Row, RowState, Rows};
 pub use settings::{Oversampling, Settings, SettingsError};

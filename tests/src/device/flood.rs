@@ -8,7 +8,7 @@ use palpate::device::line::Line;
 use palpate::device::replay::message;
 use palpate::device::stream::Stream;
 use shared::wire::{
-    BLOCK_ROWS, Columns, Done, FRAME_MAX, Head, HelloToDevice, SCHEMA, Source, Start, Status,
+    Columns, Done, FRAME_MAX, Head, HelloToDevice, INJECT_ROWS, SCHEMA, Source, Start, Status,
     ToDevice, encode,
 };
 
@@ -41,7 +41,7 @@ pub fn check_flooding(port: &Path) -> Checked {
     let source = Source::Link { interval_ns: 1_000_000 };
     host.ask(&ToDevice::Start(Start { source, columns: Columns::All }))?;
     host.stream = Some(Stream::default());
-    let rows = [[1_000_003, -77_777, 123_456, 8_388_607]; BLOCK_ROWS];
+    let rows = [[1_000_003, -77_777, 123_456, 8_388_607]; INJECT_ROWS];
     let mut packed = [0; FRAME_MAX];
     let flood = ToDevice::Inject(message(&rows, None, &mut packed)?);
     let began = Instant::now();
@@ -62,7 +62,7 @@ pub fn check_flooding(port: &Path) -> Checked {
     })?;
     let queue_full = u64::from(last.counters.queue_full - was.queue_full);
     let link_full = u64::from(last.counters.link_full - was.link_full);
-    let reached = host.answered * BLOCK_ROWS as u64;
+    let reached = host.answered * INJECT_ROWS as u64;
     require(host.taken + host.lost == reached && host.lost == queue_full, || {
         format!("of {reached} rows {} taken, {} lost, {queue_full} counted", host.taken, host.lost)
     })?;

@@ -10,7 +10,7 @@ use palpate::device::replay::inject;
 use palpate::device::session::{LinkError, Session};
 use palpate::recording::{Entry, Gap, Note, Reader};
 use shared::pipeline::GAUGES;
-use shared::wire::{BLOCK_ROWS, Columns, Source, Start, ToHost};
+use shared::wire::{Columns, INJECT_ROWS, Rows, Source, Start, ToHost};
 
 use super::{Checked, Report, open, require};
 
@@ -76,7 +76,7 @@ impl Beside for Feed<'_> {
 
     fn command(&mut self, session: &mut Session) -> Result<(), LinkError> {
         if self.inject {
-            inject(session, &[[1_000; GAUGES]; BLOCK_ROWS], None)?;
+            inject(session, &[[1_000; GAUGES]; INJECT_ROWS], None)?;
         }
         Ok(())
     }
@@ -103,11 +103,12 @@ fn contents(file: &Path) -> Result<Contents, Box<dyn Error + Send + Sync>> {
         match entry {
             Entry::Note { note: Note::Gap(gap), .. } => gaps.push(gap),
             Entry::Note { .. } => {}
-            Entry::Frame { message, .. } => {
+            Entry::Frame { head, message, .. } => {
                 hellos += usize::from(matches!(message, ToHost::Hello(_)));
                 if let ToHost::Samples(block) = message {
                     let reset = gaps.contains(&Gap::Reset);
-                    *(if reset { &mut after } else { &mut before }) += usize::from(block.rows);
+                    *(if reset { &mut after } else { &mut before }) +=
+                        Rows::decode(head, &block).map_or(0, |rows| rows.len());
                 }
             }
         }

@@ -7,7 +7,7 @@ use palpate::device::heard::Said;
 use palpate::device::replay::inject;
 use palpate::device::stream::Stream;
 use shared::pipeline::GAUGES;
-use shared::wire::{BLOCK_ROWS, Columns, Source, Start, ToDevice};
+use shared::wire::{Columns, INJECT_ROWS, Source, Start, ToDevice};
 
 use super::{Checked, Report, open, require};
 
@@ -31,10 +31,10 @@ pub fn check_steady_stream(port: &Path, duration: Duration) -> Checked {
     session.command(&ToDevice::Start(start))?;
     let mut stream = Stream::default();
     let began = Instant::now();
-    let blocks = (duration.as_nanos() / u128::from(INTERVAL_NS) / BLOCK_ROWS as u128) as u64;
+    let blocks = (duration.as_nanos() / u128::from(INTERVAL_NS) / INJECT_ROWS as u128) as u64;
     let (mut taken, mut late, mut warm) = (0_u64, Duration::ZERO, None);
     for block in 0..blocks {
-        let due = began + Duration::from_nanos(block * BLOCK_ROWS as u64 * u64::from(INTERVAL_NS));
+        let due = began + Duration::from_nanos(block * INJECT_ROWS as u64 * u64::from(INTERVAL_NS));
         while let Some(heard) = session.hear(due)? {
             stream.take(&heard);
             if let Ok((_, Said::Status(status))) = &heard.said
@@ -44,7 +44,7 @@ pub fn check_steady_stream(port: &Path, duration: Duration) -> Checked {
             }
         }
         let rows: Vec<[i32; GAUGES]> =
-            (0..BLOCK_ROWS as u64).map(|row| press(block * BLOCK_ROWS as u64 + row)).collect();
+            (0..INJECT_ROWS as u64).map(|row| press(block * INJECT_ROWS as u64 + row)).collect();
         taken += u64::from(inject(&mut session, &rows, None)?.0);
         late = late.max(due.elapsed());
     }
@@ -54,7 +54,7 @@ pub fn check_steady_stream(port: &Path, duration: Duration) -> Checked {
     while let Some(heard) = session.hear(Instant::now() + Duration::from_millis(300))? {
         stream.take(&heard);
     }
-    let (tally, sent) = (*stream.tally(), blocks * BLOCK_ROWS as u64);
+    let (tally, sent) = (*stream.tally(), blocks * INJECT_ROWS as u64);
     require(taken == sent && tally.rows == sent, || {
         format!("of {sent} rows {taken} were taken and {} came back: {tally:?}", tally.rows)
     })?;
