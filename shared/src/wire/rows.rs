@@ -109,10 +109,11 @@ impl Coder {
 
     /// Reads a row from the beginning of `bytes`; also gives those behind it.
     pub(super) fn take<'b>(&mut self, bytes: &'b [u8]) -> Result<(Coded, &'b [u8]), CodingError> {
-        let (head, parts, mut left) = self.parts.take(bytes)?;
-        let mut rest = Default::default();
+        let head = bytes.first().ok_or(CodingError)?;
+        let (counts, fa, mut left) = self.parts.take(bytes)?;
+        let (mut elastic, mut equilibrium) = Default::default();
         if self.columns == Columns::All {
-            (_, rest, left) = self.rest.take(left)?;
+            (elastic, equilibrium, left) = self.rest.take(left)?;
         }
         if head & INTERVAL != 0 {
             let code;
@@ -132,6 +133,7 @@ impl Coder {
             }
         }
         let (interval, states) = (self.interval, self.states.unwrap_or_default());
+        let (parts, rest) = ((counts, fa), (elastic, equilibrium));
         Ok((Coded { interval, parts, rest, states, entered }, left))
     }
 }
@@ -180,15 +182,12 @@ impl Pair {
         Some(behind.wrapping_add(length(of_b)).wrapping_add(1))
     }
 
-    /// Also gives the first byte, which has two bits to spare.
-    fn take<'b>(
-        &mut self,
-        bytes: &'b [u8],
-    ) -> Result<(u8, (Gauges, Gauges), &'b [u8]), CodingError> {
+    /// Also gives what is behind them.
+    fn take<'b>(&mut self, bytes: &'b [u8]) -> Result<(Gauges, Gauges, &'b [u8]), CodingError> {
         let (classes, left) = bytes.split_first().ok_or(CodingError)?;
         let (a, left) = self.0.take(classes & 7, left)?;
         let (b, left) = self.1.take(classes >> 3 & 7, left)?;
-        Ok((*classes, (a, b), left))
+        Ok((a, b, left))
     }
 }
 

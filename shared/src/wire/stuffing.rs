@@ -7,7 +7,8 @@ use postcard::ser_flavors::Flavor;
 use super::check::Check;
 use super::frame::{FRAME_MAX, HEAD, Head};
 
-/// Short pieces wait until there are so many bytes.
+/// Longest piece that waits for others, and how many bytes may wait.
+const SHORT: usize = 10;
 const WAITING: usize = 32;
 
 /// A frame that is being written. Postcard writes the message straight into it; its first byte, the type, stands where the
@@ -76,6 +77,20 @@ impl<'f> Stuffed<'f> {
         }
     }
 
+    /// Lets a short piece wait.
+    #[inline(always)]
+    fn wait(&mut self, bytes: &[u8]) -> postcard::Result<()> {
+        if self.waiting_bytes > const { WAITING - SHORT } {
+            self.flush()?;
+        }
+        let places = self.waiting.iter_mut().skip(self.waiting_bytes);
+        for (place, byte) in places.zip(bytes) {
+            *place = *byte;
+        }
+        self.waiting_bytes = self.waiting_bytes.wrapping_add(bytes.len());
+        Ok(())
+    }
+
     /// Puts what waits.
     fn flush(&mut self) -> postcard::Result<()> {
         if let Some(head) = self.head.take()
@@ -129,25 +144,18 @@ impl Flavor for &mut Stuffed<'_> {
     /// How many bytes the frame has.
     type Output = usize;
 
-    #[inline(always)]
+    #[inline(never)]
     fn try_push(&mut self, byte: u8) -> postcard::Result<()> {
-        if self.waiting_bytes >= WAITING {
-            self.flush()?;
-        }
-        if let Some(place) = self.waiting.get_mut(self.waiting_bytes) {
-            *place = byte;
-            self.waiting_bytes = self.waiting_bytes.wrapping_add(1);
-        }
-        Ok(())
+        self.wait(&[byte])
     }
 
-    #[inline(always)]
+    #[inline(never)]
     fn try_extend(&mut self, bytes: &[u8]) -> postcard::Result<()> {
-        if bytes.len() > 10 {
-            self.flush()?;
-            return self.written.put(bytes);
+        if bytes.len() <= SHORT {
+            return self.wait(bytes);
         }
-        bytes.iter().try_for_each(|byte| self.try_push(*byte))
+        self.flush()?;
+        self.written.put(bytes)
     }
 
     /// Adds the sum and ends the frame.
