@@ -64,6 +64,11 @@ impl Blocks {
         self.waiting == 0
     }
 
+    /// Whether a row, which may close one block and end another, is sure to find room on its way.
+    pub(crate) const fn has_room(&self) -> bool {
+        self.waiting.saturating_add(2) <= WAITING
+    }
+
     /// The oldest block that waits.
     pub(crate) fn next(&mut self) -> Option<&Rows> {
         (self.waiting > 0).then(|| &*self.place(self.filling.wrapping_sub(self.waiting)))

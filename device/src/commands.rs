@@ -88,7 +88,7 @@ impl Device<'_> {
     fn stop(&mut self, board: &mut impl Board) -> Result<(), Refusal> {
         self.stream.source().ok_or(Refusal::NotStreaming)?;
         board.listen(false);
-        while self.process_injected() {}
+        while self.stream.process_injected() {}
         self.stream.stop();
         Ok(())
     }

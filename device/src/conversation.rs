@@ -169,9 +169,15 @@ impl<'a> Device<'a> {
         }
     }
 
-    /// Processes one injected row; whether there was one.
+    /// Processes one injected row, unless blocks are held up on their way to the link; whether there was one.
     pub fn process_injected(&mut self) -> bool {
         self.stream.injected()
+    }
+
+    /// Whether injected rows wait for [`Self::process_injected`].
+    #[must_use]
+    pub fn has_injected(&self) -> bool {
+        self.stream.has_injected()
     }
 
     /// To be called every 10 ms or so.

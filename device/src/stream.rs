@@ -141,7 +141,7 @@ impl<'a> Stream<'a> {
     /// Numbers go on where injected rows found no room. They are lost behind those that wait, so those come first.
     pub(crate) fn skip(&mut self, rows: u8) {
         if rows > 0 {
-            while self.injected() {}
+            while self.process_injected() {}
             self.lose(rows.into());
         }
     }
@@ -151,8 +151,19 @@ impl<'a> Stream<'a> {
         INJECTED_ROWS.saturating_sub(self.injected.len()) as u8
     }
 
-    /// Takes one injected row from the queue; whether there was one.
+    /// Takes one injected row from the queue if blocks are not held up: unlike a converter's, injected rows can wait, and so
+    /// does a host that looks at the room they leave. Whether there was one.
     pub(crate) fn injected(&mut self) -> bool {
+        self.blocks.has_room() && self.process_injected()
+    }
+
+    /// Whether injected rows wait.
+    pub(crate) fn has_injected(&self) -> bool {
+        !self.injected.is_empty()
+    }
+
+    /// Takes one injected row from the queue, whatever becomes of its block.
+    pub(crate) fn process_injected(&mut self) -> bool {
         let Some(Source::Link { interval_ns }) = self.source() else { return false };
         let Some((counts, temperature)) = self.injected.pop_front() else { return false };
         let time_us = self.rows().saturating_mul(u64::from(interval_ns)) / 1_000;

@@ -147,6 +147,14 @@ impl Host {
         self.say(&ToDevice::Inject(Inject { temperature: None, counts }))
     }
 
+    /// Lets the device process what was injected, and hears what it says meanwhile.
+    fn process(&mut self) {
+        while self.device.has_injected() {
+            while self.device.process_injected() {}
+            self.hear();
+        }
+    }
+
     fn sample(&mut self, counts: [i32; GAUGES], lost: Lost) {
         self.now_us += 1_024;
         self.device.sample(&Sample { time_us: self.now_us, counts, lost });
@@ -202,7 +210,7 @@ fn injected_rows_come_back_as_the_pipeline_makes_them_bit_for_bit() {
     let rows: Vec<_> = (0..600).map(press).collect();
     for chunk in rows.chunks(INJECT_ROWS) {
         assert!(matches!(host.inject(chunk), Ok(Done::Injected { lost: 0, .. })));
-        while host.device.process_injected() {}
+        host.process();
     }
     host.say(&ToDevice::Stop).unwrap();
     assert_eq!(host.rows.len(), rows.len());
@@ -234,7 +242,7 @@ fn in_a_flood_what_was_sent_is_what_came_back_and_what_was_counted() {
         host.inject(&rows).unwrap();
         sent += rows.len();
         if i % 7 == 0 {
-            while host.device.process_injected() {}
+            host.process();
         }
     }
     host.say(&ToDevice::Stop).unwrap();
@@ -244,6 +252,27 @@ fn in_a_flood_what_was_sent_is_what_came_back_and_what_was_counted() {
     assert_eq!(host.status.unwrap().rows, sent as u64);
     let numbers: Vec<_> = host.rows.iter().map(|row| row.number).collect();
     assert!(numbers.is_sorted_by(|a, b| a < b), "numbers grow");
+}
+
+#[test]
+fn injected_rows_wait_for_a_host_that_is_slow_to_listen() {
+    let mut host = Host::introduced();
+    host.start(LINK);
+    let mut room = [0; 300];
+    for _ in 0..2 {
+        host.sequence += 1;
+        // Such rows take much room.
+        let rows: [_; INJECT_ROWS] =
+            std::array::from_fn(|row| [row as i32 % 2 * 8_000_000; GAUGES]);
+        let counts = packed(&rows, &mut room);
+        host.send(host.sequence, &ToDevice::Inject(Inject { temperature: None, counts }));
+        while host.device.process_injected() {}
+    }
+    assert!(host.device.has_injected(), "all blocks found room");
+    host.process();
+    host.say(&ToDevice::Stop).unwrap();
+    assert_eq!(host.rows.len(), 2 * INJECT_ROWS);
+    assert_eq!(host.status().counters.link_full, 0);
 }
 
 #[test]
@@ -294,7 +323,7 @@ fn injected_rows_are_sent_when_no_more_wait() {
     let mut host = Host::introduced();
     host.start(LINK);
     host.inject(&[press(0); 2]).unwrap();
-    while host.device.process_injected() {}
+    host.process();
     host.hear();
     assert_eq!(host.rows.len(), 2);
 }
@@ -329,7 +358,7 @@ fn settings_change_between_two_rows_and_blocks_say_which_made_them() {
     let mut host = Host::introduced();
     host.start(LINK);
     host.inject(&[press(0); 5]).unwrap();
-    while host.device.process_injected() {}
+    host.process();
     let filter = shared::adaptation::Relaxation { c1: 0.3, v1: 10.0, c2: 0.1, v2: 1.0 };
     host.say(&ToDevice::SetFilter(filter)).unwrap();
     assert_eq!(host.settings.unwrap().0, 1);

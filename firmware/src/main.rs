@@ -282,6 +282,10 @@ mod app {
                 let (frame, restart) = cx.shared.device.lock(|device| {
                     let bytes = device.next_frame(time::now_us(), &mut log::Waiting, &mut room);
                     let frame = bytes.and_then(|bytes| Frame::from_slice(bytes).ok());
+                    if device.has_injected() {
+                        // They may have waited for the room of this frame.
+                        wake(&wake::FILTER);
+                    }
                     (frame, device.restart_due())
                 });
                 let Some(frame) = frame else {

@@ -516,6 +516,29 @@ mod tests {
 
     proptest! {
         #[test]
+        fn what_is_no_news_is_as_it_was(
+            steps in prop::collection::vec((any::<u32>(), prop::bool::weighted(0.02)), 1..300),
+        ) {
+            let mut pipeline = Pipeline::new(&config());
+            let mut before = pipeline.outputs();
+            for (sample, (noise, tares)) in (0..).zip(steps) {
+                if tares {
+                    pipeline.tare();
+                }
+                let rail = if noise % 16 == 0 { 1 << 23 } else { 0 };
+                pipeline.process(&press(4 * sample).map(|counts| (counts | rail) - (noise >> 19) as i32), 0);
+                let after = pipeline.outputs();
+                if !pipeline.is_news() {
+                    for (before, after) in before.iter().zip(&after) {
+                        prop_assert_eq!(before.state(), after.state());
+                        prop_assert_eq!(after.entered_samples_ago, None);
+                    }
+                }
+                before = after;
+            }
+        }
+
+        #[test]
         fn any_counts_and_temperatures_pass_without_panic_and_keep_both_sums(
             samples in prop::collection::vec((any::<[i32; GAUGES]>(), any::<i16>()), 1..100),
         ) {
