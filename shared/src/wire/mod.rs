@@ -12,7 +12,7 @@
 //! | n | payload, postcard |
 //! | 4 | CRC-32 (ISO-HDLC) of all before it |
 //!
-//! A frame holds at most [`MAX_CONTENT`] bytes, so COBS costs one byte and is done in place.
+//! A frame holds at most [`MAX_CONTENT`] bytes, so COBS costs one byte.
 //!
 //! # Conversation
 //! The device only answers until it is told to start; then it streams samples and, once a second, its status. Its log comes
@@ -49,10 +49,12 @@ pub use settings::{Oversampling, Settings, SettingsError};
 /// Version of the frame; a frame of another version is refused.
 pub const VERSION: u8 = 1;
 
-/// Hash of the types of all messages in both directions: equal schemas mean equal messages.
+/// Hash of the types of all messages in both directions: equal schemas mean equal messages. How rows are packed is no type:
+/// the number behind `rows` must grow with it.
 pub const SCHEMA: u64 = {
     use postcard_schema::key::Key;
-    let to_host = u64::from_le_bytes(Key::for_path::<ToHost<'_>>("to host").to_bytes());
-    let to_device = u64::from_le_bytes(Key::for_path::<ToDevice<'_>>("to device").to_bytes());
+    let to_host = u64::from_le_bytes(Key::for_path::<ToHost<'_>>("to host, rows 1").to_bytes());
+    let to_device =
+        u64::from_le_bytes(Key::for_path::<ToDevice<'_>>("to device, rows 1").to_bytes());
     to_host.rotate_left(1) ^ to_device
 };
