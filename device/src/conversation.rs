@@ -105,12 +105,6 @@ impl<'a> Device<'a> {
         }
     }
 
-    /// The settings, for the hardware to begin with.
-    #[must_use]
-    pub const fn settings(&self) -> &Settings {
-        &self.settings
-    }
-
     /// Notes a temperature, 2^-8 °C.
     pub fn set_temperature(&mut self, temperature: Option<i16>) {
         self.temperature = temperature;

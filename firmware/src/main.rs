@@ -46,7 +46,7 @@ mod app {
     use heapless::spsc::{Consumer, Producer, Queue};
     use rtic_monotonics::{Timebase, fugit, systick_monotonic};
     use rtic_sync::signal::SignalReader;
-    use shared::wire::{Accumulated, Accumulator, FRAME_MAX, Hello};
+    use shared::wire::{Accumulated, Accumulator, BAUD, FRAME_MAX, Hello};
     use stm32f4xx_hal::gpio::{Edge, Input, Output, PB8, PB9, PC7, Speed};
     use stm32f4xx_hal::pac::{Interrupt, SPI2, USART3};
     use stm32f4xx_hal::prelude::*;
@@ -136,7 +136,7 @@ mod app {
         drdy.trigger_on_edge(&mut exti, Edge::Falling);
         drdy.enable_interrupt(&mut exti);
 
-        let config = serial::Config::default().baudrate(board::BAUD.bps());
+        let config = serial::Config::default().baudrate(BAUD.bps());
         let link: Serial<USART3> = match Serial::new(p.USART3, (b.pb10, b.pb11), config, &mut rcc) {
             Ok(link) => link,
             Err(_) => reset::die("the link's clock does not divide to its baud rate"),

@@ -47,14 +47,16 @@ fn component(name: &str, why: &str) -> miette::Result<()> {
     let tool = if name == "clippy" { "clippy-driver" } else { name };
     let present =
         Command::new(tool).arg("--version").output().is_ok_and(|out| out.status.success());
-    if present {
-        return Ok(());
-    }
-    println!("==> installing {name} with rustup, {why}");
-    let status = Command::new("rustup").args(["component", "add", name]).status();
+    if present { Ok(()) } else { rustup("component", name, why) }
+}
+
+/// Adds a component or a target to the toolchain.
+pub fn rustup(kind: &str, name: &str, why: &str) -> miette::Result<()> {
+    println!("==> installing the {kind} {name} with rustup, {why}");
+    let status = Command::new("rustup").args([kind, "add", name]).status();
     match status {
         Ok(status) if status.success() => Ok(()),
-        _ => bail!("{name} is missing and `rustup component add {name}` failed; install it {why}"),
+        _ => bail!("{name} is missing and `rustup {kind} add {name}` failed; install it {why}"),
     }
 }
 

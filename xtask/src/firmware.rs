@@ -8,7 +8,7 @@ use miette::{IntoDiagnostic, WrapErr, bail, miette};
 use object::elf::{PT_LOAD, SHF_ALLOC};
 use object::read::elf::{ElfFile32, ProgramHeader, SectionHeader};
 
-use crate::check::{rust, workspace};
+use crate::check::{rust, rustup, workspace};
 use crate::golden::Golden;
 
 /// The processor's target.
@@ -42,19 +42,11 @@ pub fn set_up() -> miette::Result<()> {
     let present = installed.is_ok_and(|output| {
         String::from_utf8_lossy(&output.stdout).lines().any(|line| line == TARGET)
     });
-    if present {
-        return Ok(());
-    }
-    println!("==> installing the target {TARGET} with rustup, to build the firmware");
-    let status = Command::new("rustup").args(["target", "add", TARGET]).status();
-    match status {
-        Ok(status) if status.success() => Ok(()),
-        _ => bail!("`rustup target add {TARGET}` failed; install it to build the firmware"),
-    }
+    if present { Ok(()) } else { rustup("target", TARGET, "to build the firmware") }
 }
 
 /// Builds the firmware and leaves it in `target/firmware/`, with its sizes.
-pub fn build() -> miette::Result<()> {
+pub fn build() -> miette::Result<Sizes> {
     set_up()?;
     rust("firmware", &folder(), &["build", "--release", "--bin", "palpate"], &[])?;
     let elf = fs::read(executable("palpate")).into_diagnostic()?;
@@ -67,14 +59,12 @@ pub fn build() -> miette::Result<()> {
     write(&out.join("sizes.txt"), text.as_bytes())?;
     print!("{text}");
     println!("palpate.elf, palpate.bin and sizes.txt in {}", out.display());
-    Ok(())
+    Ok(sizes)
 }
 
 /// Builds the firmware and holds its sizes to their limits and to the golden file.
 pub fn check(golden: &mut Golden) -> miette::Result<()> {
-    build()?;
-    let elf = fs::read(executable("palpate")).into_diagnostic()?;
-    let Sizes { flash, ram } = sizes(&elf)?;
+    let Sizes { flash, ram } = build()?;
     for ((name, most), bytes) in MOST.iter().zip([flash, ram]) {
         if bytes > *most {
             bail!("the firmware takes {bytes} B of {name}; there are {most} B");

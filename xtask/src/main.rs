@@ -45,7 +45,7 @@ enum Task {
 fn main() -> ExitCode {
     let outcome = match Arguments::parse().task {
         Task::Test => check::run(),
-        Task::Firmware => firmware::build(),
+        Task::Firmware => firmware::build().map(drop),
         Task::Emulate { steady, update } => emulate::run(steady, update),
         Task::Effects => effects::write_all(),
         Task::Traces => traces::write_all(),

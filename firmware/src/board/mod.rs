@@ -19,8 +19,6 @@ pub mod watchdog;
 
 /// Clock of the converter, Hz: the timer's 168 MHz by 21, or the internal 16 MHz by 2.
 pub const CONVERTER_CLOCK_HZ: u32 = 8_000_000;
-/// Bits per second of the link: exact with either clock.
-pub const BAUD: u32 = 1_000_000;
 /// Clock of the converter's bus, Hz, at most.
 pub const SPI_HZ: u32 = 11_000_000;
 

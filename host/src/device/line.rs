@@ -8,10 +8,8 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use shared::wire::{Accumulated, Accumulator};
+use shared::wire::{Accumulated, Accumulator, BAUD};
 
-/// Speed of the line, Bd; 8 data bits, no parity, one stop bit. Over USB and pseudo-terminals it means nothing.
-pub const BAUD: u32 = 1_000_000;
 /// The reader looks so often whether it shall end.
 const PATIENCE: Duration = Duration::from_millis(50);
 
@@ -101,6 +99,7 @@ impl Line {
                 .preserve_dtr_on_open()
                 .open()
         };
+        // Over USB and pseudo-terminals the speed means nothing.
         let mut writer = match port(BAUD) {
             // There, a pseudo-terminal has no speed.
             Err(_) if cfg!(target_os = "macos") => port(0),

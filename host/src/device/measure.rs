@@ -55,9 +55,7 @@ pub fn tare(session: &mut Session) -> Result<(), LinkError> {
 }
 
 fn start(session: &mut Session) -> Result<(), LinkError> {
-    session.quiet()?;
-    session.status()?;
-    session.forget();
+    session.settle()?;
     let start = Start { source: Source::Converter, columns: Columns::Parts };
     session.command(&ToDevice::Start(start)).map(drop)
 }

@@ -344,9 +344,7 @@ impl<'p> Recorder<'p> {
 
 /// Begins a stream; what is heard from here on begins with who the device is and its settings.
 fn begin(session: &mut Session, start: Start) -> Result<(), LinkError> {
-    session.quiet()?;
-    session.status()?;
-    session.forget();
+    session.settle()?;
     session.again(PATIENCE)?;
     session.command(&ToDevice::Start(start))?;
     Ok(())

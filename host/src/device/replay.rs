@@ -39,9 +39,7 @@ pub fn replay(
     temperature: Option<i16>,
     counts: &[[i32; GAUGES]],
 ) -> Result<Replayed, LinkError> {
-    session.quiet()?;
-    session.status()?;
-    session.forget();
+    session.settle()?;
     let start = Start { source: Source::Link { interval_ns }, columns };
     session.command(&ToDevice::Start(start))?;
     let mut hearing = Hearing { stream: Stream::default(), rows: Vec::new() };

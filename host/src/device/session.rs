@@ -238,6 +238,17 @@ impl Session {
         }
     }
 
+    /// Ends a stream that may be on, and hears and forgets all that is left of it.
+    ///
+    /// # Errors
+    /// As [`Session::command`].
+    pub fn settle(&mut self) -> Result<Status, LinkError> {
+        self.quiet()?;
+        let status = self.status()?;
+        self.forget();
+        Ok(status)
+    }
+
     /// Introduces itself anew, as after a reset of the device.
     ///
     /// # Errors

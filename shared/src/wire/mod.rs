@@ -46,6 +46,9 @@ pub use message::{
 pub use samples::{Block, Made, REFERENCE_TEMPERATURE, Row, RowState, Rows};
 pub use settings::{Oversampling, Settings, SettingsError};
 
+/// Speed of a serial line, bits per second, 8N1: exact with either clock of the device.
+pub const BAUD: u32 = 1_000_000;
+
 /// Version of the frame; a frame of another version is refused.
 pub const VERSION: u8 = 1;
 

@@ -48,7 +48,7 @@ impl NoisyLine {
     /// # Errors
     /// If the port cannot be opened, or without pseudo-terminals.
     pub fn before(port: &Path, noise: Noise) -> io::Result<Self> {
-        let far = serialport::new(port.to_string_lossy(), palpate::device::line::BAUD)
+        let far = serialport::new(port.to_string_lossy(), shared::wire::BAUD)
             .timeout(Duration::from_millis(1))
             .open()?;
         let near = Pty::open()?;

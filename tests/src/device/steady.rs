@@ -23,9 +23,7 @@ const MOST_BYTES_PER_S: f64 = 30_000.0;
 /// What was lost or grew.
 pub fn check_steady_stream(port: &Path, duration: Duration) -> Checked {
     let mut session = open(port)?;
-    session.quiet()?;
-    let before = session.status()?;
-    session.forget();
+    let before = session.settle()?;
     let start =
         Start { source: Source::Link { interval_ns: INTERVAL_NS }, columns: Columns::Parts };
     session.command(&ToDevice::Start(start))?;
