@@ -93,7 +93,11 @@ pub fn default_relaxation() -> Relaxation {
 /// When the model has another number of exponentials than two (one will do).
 pub fn relaxation_of(model: &Model) -> Result<Relaxation, DecompositionError> {
     let (law, parameters) = model.law().map_err(DecompositionError::Model)?;
-    let mut branches = law.relaxation(&parameters).branches;
+    let relaxation = law.relaxation(&parameters).ok_or_else(|| {
+        let law = law.in_words();
+        DecompositionError::Model(format!("a hold of {law} is no sum of exponentials"))
+    })?;
+    let mut branches = relaxation.branches;
     branches.sort_by(|a, b| b.rate.total_cmp(&a.rate));
     match branches[..] {
         [only] => Ok(Relaxation { c1: only.share, v1: only.rate, c2: 0.0, v2: only.rate }),

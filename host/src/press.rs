@@ -8,7 +8,7 @@ use crate::fit::data::{Data, DataError};
 use crate::fit::exponentials::{self, ExponentialSum, Fit, Options, Prepared};
 use crate::fit::hold::{HoldError, HoldFit, Terms, fit_holds};
 use crate::fit::whole_motion::{self, MotionFit};
-use crate::model::{Fung, Model, Separation, TERMS};
+use crate::model::{BaseLaw, Model, Separation, TERMS};
 use crate::regions::{Regions, RegionsError, regions};
 use crate::trace::{FORCE, Trace};
 
@@ -75,7 +75,7 @@ pub enum PressError {
 /// When the recording lacks force, motion or gauges, or a part of it cannot be fitted.
 pub fn analyse(trace: &Trace, mut each: impl FnMut()) -> Result<Press<'_>, PressError> {
     let data = Data::of(std::slice::from_ref(trace), FORCE)?;
-    let fit = whole_motion::fit(Fung { terms: TERMS, separation: Separation::Free }, &data)?;
+    let fit = whole_motion::fit(BaseLaw::fung(TERMS, Separation::Free), &data)?;
     let model = Model::of(&fit.chain.base, FORCE, &fit.values, &fit.standard_errors);
     let relaxation = relaxation_of(&model)?;
     let terms = Terms::Fixed(TERMS);

@@ -3,7 +3,7 @@
 use criterion::{Criterion, criterion_group, criterion_main};
 use palpate::fit::data::Data;
 use palpate::fit::whole_motion::fit;
-use palpate::model::{Fung, Motion, Separation};
+use palpate::model::{BaseLaw, Motion, Separation};
 use palpate::trace::{Column, DISPLACEMENT, FORCE, Trace};
 use palpate_tests::press;
 use rand::SeedableRng;
@@ -21,7 +21,7 @@ fn motion(to_mm: f64, speed: f64) -> Motion<'static> {
 }
 
 fn traces() -> Vec<Trace> {
-    let law = Fung { terms: 2, separation: Separation::Clamp };
+    let law = BaseLaw::fung(2, Separation::Clamp);
     let motions: Vec<Motion> =
         (0..10).map(|k| motion(4.0 + f64::from(k), 10.0 + 5.0 * f64::from(k))).collect();
     let mut random = ChaCha8Rng::seed_from_u64(1);
@@ -50,7 +50,7 @@ fn whole_motion(criterion: &mut Criterion) {
     let data = Data::of(&traces, FORCE).expect("the traces can be fitted");
     assert_eq!(data.samples(), 10 * SAMPLES);
     for separation in [Separation::Clamp, Separation::Free] {
-        let law = Fung { terms: 2, separation };
+        let law = BaseLaw::fung(2, separation);
         let name = format!("10 x 1400 samples, {separation:?}");
         criterion.bench_function(&name, |bencher| bencher.iter(|| fit(law, &data)));
     }

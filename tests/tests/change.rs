@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use palpate::model::{Fung, Model, Motion, Separation};
+use palpate::model::{BaseLaw, Model, Motion, Separation};
 use palpate::trace::{Column, DISPLACEMENT, FORCE, Trace, write};
 use palpate_tests::{palpate, press};
 use rand::SeedableRng;
@@ -11,7 +11,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
 use serde_json::Value;
 
-const LAW: Fung = Fung { terms: 2, separation: Separation::Clamp };
+const LAW: BaseLaw = BaseLaw::fung(2, Separation::Clamp);
 const TRUTH: [f64; 6] = [0.08, 0.8, 0.25, 0.24, 4.0, 0.55];
 const NOISE: f64 = 0.01;
 

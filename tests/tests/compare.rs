@@ -4,14 +4,14 @@ use palpate::criticism::compare::{Comparison, compare};
 use palpate::criticism::region::Region;
 use palpate::fit::data::Data;
 use palpate::fit::whole_motion::fit;
-use palpate::model::{Fung, Model, Motion, Separation};
+use palpate::model::{BaseLaw, Model, Motion, Separation};
 use palpate::trace::{Column, DISPLACEMENT, FORCE, Trace};
 use palpate_tests::press;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
 
-const LAW: Fung = Fung { terms: 2, separation: Separation::Clamp };
+const LAW: BaseLaw = BaseLaw::fung(2, Separation::Clamp);
 const TRUTH: [f64; 6] = [0.08, 0.8, 0.25, 0.24, 4.0, 0.55];
 const NOISE: f64 = 0.01;
 

@@ -6,7 +6,7 @@ use std::sync::OnceLock;
 use palpate::effects::find;
 use palpate::fit::data::Data;
 use palpate::fit::whole_motion::predict;
-use palpate::model::{Chain, Fung, Separation};
+use palpate::model::{BaseLaw, Chain, Separation};
 use palpate::trace::{Column, DISPLACEMENT, FORCE, Trace, write};
 use palpate_tests::{palpate, press};
 use rand::SeedableRng;
@@ -14,7 +14,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
 use serde_json::Value;
 
-const LAW: Fung = Fung { terms: 2, separation: Separation::Clamp };
+const LAW: BaseLaw = BaseLaw::fung(2, Separation::Clamp);
 /// p, q, c1, c2, v1, v2 of the specimen.
 const TRUTH: [f64; 6] = [0.08, 0.8, 0.25, 0.24, 4.0, 0.55];
 /// Depth and width, mm, of the Mullins effect.

@@ -4,10 +4,10 @@
 use palpate::criticism::diagnose::{Diagnosis, Verdict, diagnose};
 use palpate::fit::data::Data;
 use palpate::fit::whole_motion::fit;
-use palpate::model::{Fung, Model, Separation};
+use palpate::model::{BaseLaw, Model, Separation};
 use palpate_tests::hidden::{DataSet, LawKind, NoiseKind, Scenario, generate, one_short_trace};
 
-const LAW: Fung = Fung { terms: 2, separation: Separation::Clamp };
+const LAW: BaseLaw = BaseLaw::fung(2, Separation::Clamp);
 
 fn scenario(seed: u64, hidden: &[(&str, LawKind)], r: f64) -> Scenario {
     let hidden = hidden.iter().map(|(effect, kind)| ((*effect).to_owned(), *kind)).collect();

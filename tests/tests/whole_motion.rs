@@ -2,7 +2,7 @@
 
 use palpate::fit::data::Data;
 use palpate::fit::whole_motion::fit;
-use palpate::model::{Fung, Motion, Separation};
+use palpate::model::{BaseLaw, Motion, Separation};
 use palpate::trace::{Column, DISPLACEMENT, FORCE, Trace};
 use palpate_tests::press;
 use rand::SeedableRng;
@@ -21,7 +21,7 @@ fn motions() -> Vec<Motion<'static>> {
 }
 
 /// What a sensor with noise of this size and correlation between neighbours would record.
-fn record(law: Fung, noise: f64, correlation: f64, seed: u64) -> Vec<Trace> {
+fn record(law: BaseLaw, noise: f64, correlation: f64, seed: u64) -> Vec<Trace> {
     let motions = motions();
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let normal = Normal::new(0.0, 1.0).unwrap();
@@ -53,7 +53,7 @@ fn record(law: Fung, noise: f64, correlation: f64, seed: u64) -> Vec<Trace> {
 
 /// Deviations from the truth in standard errors over several data sets.
 fn deviations(separation: Separation, correlation: f64, sets: u64) -> Vec<f64> {
-    let law = Fung { terms: 2, separation };
+    let law = BaseLaw::fung(2, separation);
     (0..sets)
         .flat_map(|seed| {
             let traces = record(law, 0.02, correlation, seed);
@@ -90,13 +90,13 @@ fn standard_errors_are_true_with_correlated_noise() {
 
 #[test]
 fn one_exponential_too_many_is_said_to_be_one_too_many() {
-    let law = Fung { terms: 2, separation: Separation::Clamp };
+    let law = BaseLaw::fung(2, Separation::Clamp);
     let traces = record(law, 0.02, 0.0, 1);
     let data = Data::of(&traces, FORCE).unwrap();
-    let more = fit(Fung { terms: 3, ..law }, &data).unwrap();
+    let more = fit(BaseLaw { terms: 3, ..law }, &data).unwrap();
     let told = palpate::fit::warning::warnings(&more, &data, None);
     assert!(!told.is_empty(), "{more:?}");
     assert!(fit(law, &data).unwrap().bic() < more.bic());
-    let less = fit(Fung { terms: 1, ..law }, &data).unwrap();
+    let less = fit(BaseLaw { terms: 1, ..law }, &data).unwrap();
     assert!(fit(law, &data).unwrap().bic() + 100.0 < less.bic());
 }

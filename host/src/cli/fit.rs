@@ -1,6 +1,6 @@
 //! `palpate fit`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
 
@@ -8,15 +8,27 @@ use super::output::{Output, print_json, print_sections, write_report};
 use super::{Failure, progress};
 use crate::fit::data::Data;
 use crate::fit::hold::{self, HoldFit};
+use crate::fit::ranking::rank;
 use crate::fit::whole_motion::{self, MotionFit};
 use crate::fit::{elastic_law, hold::Terms};
-use crate::model::{Fung, MAX_TERMS, Model, Separation};
-use crate::summary::{FitSummary, hold_json, hold_sections};
+use crate::model::{BaseLaw, EXPONENTS_N, Family, MAX_TERMS, Model, Separation};
+use crate::summary::{FitSummary, hold_json, hold_sections, ranking_json, ranking_sections};
 use crate::trace::{FORCE, Trace, pooled_noise, read_set};
 
 /// Fit a contact model.
 #[derive(clap::Args)]
-#[command(after_help = "\
+#[command(
+    override_usage = "palpate fit [OPTIONS] <LAW> <TRACE>...\n       palpate fit [OPTIONS] --all <TRACE>...",
+    after_help = "\
+Laws:
+  kelvin-voigt         spring and damper side by side (eq. 2.3)
+  maxwell              spring and damper in a row (eq. 2.4)
+  generalized-maxwell  a spring beside --terms springs with dampers (2.2)
+  fung                 quasi-linear: power-law elastic response, exponentials (eqs 2.1, 3.2, 3.3)
+  latency              linear latency model (eqs 4.1 to 4.11); c0 free, or 1/m with --segments m
+  latency-power        nonlinear latency model (eqs 7.2, 7.11); n free, given, or auto
+  creep                what settles late (eqs 6.1, 6.2), solved for the force
+
 The traces named are one data set: one specimen in one set-up. All are fitted together; what the
 specimen still remembers from one trace to the next is carried over where the heads say when each
 began (`start_s`).
@@ -25,25 +37,34 @@ Examples:
   palpate fit fung traces/                         load, hold and unload of every trace together
   palpate fit fung traces/ -o model.toml           ... and keep the model
   palpate fit fung traces/ --terms auto            let the data choose the number of exponentials
+  palpate fit latency-power traces/ --exponent auto
+  palpate fit --all traces/                        every law, ranked on traces left out
   palpate fit fung take-*.csv --hold-only          eq. 3.4 for each hold, and their spread
   palpate fit fung step.csv --hold-only --signal relaxation_modulus_Pa
-  palpate fit fung traces/ --json | jq .parameters.v1")]
+  palpate fit fung traces/ --json | jq .parameters.v1"
+)]
 pub struct Args {
-    /// The base law
-    #[arg(value_enum)]
-    law: Law,
-    /// Traces, or folders of traces
-    #[arg(required = true, value_name = "TRACE")]
-    traces: Vec<PathBuf>,
+    /// The base law, then traces, or folders of traces
+    #[arg(required = true, value_name = "LAW TRACE")]
+    names: Vec<PathBuf>,
+    /// Fit every law, and rank them by their error on traces left out
+    #[arg(long, conflicts_with_all = ["hold_only", "output", "segments", "exponent"])]
+    all: bool,
     /// Fit each hold by itself with eq. 3.4, not the whole motion
     #[arg(long)]
     hold_only: bool,
-    /// Number of exponentials: 1 to 4, or auto
+    /// Number of exponentials or branches: 1 to 4, or auto
     #[arg(long, default_value = "2", value_parser = parse_terms)]
     terms: Terms,
     /// With --hold-only: let no share ci have the wrong sign for its type, nor c0 be negative
     #[arg(long, requires = "hold_only")]
     signs: bool,
+    /// Of a latency model: number m of segments, so that c0 = 1/m
+    #[arg(long, value_name = "M", value_parser = clap::value_parser!(u32).range(2..), conflicts_with = "hold_only")]
+    segments: Option<u32>,
+    /// Of latency-power: the exponent n, 1 to 9, or auto for the lowest of 1, 3, 5, 7, 9 that fits best
+    #[arg(long, value_name = "N", value_parser = parse_exponent, conflicts_with = "hold_only")]
+    exponent: Option<Exponent>,
     /// What happens where contact breaks
     #[arg(long, value_enum, default_value = "clamp", conflicts_with = "hold_only")]
     separation: SeparationArg,
@@ -57,11 +78,14 @@ pub struct Args {
     result: Output,
 }
 
-#[derive(Clone, Copy, ValueEnum)]
-enum Law {
-    /// Quasi-linear: power-law elastic response, sum of exponentials (eqs 2.1, 3.2, 3.3)
-    Fung,
+#[derive(Clone, Copy)]
+enum Exponent {
+    Given(f64),
+    Auto,
 }
+
+/// Exponents among which the lowest that fits best is chosen: odd ones, as in 7.2.
+const ODD: [f64; 5] = [1.0, 3.0, 5.0, 7.0, 9.0];
 
 #[derive(Clone, Copy, ValueEnum)]
 enum SeparationArg {
@@ -81,25 +105,90 @@ fn parse_terms(text: &str) -> Result<Terms, String> {
     }
 }
 
-/// Fits and prints.
-pub fn run(args: &Args) -> Result<(), Failure> {
-    let Law::Fung = args.law;
-    let traces = read_set(&args.traces).map_err(Failure::input)?;
-    if args.hold_only { holds(args, &traces) } else { whole(args, &traces) }
+fn parse_exponent(text: &str) -> Result<Exponent, String> {
+    let (lower, upper) = EXPONENTS_N;
+    match text.parse() {
+        Ok(n) if (lower..=upper).contains(&n) => Ok(Exponent::Given(n)),
+        _ if text == "auto" => Ok(Exponent::Auto),
+        _ => Err(format!("give a number from {lower} to {upper}, or auto")),
+    }
 }
 
-fn whole(args: &Args, traces: &[Trace]) -> Result<(), Failure> {
+/// Fits and prints.
+pub fn run(args: &Args) -> Result<(), Failure> {
+    if args.all {
+        return all(args, &read_set(&args.names).map_err(Failure::input)?);
+    }
+    let (family, traces) = (family(&args.names[0])?, &args.names[1..]);
+    let wrong = |problem: String| Err(Failure::Input(miette::miette!("{problem}")));
+    if traces.is_empty() {
+        return wrong("name traces, or folders of traces, after the law".into());
+    }
+    if args.hold_only && family != Family::Fung {
+        return wrong(format!(
+            "--hold-only fits eq. 3.4, which is `fung`, not `{}`",
+            family.name()
+        ));
+    }
+    let traces = read_set(traces).map_err(Failure::input)?;
+    if args.hold_only { holds(args, &traces) } else { whole(args, family, &traces) }
+}
+
+fn family(name: &Path) -> Result<Family, Failure> {
+    let known = || Family::ALL.map(Family::name).join(", ");
+    name.to_str().and_then(Family::named).ok_or_else(|| {
+        Failure::Input(miette::miette!("no law `{}`; known: {}", name.display(), known()))
+    })
+}
+
+impl Args {
+    fn separation(&self) -> Separation {
+        match self.separation {
+            SeparationArg::Clamp => Separation::Clamp,
+            SeparationArg::Free => Separation::Free,
+            SeparationArg::Bonded => Separation::Bonded,
+        }
+    }
+
+    /// The laws to try: one, or one for each number of exponentials or each exponent.
+    fn laws(&self, family: Family) -> Result<Vec<BaseLaw>, String> {
+        let name = family.name();
+        let law = BaseLaw { segments: self.segments, ..BaseLaw::new(family, 1, self.separation()) };
+        if law.separation == Separation::Bonded && !family.can_be_bonded() {
+            return Err(format!("`{name}` is stated for compression and cannot be bonded"));
+        }
+        if self.segments.is_some() && !family.has_segments() {
+            return Err(format!("--segments is for the latency models, not for `{name}`"));
+        }
+        match self.exponent {
+            Some(_) if family != Family::LatencyPower => {
+                return Err(format!("--exponent is for `latency-power`, not for `{name}`"));
+            }
+            Some(Exponent::Given(n)) => return Ok(vec![BaseLaw { exponent: Some(n), ..law }]),
+            Some(Exponent::Auto) => {
+                return Ok(ODD.map(|n| BaseLaw { exponent: Some(n), ..law }).to_vec());
+            }
+            None => {}
+        }
+        if !family.has_terms() {
+            return Ok(vec![law]);
+        }
+        let terms = match self.terms {
+            Terms::Fixed(terms) => terms..=terms,
+            Terms::Auto => 1..=MAX_TERMS,
+        };
+        Ok(terms.map(|terms| BaseLaw { terms, ..law }).collect())
+    }
+}
+
+fn whole(args: &Args, family: Family, traces: &[Trace]) -> Result<(), Failure> {
+    let laws = args.laws(family).map_err(|problem| Failure::Input(miette::miette!(problem)))?;
     let data = Data::of(traces, &args.signal).map_err(Failure::input)?;
-    let separation = match args.separation {
-        SeparationArg::Clamp => Separation::Clamp,
-        SeparationArg::Free => Separation::Free,
-        SeparationArg::Bonded => Separation::Bonded,
-    };
-    let candidates = candidates(args.terms, separation, &data)?;
+    let candidates = candidates(&laws, &data)?;
     let best = candidates
         .iter()
         .min_by(|a, b| a.bic().total_cmp(&b.bic()))
-        .ok_or_else(|| Failure::Work(miette::miette!("no number of exponentials was tried")))?;
+        .ok_or_else(|| Failure::Work(miette::miette!("no law was tried")))?;
     let wait = progress::spinner("leaving out each trace in turn");
     let held_out = if traces.len() > 1 { whole_motion::held_out(best, &data) } else { Vec::new() };
     wait.finish_and_clear();
@@ -135,26 +224,43 @@ fn whole(args: &Args, traces: &[Trace]) -> Result<(), Failure> {
     }
 }
 
-/// The fit with the number of exponentials asked for, or with each number.
-fn candidates(
-    terms: Terms,
-    separation: Separation,
-    data: &Data,
-) -> Result<Vec<MotionFit>, Failure> {
-    let numbers = match terms {
-        Terms::Fixed(terms) => terms..=terms,
-        Terms::Auto => 1..=MAX_TERMS,
-    };
-    let wait = progress::bar(numbers.clone().count(), "fitting");
-    let fits = numbers
-        .map(|terms| {
-            let fit = whole_motion::fit(Fung { terms, separation }, data);
+/// The fit of each law.
+fn candidates(laws: &[BaseLaw], data: &Data) -> Result<Vec<MotionFit>, Failure> {
+    let wait = progress::bar(laws.len(), "fitting");
+    let fits = laws
+        .iter()
+        .map(|&law| {
+            let fit = whole_motion::fit(law, data);
             wait.inc(1);
             fit
         })
         .collect::<Result<Vec<_>, _>>();
     wait.finish_and_clear();
     fits.map_err(Failure::input)
+}
+
+/// Every law, ranked.
+fn all(args: &Args, traces: &[Trace]) -> Result<(), Failure> {
+    let terms = match args.terms {
+        Terms::Fixed(terms) => terms,
+        Terms::Auto => {
+            let problem = "--all compares laws of one number of exponentials: give it with --terms";
+            return Err(Failure::Input(miette::miette!(problem)));
+        }
+    };
+    let wait = progress::spinner("fitting every law, leaving out each trace in turn");
+    let ranking = rank(traces, &args.signal, terms, args.separation());
+    wait.finish_and_clear();
+    let ranking = ranking.map_err(Failure::input)?;
+    let sections = ranking_sections(&ranking, &args.signal);
+    if let Some(path) = &args.result.report {
+        write_report(path, "Laws ranked", &args.signal, names(traces), sections.clone())?;
+    }
+    if args.result.json {
+        print_json(&ranking_json(&ranking, &args.signal))
+    } else {
+        print_sections(&sections)
+    }
 }
 
 fn holds(args: &Args, traces: &[Trace]) -> Result<(), Failure> {

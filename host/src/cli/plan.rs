@@ -126,9 +126,16 @@ fn sum(args: &Args) -> Result<ExponentialSum, Failure> {
         let model = Model::read(path).map_err(Failure::input)?;
         let (law, values) =
             model.law().map_err(|problem| Failure::Input(miette::miette!(problem)))?;
-        let force = elastic_response(values[0], values[1], compression);
-        let branches = law.relaxation(&values).branches;
-        return Ok(from_terms(force, branches.iter().map(|branch| (branch.share, branch.rate))));
+        let Some(relaxation) = law.relaxation(&values) else {
+            return Err(Failure::Input(miette::miette!(
+                "a hold of {} is no sum of exponentials: plan with a model of another law",
+                law.in_words()
+            )));
+        };
+        let constants = law.constants(&values);
+        let force = elastic_response(constants.p, constants.q, compression);
+        let branches = relaxation.branches.iter();
+        return Ok(from_terms(force, branches.map(|branch| (branch.share, branch.rate))));
     }
     let ([_, c1, c2], [v1, v2]) = EQUATION_3_6;
     let terms = if args.shares.is_empty() {

@@ -13,7 +13,7 @@ use crate::fit::problem::Problem;
 use crate::fit::warning::{Warning, warnings};
 use crate::fit::whitening::Whitening;
 use crate::fit::whole_motion::{MotionFit, fit, held_out, over_traces, refit};
-use crate::model::{Chain, Fung, Model, Rung, StoredEffect};
+use crate::model::{Chain, Model, Rung, StoredEffect};
 use crate::trace::{Noise, Trace, pooled_noise};
 
 /// A model before and after a change.
@@ -91,7 +91,7 @@ pub fn add(
     let (mut ladder, values) = standing(model, &chain, values, &data, &mut notes)?;
     let trial = try_laws(&chain, &values, &data, &candidate);
     let fit = refit(&trial.chain, &trial.values, &data)?;
-    let before = ladder.last().cloned().unwrap_or_else(|| rung(Fung::NAME, &fit, &data));
+    let before = ladder.last().cloned().unwrap_or_else(|| rung(fit.chain.base.name(), &fit, &data));
     let after = rung(effect, &fit, &data);
     ladder.push(after.clone());
     let mut candidates = model.candidates.clone();
@@ -140,7 +140,7 @@ pub fn drop(model: &Model, effect: &str, traces: &[Trace]) -> Result<Change, Cha
     let mut kept = values.clone();
     kept.drain(chain.range(index));
     let (ladder, fit) = climb(&chain.without(index), &kept, &data)?;
-    let after = ladder.last().cloned().unwrap_or_else(|| rung(Fung::NAME, &fit, &data));
+    let after = ladder.last().cloned().unwrap_or_else(|| rung(fit.chain.base.name(), &fit, &data));
     let mut candidates = model.candidates.clone();
     let mut notes = Vec::new();
     if let Some(own) = model.effects.get(index).filter(|stored| stored.expression.is_some()) {
@@ -262,7 +262,7 @@ const SAME: f64 = 1e-4;
 fn stale(model: &Model, chain: &Chain, values: &[f64], data: &Data) -> Option<&'static str> {
     let Some(record) = &model.fit else { return Some("the model file has no fit") };
     let effects = chain.effects.iter().map(|effect| effect.name.as_str());
-    let wanted = std::iter::once(Fung::NAME).chain(effects);
+    let wanted = std::iter::once(chain.base.name()).chain(effects);
     if !model.ladder.iter().map(|rung| rung.add.as_str()).eq(wanted) {
         return Some("the ladder has not one rung for the base law and each effect");
     }
@@ -286,7 +286,7 @@ fn climb(chain: &Chain, values: &[f64], data: &Data) -> Result<(Vec<Rung>, Motio
     let mut part = Chain::new(chain.base);
     let mut best =
         better(fit(chain.base, data)?, refit(&part, &values[..chain.base.count()], data)?);
-    let mut ladder = vec![rung(Fung::NAME, &best, data)];
+    let mut ladder = vec![rung(chain.base.name(), &best, data)];
     for (index, effect) in chain.effects.iter().enumerate() {
         part = part.with(effect.clone());
         let range = chain.range(index);

@@ -126,7 +126,7 @@ pub fn diagnose(model: &Model, traces: &[Trace]) -> Result<Diagnosis, DiagnoseEr
     let problem = Problem::new(&chain, &data, &noise.whitening, None);
     let attempt = |separation: Separation| {
         let chain =
-            Chain { base: crate::model::Fung { separation, ..chain.base }, ..chain.clone() };
+            Chain { base: crate::model::BaseLaw { separation, ..chain.base }, ..chain.clone() };
         let problem = problem.with_chain(&chain);
         let base = Fitted::new(&problem, &start, Effort::QUICK);
         (adequacy(&problem, &base.point, &noise.whitening), base)

@@ -8,7 +8,7 @@ use crate::effects::Scales;
 use crate::fit::data::Data;
 use crate::fit::problem::Problem;
 use crate::fit::whitening::Whitening;
-use crate::model::{Chain, Fung, Hold, Move, Profile, Stage, Step};
+use crate::model::{BaseLaw, Chain, Hold, Move, Profile, Stage, Step};
 use crate::trace::{Column, DISPLACEMENT, TEMPERATURE, Trace};
 
 /// An experiment of the menu.
@@ -230,7 +230,7 @@ impl Experiment {
 /// Only what does not belong to the specimen, on a block that gives a fiftieth of the stroke at full
 /// force.
 fn on_a_rigid_block(member: &Fitted, scales: &Scales) -> (Chain, Vec<f64>) {
-    let base = Fung { terms: 1, ..member.chain.base };
+    let base = BaseLaw::fung(1, member.chain.base.separation);
     let mut chain = Chain::new(base);
     let mut values = vec![scales.force / (0.02 * scales.compression), 0.0, 0.0, 1.0];
     for (index, effect) in member.chain.effects.iter().enumerate() {

@@ -5,14 +5,14 @@ use super::fitted::Fitted;
 use super::noise::Seen;
 use crate::effects::store;
 use crate::fit::data::Data;
-use crate::model::{FitRecord, Fung, Model, Rung, StoredEffect};
+use crate::model::{FitRecord, Model, Rung, StoredEffect};
 
 /// The rungs of a diagnosis: the model that was diagnosed, refitted, and one for each effect found.
 #[must_use]
 pub fn rungs(diagnosis: &Diagnosis) -> Vec<Rung> {
     let found = &diagnosis.found;
     let base = &found.base.chain;
-    let own = base.effects.last().map_or(Fung::NAME, |effect| &effect.name);
+    let own = base.effects.last().map_or(base.base.name(), |effect| &effect.name);
     let names = std::iter::once(own).chain(found.steps.iter().map(|step| step.effect.as_str()));
     let models = std::iter::once(&found.base).chain(&found.models);
     let held_out = diagnosis.held_out.iter().map(|held_out| held_out.as_ref().map(|h| h.rms));

@@ -6,13 +6,13 @@ use super::screen::ABSORBED;
 use crate::effects::{Count, Effect, Scales, Shape};
 use crate::fit::data::{Data, DataError};
 use crate::fit::whole_motion::{predict, refit};
-use crate::model::{Chain, Fung, Parameter, Separation};
+use crate::model::{BaseLaw, Chain, Parameter, Separation};
 use crate::practice::session::two_traces;
 use crate::trace::{FORCE, Trace};
 
 /// The base law of the specimen, and its parameters p, q, c1, c2, v1, v2.
-pub const BASE: (Fung, [f64; 6]) =
-    (Fung { terms: 2, separation: Separation::Clamp }, [0.2, 0.6, 0.25, 0.2, 4.0, 0.5]);
+pub const BASE: (BaseLaw, [f64; 6]) =
+    (BaseLaw::fung(2, Separation::Clamp), [0.2, 0.6, 0.25, 0.2, 4.0, 0.5]);
 
 /// An effect's mark on a press with a hold and on four cycles.
 #[derive(Clone)]

@@ -39,7 +39,8 @@ pub const EFFECT: Effect = Effect {
             },
             shapes: &[FULL_STATE],
             act: Act::Relaxation(|_, parameters, _, _, relaxation| {
-                relaxation.growth = Growth::Power(parameters[0].max(LEAST), parameters[1]);
+                let growth = Growth::Power(parameters[0].max(LEAST), parameters[1]);
+                relaxation.growth = growth.on(relaxation.growth);
             }),
         },
         Law {
@@ -56,7 +57,8 @@ pub const EFFECT: Effect = Effect {
             },
             shapes: &[FULL_STATE],
             act: Act::Relaxation(|_, parameters, _, _, relaxation| {
-                relaxation.growth = Growth::Sinh(parameters[0], parameters[1]);
+                let growth = Growth::Sinh(parameters[0], parameters[1]);
+                relaxation.growth = growth.on(relaxation.growth);
             }),
         },
     ],

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use super::{Count, Effect, LIBRARY, Law, Role, Setting, Sign};
 use crate::fit::data::Data;
-use crate::model::{Applied, Chain, Elasticity, Fung, History, Separation};
+use crate::model::{Applied, BaseLaw, Chain, Elasticity, History, Separation};
 use crate::trace::{Column, DISPLACEMENT, FORCE, TANGENTIAL, TEMPERATURE, Trace};
 
 const BASE: [f64; 6] = [0.28, 0.45, 0.26, 0.24, 4.2, 0.55];
@@ -40,7 +40,7 @@ fn trace(amplitude: f64, start: f64) -> Trace {
 /// Three traces of which the base law knows everything.
 fn traces() -> Vec<Trace> {
     let mut traces = vec![trace(4.0, 0.0), trace(8.0, 20.0), trace(6.0, 60.0)];
-    let base = Chain::new(Fung { terms: 2, separation: Separation::Clamp });
+    let base = Chain::new(BaseLaw::fung(2, Separation::Clamp));
     let force = run(&Data::of(&traces, FORCE).unwrap(), &base, &BASE);
     for (trace, force) in traces.iter_mut().zip(force.chunks(SAMPLES)) {
         trace.columns[1].values = force.into();
@@ -62,7 +62,7 @@ impl Case<'_> {
 
     /// The prediction of the base law with this one, all traces one after the other.
     fn predict(&self, separation: Separation, parameters: &[f64]) -> Vec<f64> {
-        let base = Chain::new(Fung { terms: 2, separation });
+        let base = Chain::new(BaseLaw::fung(2, separation));
         run(self.data, &base.with(self.applied()), &[&BASE[..], parameters].concat())
     }
 
@@ -106,7 +106,7 @@ fn with_every_law(test: impl Fn(&Case)) {
 fn at_zero_strength_a_law_leaves_the_prediction_bit_for_bit() {
     with_every_law(|case| {
         for separation in [Separation::Clamp, Separation::Free, Separation::Bonded] {
-            let bare = run(case.data, &Chain::new(Fung { terms: 2, separation }), &BASE);
+            let bare = run(case.data, &Chain::new(BaseLaw::fung(2, separation)), &BASE);
             for shapes in case.law.grid(&case.data.scales()) {
                 let found = case.predict(separation, &case.parameters(0.0, &shapes));
                 assert_eq!(found, bare, "{} {shapes:?}", case.name());

@@ -4,7 +4,7 @@ use shared::phase::RelaxationType;
 
 use super::exponentials::Parameter;
 use super::hold::HoldFit;
-use crate::model::{Fung, Model, Separation};
+use crate::model::{BaseLaw, Model, Separation};
 
 /// Why holds do not make a whole model.
 #[derive(Debug, thiserror::Error)]
@@ -51,7 +51,7 @@ pub fn model_of_holds(fits: &[HoldFit], signal: &str) -> Result<Model, ElasticLa
         estimates.push(estimate);
     }
     let (values, errors): (Vec<f64>, Vec<Option<f64>>) = estimates.into_iter().unzip();
-    let law = Fung { terms, separation: Separation::Clamp };
+    let law = BaseLaw::fung(terms, Separation::Clamp);
     Ok(Model::of(&law, signal, &values, &errors))
 }
 

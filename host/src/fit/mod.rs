@@ -4,6 +4,7 @@
 //! - [`hold`]: the relaxation during the holds of a recording.
 //! - [`whole_motion`]: a law over loading, holds and unloading of every trace together.
 
+pub mod coordinates;
 pub mod data;
 pub mod elastic_law;
 pub mod exponentials;
@@ -11,6 +12,7 @@ pub mod hold;
 pub mod least_squares;
 pub mod line;
 pub mod problem;
+pub mod ranking;
 pub mod slope;
 mod start;
 mod uncertainty;

@@ -1,10 +1,8 @@
 //! A chain over a data set as a problem of least squares.
 //!
-//! The search runs over the simulated force, never over differentiated measurements. Its
-//! coordinates are the forces P0…Pn ≥ 0 that the branches carry at the largest compression, the
-//! exponent q, the logarithms of the rates, and the parameters of the effects as they are: in these,
-//! shares that are nonnegative and sum to one are plain bounds, and the stiffness does not trade off
-//! against the exponent. Derivatives are differences, so that a law is one plain function.
+//! The search runs over the simulated force, never over differentiated measurements, in the coordinates
+//! of the base law ([`super::coordinates`]) and the parameters of the effects as they are. Derivatives are
+//! differences, so that a law is one plain function.
 
 use std::borrow::Cow;
 use std::ops::Range;
@@ -12,6 +10,7 @@ use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
 
+use super::coordinates::Coordinates;
 use super::data::{Data, Piece};
 use super::least_squares::{LeastSquares, Normal};
 use super::whitening::Whitening;
@@ -27,8 +26,7 @@ pub struct Problem<'a> {
     whitening: &'a Whitening,
     /// A trace that is predicted but not fitted.
     left_out: Option<usize>,
-    /// The compression at which the branch forces are stated, mm.
-    reference: f64,
+    coordinates: Coordinates,
     bounds: Vec<(f64, f64)>,
 }
 
@@ -49,9 +47,9 @@ impl<'a> Problem<'a> {
         let keep = data.samples() <= KEPT;
         let scenes =
             if keep { data.pieces.iter().map(|piece| data.scene(piece)).collect() } else { vec![] };
-        let reference = data.largest_compression();
-        let bounds = bounds(chain, data);
-        Self { chain, data, scenes: Arc::new(scenes), whitening, left_out, reference, bounds }
+        let coordinates = Coordinates::new(chain.base, data.largest_compression());
+        let bounds = bounds(&coordinates, chain, data);
+        Self { chain, data, scenes: Arc::new(scenes), whitening, left_out, coordinates, bounds }
     }
 
     /// The same data with another chain.
@@ -60,54 +58,40 @@ impl<'a> Problem<'a> {
     where
         'a: 'b,
     {
+        let coordinates = Coordinates::new(chain.base, self.data.largest_compression());
         Problem {
             chain,
             data: self.data,
             scenes: self.scenes.clone(),
             whitening: self.whitening,
             left_out: self.left_out,
-            reference: self.reference,
-            bounds: bounds(chain, self.data),
+            bounds: bounds(&coordinates, chain, self.data),
+            coordinates,
         }
     }
 
-    /// The compression at which the branch forces are stated, mm.
+    /// The coordinates of the base law.
     #[must_use]
-    pub fn reference(&self) -> f64 {
-        self.reference
+    pub fn coordinates(&self) -> &Coordinates {
+        &self.coordinates
     }
 
     /// The chain's parameters from coordinates.
     #[must_use]
     pub fn declared(&self, point: &[f64]) -> Vec<f64> {
-        let terms = self.chain.base.terms;
-        let (forces, rest) = point.split_at(terms + 1);
-        let (q, rates, effects) = (rest[0], &rest[1..=terms], &rest[terms + 1..]);
-        // A model without any force has no shares either; the tiny floor keeps them finite.
-        let total = forces.iter().sum::<f64>() + f64::MIN_POSITIVE.sqrt();
-        let p = total * (q + 1.0) / self.reference.powf(q + 1.0);
-        [p, q]
-            .into_iter()
-            .chain(forces[1..].iter().map(|force| force / total))
-            .chain(rates.iter().map(|rate| rate.exp()))
-            .chain(effects.iter().copied())
-            .collect()
+        let (base, effects) = point.split_at(self.coordinates.count());
+        let mut declared = self.coordinates.declared(base);
+        declared.extend_from_slice(effects);
+        declared
     }
 
     /// Coordinates of these parameters.
     #[must_use]
     pub fn point(&self, declared: &[f64]) -> Vec<f64> {
-        let terms = self.chain.base.terms;
-        let (p, q) = (declared[0], declared[1]);
-        let (shares, rest) = declared[2..].split_at(terms);
-        let total = p / (q + 1.0) * self.reference.powf(q + 1.0);
-        let first = total * (1.0 - shares.iter().sum::<f64>());
-        std::iter::once(first.max(0.0))
-            .chain(shares.iter().map(|share| share * total))
-            .chain(std::iter::once(q))
-            .chain(rest[..terms].iter().map(|rate| rate.max(f64::MIN_POSITIVE).ln()))
-            .chain(rest[terms..].iter().copied())
-            .collect()
+        let (base, effects) = declared.split_at(self.coordinates.count());
+        let mut point = self.coordinates.point(base);
+        point.extend_from_slice(effects);
+        point
     }
 
     fn scene(&self, index: usize) -> Cow<'_, Scene<'a>> {
@@ -294,16 +278,10 @@ impl Block {
 }
 
 /// Bounds of every coordinate.
-fn bounds(chain: &Chain, data: &Data) -> Vec<(f64, f64)> {
-    let declared = chain.parameters();
-    let terms = chain.base.terms;
-    let slowest = (0.02 / data.longest()).ln();
-    let fastest = (3.0 / data.shortest_interval()).ln();
-    std::iter::repeat_n((0.0, f64::INFINITY), terms + 1)
-        .chain(std::iter::once((declared[1].lower, declared[1].upper)))
-        .chain(std::iter::repeat_n((slowest, fastest), terms))
-        .chain(declared[chain.base.count()..].iter().map(|p| (p.lower, p.upper)))
-        .collect()
+fn bounds(coordinates: &Coordinates, chain: &Chain, data: &Data) -> Vec<(f64, f64)> {
+    let mut bounds = coordinates.bounds(data);
+    bounds.extend(chain.parameters()[chain.base.count()..].iter().map(|p| (p.lower, p.upper)));
+    bounds
 }
 
 impl Normal {

@@ -2,30 +2,101 @@
 //!
 //! For a given exponent q and given rates the law is linear in the force that each branch carries.
 //! So q and the rates go over a grid, the branch forces come from linear least squares, and the best
-//! few distinct starts are handed on.
+//! few distinct starts are handed on. The other laws start from what Fung's law makes of the data.
 
 use nalgebra::{DMatrix, DVector};
 
 use super::data::Data;
-use crate::model::{Memory, Relaxation, elastic_response};
+use crate::model::{BaseLaw, Constants, Family, Memory, Relaxation, elastic_response};
 
 /// A start: exponent q, rates (1/s, fast to slow), and branch forces (the equilibrium first) at the
 /// reference compression.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Start {
-    pub q: f64,
-    pub rates: Vec<f64>,
-    pub forces: Vec<f64>,
-    pub cost: f64,
+struct Start {
+    q: f64,
+    rates: Vec<f64>,
+    forces: Vec<f64>,
+    cost: f64,
+}
+
+/// Most starts from different exponents q.
+const MOST: usize = 3;
+/// Powers n of the nonlinear latency model that are tried.
+const POWERS: [f64; 4] = [1.2, 2.0, 3.0, 5.0];
+/// Latent compressions, as parts of the largest compression, at which its rate may be that of the linear
+/// model.
+const LATENT: [f64; 2] = [0.5, 0.15];
+
+/// Parameters of the law to start from, the best first.
+pub fn starts(law: &BaseLaw, data: &Data) -> Vec<Vec<f64>> {
+    let reference = data.largest_compression();
+    let exponents: &[f64] = if law.family.is_linear() { &[0.0] } else { &EXPONENTS };
+    let mut found = linear_starts(data, law.terms, exponents, reference);
+    found.truncate(MOST);
+    let constants = |start: &Start| start.constants(reference);
+    match law.family {
+        Family::KelvinVoigt => vec![damped(data, reference)],
+        // The spring of the equilibrium is not there: the branch carries all.
+        Family::Maxwell => found
+            .iter()
+            .map(|start| law.parameters_of(&Constants { shares: vec![1.0], ..constants(start) }))
+            .collect(),
+        Family::LatencyPower => {
+            let powers = law.exponent.map_or(POWERS.to_vec(), |power| vec![power]);
+            let bent = |start: &Start, power: f64, latent: f64| {
+                let mut constants = constants(start);
+                constants.exponent = power;
+                constants.rates[0] /= (latent * reference).powf(power - 1.0);
+                law.parameters_of(&constants)
+            };
+            let each = found.iter().take(2).flat_map(|start| {
+                powers
+                    .iter()
+                    .flat_map(move |&power| LATENT.map(|latent| bent(start, power, latent)))
+            });
+            each.collect()
+        }
+        // What relaxes by the share c creeps by it too, slower by the share that is left.
+        Family::Creep => found
+            .iter()
+            .map(|start| {
+                let mut constants = constants(start);
+                let left = 1.0 - constants.shares.iter().sum::<f64>();
+                constants.p *= left;
+                constants.rates.iter_mut().for_each(|rate| *rate *= left.max(0.1));
+                law.parameters_of(&constants)
+            })
+            .collect(),
+        _ => found.iter().map(|start| law.parameters_of(&constants(start))).collect(),
+    }
+}
+
+/// Stiffness and damping of eq. 2.3, as large as the forces.
+fn damped(data: &Data, reference: f64) -> Vec<f64> {
+    let scales = data.scales();
+    vec![scales.force / reference, 0.1 * scales.force / scales.speed.max(f64::MIN_POSITIVE)]
+}
+
+impl Start {
+    /// What all laws share of it.
+    fn constants(&self, reference: f64) -> Constants {
+        let total: f64 = self.forces.iter().sum();
+        let p = total * (self.q + 1.0) / reference.powf(self.q + 1.0);
+        Constants {
+            shares: self.forces[1..].iter().map(|force| force / total).collect(),
+            rates: self.rates.clone(),
+            ..Constants::new(p, self.q)
+        }
+    }
 }
 
 const EXPONENTS: [f64; 7] = [0.0, 0.3, 0.6, 1.0, 1.5, 2.2, 3.0];
 const RATES: usize = 16;
 
-/// The best start for each exponent of the grid, best first.
-pub fn starts(data: &Data, terms: usize, reference: f64) -> Vec<Start> {
+/// The best start of Fung's law for each exponent q, best first.
+fn linear_starts(data: &Data, terms: usize, exponents: &[f64], reference: f64) -> Vec<Start> {
     let rates = rate_grid(data);
-    let mut found: Vec<Start> = EXPONENTS
+    let mut found: Vec<Start> = exponents
         .iter()
         .filter_map(|&q| best_rates(&Gram::of(data, q, &rates, reference), q, &rates, terms))
         .collect();

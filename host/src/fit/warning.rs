@@ -105,11 +105,12 @@ pub fn warnings(fit: &MotionFit, data: &Data, noise: Option<&Noise>) -> Vec<Warn
 }
 
 fn each_parameter(fit: &MotionFit, data: &Data, found: &mut Vec<Warning>) {
-    let terms = fit.chain.base.terms;
+    let constants = fit.chain.base.constants(&fit.values);
+    let rates = fit.chain.base.rates();
     for (k, parameter) in fit.parameters().into_iter().enumerate() {
         let (parameter, value) = (parameter.name.to_string(), fit.values[k]);
-        let is_rate = (2 + terms..2 + 2 * terms).contains(&k);
-        let idle = is_rate && fit.values[k - terms] == 0.0;
+        let branch = rates.contains(&k).then(|| k - rates.start);
+        let at_work = branch.filter(|&branch| constants.shares[branch] > 0.0);
         if fit.at_bound[k] {
             found.push(Warning::AtBound { parameter: parameter.clone(), value });
         } else {
@@ -122,10 +123,8 @@ fn each_parameter(fit: &MotionFit, data: &Data, found: &mut Vec<Warning>) {
                 Some(_) => {}
             }
         }
-        if !is_rate || idle {
-            continue;
-        }
-        let (time_constant, longest) = (1.0 / value, data.longest());
+        let Some(branch) = at_work else { continue };
+        let (time_constant, longest) = (1.0 / constants.rates[branch], data.longest());
         let interval = data.shortest_interval();
         if time_constant > longest {
             found.push(Warning::TooSlow { parameter, time_constant, longest });
@@ -137,14 +136,16 @@ fn each_parameter(fit: &MotionFit, data: &Data, found: &mut Vec<Warning>) {
 
 fn pairs(fit: &MotionFit, found: &mut Vec<Warning>) {
     let parameters = fit.parameters();
-    let first_rate = 2 + fit.chain.base.terms;
+    let rates = fit.chain.base.rates();
+    let speeds = fit.chain.base.constants(&fit.values).rates;
+    let alike = |i: usize, j: usize| (speeds[i] / speeds[j] - 1.0).abs() < MERGED;
     for i in 0..parameters.len() {
         for j in i + 1..parameters.len() {
             let (first, second) = (parameters[i].name.to_string(), parameters[j].name.to_string());
-            let same = (fit.values[i] / fit.values[j] - 1.0).abs() < MERGED;
             let correlation = fit.correlation[(i, j)];
             let known = fit.standard_errors[i].is_some() && fit.standard_errors[j].is_some();
-            if i >= first_rate && j < fit.chain.base.count() && same {
+            let both = rates.contains(&i) && rates.contains(&j);
+            if both && alike(i - rates.start, j - rates.start) {
                 found.push(Warning::Merged { first, second });
             } else if known && correlation.abs() > CORRELATED {
                 found.push(Warning::Correlated { first, second, correlation });

@@ -11,7 +11,7 @@ use super::problem::Problem;
 use super::start::starts;
 use super::uncertainty::{Uncertainty, uncertainty};
 use super::whitening::Whitening;
-use crate::model::{Chain, Elasticity, FitRecord, Fung, History, Parameter};
+use crate::model::{BaseLaw, Chain, Elasticity, FitRecord, History, Parameter};
 use crate::trace::units;
 
 /// The outcome of a fit.
@@ -85,25 +85,19 @@ impl MotionFit {
 ///
 /// # Errors
 /// When there are fewer samples than parameters, or no stretch of the data holds the specimen.
-pub fn fit(law: Fung, data: &Data) -> Result<MotionFit, DataError> {
+pub fn fit(law: BaseLaw, data: &Data) -> Result<MotionFit, DataError> {
     let chain = Chain::new(law);
     check_size(&chain, data)?;
     let white = Whitening::none();
     let problem = Problem::new(&chain, data, &white, None);
-    // Several starts: the sum of squares may have more than one minimum in q and the rates.
-    let best = starts(data, law.terms, problem.reference())
+    // Several starts: the sum of squares may have more than one minimum in the exponents and the rates.
+    let best = starts(&law, data)
         .into_iter()
-        .take(3)
         .map(|start| {
-            let rates = start.rates.iter().copied().map(f64::ln);
-            let forces = start.forces.iter().copied();
-            let point: Vec<f64> = forces.chain(std::iter::once(start.q)).chain(rates).collect();
-            let found = minimise(&problem, &point);
+            let found = minimise(&problem, &problem.point(&start));
             tracing::info!(
-                "{} exponential(s), start q = {}, rates {:?} 1/s: {} after {} steps, sum of squares {:.6e}",
-                law.terms,
-                start.q,
-                start.rates,
+                "{}, start {start:?}: {} after {} steps, sum of squares {:.6e}",
+                law.in_words(),
                 found.stop,
                 found.iterations,
                 found.normal.cost
@@ -219,7 +213,7 @@ fn describe(problem: &Problem, data: &Data, found: &Solution) -> MotionFit {
         values: problem.declared(&found.point),
         standard_errors,
         correlation,
-        at_bound: declared_at_bound(problem.chain, &pressed),
+        at_bound: declared_at_bound(problem, &pressed),
         cost,
         samples,
         r_squared: 1.0 - cost / scatter(data),
@@ -268,13 +262,10 @@ pub fn declared_uncertainty(
 }
 
 /// Coordinates on a bound, as parameters: a branch without force is a share at zero.
-fn declared_at_bound(chain: &Chain, held: &[bool]) -> Vec<bool> {
-    let terms = chain.base.terms;
-    std::iter::once(false)
-        .chain(std::iter::once(held[terms + 1]))
-        .chain(held[1..=terms].iter().copied())
-        .chain(held[terms + 2..].iter().copied())
-        .collect()
+fn declared_at_bound(problem: &Problem, held: &[bool]) -> Vec<bool> {
+    let base = problem.coordinates().bound_of_parameters();
+    let effects = held[base.len()..].iter().copied();
+    base.iter().map(|place| place.is_some_and(|j| held[j])).chain(effects).collect()
 }
 
 /// Sum of squares of the measured signal about its mean.
@@ -293,14 +284,15 @@ fn independent_share(autocorrelation: f64) -> f64 {
 
 /// Puts the exponentials in the order of their rates, fast first.
 fn sort_branches(fit: &mut MotionFit) {
-    let terms = fit.chain.base.terms;
-    let mut order: Vec<usize> = (0..terms).collect();
-    order.sort_by(|&a, &b| fit.values[2 + terms + b].total_cmp(&fit.values[2 + terms + a]));
-    let place: Vec<usize> = [0, 1]
-        .into_iter()
-        .chain(order.iter().map(|&k| 2 + k))
-        .chain(order.iter().map(|&k| 2 + terms + k))
-        .chain(fit.chain.base.count()..fit.values.len())
+    let base = fit.chain.base;
+    let Some((shares, rates)) = base.branches() else { return };
+    let speeds = base.constants(&fit.values).rates;
+    let mut order: Vec<usize> = (0..base.terms).collect();
+    order.sort_by(|&a, &b| speeds[b].total_cmp(&speeds[a]));
+    let place: Vec<usize> = (0..shares)
+        .chain(order.iter().map(|&k| shares + k))
+        .chain(order.iter().map(|&k| rates + k))
+        .chain(base.count()..fit.values.len())
         .collect();
     fit.values = place.iter().map(|&k| fit.values[k]).collect();
     fit.standard_errors = place.iter().map(|&k| fit.standard_errors[k]).collect();

@@ -4,8 +4,8 @@
 use std::sync::Arc;
 
 use super::act::{Act, Remembered, Stage};
-use super::hereditary::{Hereditary, HereditaryState};
-use super::{Fung, Parameter, Scene, elastic_response};
+use super::hereditary::HereditaryState;
+use super::{BaseLaw, Parameter, Scene, elastic_response};
 
 /// An effect in a model: its name, the law chosen for it, its parameters and how it acts.
 #[derive(Clone, Debug)]
@@ -30,7 +30,7 @@ pub struct Applied {
 #[derive(Clone, Debug)]
 pub struct Chain {
     /// The base law.
-    pub base: Fung,
+    pub base: BaseLaw,
     /// The effects, in the order in which they were added.
     pub effects: Vec<Applied>,
 }
@@ -63,7 +63,7 @@ impl Elasticity {
     }
 
     /// Elastic response N, N, at each compression x, mm.
-    fn response(&mut self, p: f64, q: f64, x: &[f64]) -> Vec<f64> {
+    pub(super) fn response(&mut self, p: f64, q: f64, x: &[f64]) -> Vec<f64> {
         if self.0.exponent.to_bits() != q.to_bits() || self.0.x != x {
             *self = Self::at(q, x);
         }
@@ -79,7 +79,7 @@ const SETTLED: f64 = 1e-10;
 impl Chain {
     /// The base law alone.
     #[must_use]
-    pub fn new(base: Fung) -> Self {
+    pub fn new(base: BaseLaw) -> Self {
         Self { base, effects: Vec::new() }
     }
 
@@ -210,27 +210,31 @@ impl Chain {
         x: &[f64],
         force: &mut Vec<f64>,
     ) {
-        let mut elastic = elasticity.response(parameters[0], parameters[1], x);
-        let mut hereditary =
-            Hereditary::linear(self.base.relaxation(parameters).branches, self.base.separation);
+        let mut response = self.base.response(parameters);
         self.each(parameters, history, |act, own, remembered, stage| match act {
-            Act::Elastic(law) => law(scene, own, remembered, x, &mut elastic),
-            Act::Relaxation(law) => law(scene, own, remembered, x, &mut hereditary),
-            Act::Own(expression) if stage == Stage::Elasticity => {
-                expression.add_to_elastic(scene, own, x, &mut elastic);
-            }
+            Act::Relaxation(law) => law(scene, own, remembered, x, &mut response.hereditary),
             Act::Own(expression) if stage == Stage::Relaxation => {
-                expression.change_rates(scene, own, x, &mut hereditary);
+                expression.change_rates(scene, own, x, &mut response.hereditary);
             }
             _ => {}
         });
-        hereditary.run(
-            &scene.motion.time,
-            &elastic,
-            scene.motion.rest_before,
-            &mut history.relaxation,
+        let mut relaxation = std::mem::take(&mut history.relaxation);
+        let motion = &scene.motion;
+        response.run(
+            (&motion.time, x, motion.rest_before),
+            (&mut relaxation, elasticity),
+            |x, elastic| {
+                self.each(parameters, history, |act, own, remembered, stage| match act {
+                    Act::Elastic(law) => law(scene, own, remembered, x, elastic),
+                    Act::Own(expression) if stage == Stage::Elasticity => {
+                        expression.add_to_elastic(scene, own, x, elastic);
+                    }
+                    _ => {}
+                });
+            },
             force,
         );
+        history.relaxation = relaxation;
         self.each(parameters, history, |act, own, remembered, stage| match act {
             Act::Force(law) if stage == Stage::Contact => law(scene, own, remembered, force),
             Act::Own(expression) if stage == Stage::Contact => {

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 
-use super::{Fung, MAX_TERMS, Parameter, Separation, Stage};
+use super::{BaseLaw, EXPONENTS_N, Family, MAX_TERMS, Parameter, Separation, Stage};
 use crate::files::write_whole;
 
 /// Major version of the model file that this program reads and writes.
@@ -52,6 +52,12 @@ pub struct Base {
     /// What happens when contact breaks.
     #[serde(default)]
     pub separation: Separation,
+    /// Number of segments of a latency model, where given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub segments: Option<u32>,
+    /// Exponent n of the nonlinear latency model, where given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub exponent: Option<f64>,
     /// Parameters by name.
     pub parameters: IndexMap<String, StoredParameter>,
 }
@@ -98,6 +104,44 @@ pub struct StoredParameter {
     /// Largest value that a fit may give it, in a law of one's own.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub upper: Option<f64>,
+}
+
+impl Base {
+    /// The law with its options.
+    fn law(&self) -> Result<BaseLaw, String> {
+        let name = self.law.as_str();
+        let family = Family::named(name).ok_or_else(|| {
+            let known = Family::ALL.map(Family::name).join(", ");
+            format!("unknown law `{name}`; known: {known}")
+        })?;
+        let rate = if family == Family::GeneralizedMaxwell { "eta" } else { "v" };
+        let terms = self.parameters.keys().filter(|name| name.starts_with(rate)).count();
+        if family.has_terms() && !(1..=MAX_TERMS).contains(&terms) {
+            return Err(format!("{terms} parameters {rate}1…; `{name}` takes 1 to {MAX_TERMS}"));
+        }
+        let mut law = BaseLaw::new(family, terms, self.separation);
+        if self.separation == Separation::Bonded && !family.can_be_bonded() {
+            return Err(format!("`{name}` is stated for compression and cannot be bonded"));
+        }
+        if let Some(segments) = self.segments {
+            if !family.has_segments() || segments < 2 {
+                return Err(format!(
+                    "`segments = {segments}` is not for `{name}`: the latency models take 2 or more"
+                ));
+            }
+            law.segments = Some(segments);
+        }
+        if let Some(exponent) = self.exponent {
+            let (lower, upper) = EXPONENTS_N;
+            if family != Family::LatencyPower || !(lower..=upper).contains(&exponent) {
+                return Err(format!(
+                    "`exponent = {exponent}` is not for `{name}`: `latency-power` takes {lower} to {upper}"
+                ));
+            }
+            law.exponent = Some(exponent);
+        }
+        Ok(law)
+    }
 }
 
 impl StoredParameter {
@@ -203,9 +247,14 @@ impl Model {
             .map_err(|source| FileError::Io { path: path.into(), source })
     }
 
-    /// A model of the law with these values, in the order of [`Fung::parameters`].
+    /// A model of the law with these values, in the order of [`BaseLaw::parameters`].
     #[must_use]
-    pub fn of(law: &Fung, signal: &str, values: &[f64], standard_errors: &[Option<f64>]) -> Self {
+    pub fn of(
+        law: &BaseLaw,
+        signal: &str,
+        values: &[f64],
+        standard_errors: &[Option<f64>],
+    ) -> Self {
         let stored = |((parameter, &value), &standard_error): ((Parameter, &f64), &Option<f64>)| {
             let stored = StoredParameter::fitted(&parameter, value, standard_error);
             (parameter.name.to_string(), stored)
@@ -213,9 +262,11 @@ impl Model {
         let parameters =
             law.parameters().into_iter().zip(values).zip(standard_errors).map(stored).collect();
         let base = Base {
-            law: Fung::NAME.into(),
+            law: law.name().into(),
             signal: signal.into(),
             separation: law.separation,
+            segments: law.segments,
+            exponent: law.exponent,
             parameters,
         };
         Self {
@@ -230,25 +281,18 @@ impl Model {
         }
     }
 
-    /// The law and its parameter values, in the order of [`Fung::parameters`].
+    /// The law and its parameter values, in the order of [`BaseLaw::parameters`].
     ///
     /// # Errors
     /// In words, when the law is unknown or a parameter is missing, unknown or out of its range.
-    pub fn law(&self) -> Result<(Fung, Vec<f64>), String> {
-        if self.base.law != Fung::NAME {
-            return Err(format!("unknown law `{}`; known: {}", self.base.law, Fung::NAME));
-        }
+    pub fn law(&self) -> Result<(BaseLaw, Vec<f64>), String> {
+        let law = self.base.law()?;
         let names = &self.base.parameters;
-        let terms = names.keys().filter(|name| name.starts_with('c')).count();
-        if !(1..=MAX_TERMS).contains(&terms) {
-            return Err(format!("{terms} shares c1…; `fung` takes 1 to {MAX_TERMS}"));
-        }
-        let law = Fung { terms, separation: self.base.separation };
         let declared = law.parameters();
         if let Some(unknown) =
             names.keys().find(|name| declared.iter().all(|p| p.name != name.as_str()))
         {
-            return Err(format!("`fung` with {terms} exponentials has no parameter `{unknown}`"));
+            return Err(format!("{} has no parameter `{unknown}`", law.in_words()));
         }
         let value = |parameter: &Parameter| {
             let name = parameter.name.as_ref();
@@ -271,7 +315,7 @@ mod tests {
     use super::*;
 
     fn example() -> Model {
-        let law = Fung { terms: 2, separation: Separation::Free };
+        let law = BaseLaw::fung(2, Separation::Free);
         let values = [0.07, 0.9, 0.25, 0.26, 4.0, 0.5];
         let errors = [Some(0.001), None, Some(0.01), Some(0.01), Some(0.1), Some(0.02)];
         let mut model = Model::of(&law, "force_N", &values, &errors);

@@ -1,8 +1,11 @@
 //! The hereditary integral over a whole stretch, with what effects can change in it.
 //!
-//! F = N + s (Σ ci (xi − D) + c⁺ D), xi' = −vi r h(xi) xi + D', D = d N: with all factors at one,
-//! h = 1 and c⁺ = 0 it is eq. 2.1 with the relaxation function of eq. 3.3. Steps are exact for N linear between samples
-//! where the rates are constant, and of second order where they vary.
+//! F = N + s (Σ ci (xi − D) + c⁺ D) + τ N', xi' = −vi r h(xi) xi + D', D = d N: with all factors at one,
+//! h = 1, c⁺ = 0 and τ = 0 it is eq. 2.1 with the relaxation function of eq. 3.3. Read backwards,
+//! N = F − s Σ ci xi with D = d F, it is the creep of eq. 6.2: what goes in settles late.
+//!
+//! Steps are exact for N linear between samples where the rates are constant, exact in a hold where they
+//! follow the state, and of second order otherwise.
 
 use super::relaxation::mean_decay;
 use super::{Branch, Separation};
@@ -22,6 +25,10 @@ pub struct Hereditary {
     pub rate_factor: Option<Vec<f64>>,
     /// How the rate of a branch grows with its state.
     pub growth: Growth,
+    /// Viscosity over stiffness τ of a damper beside the spring, s.
+    pub viscosity: f64,
+    /// Whether the response settles late to its input (creep) instead of relaxing from it.
+    pub retarded: bool,
     /// What happens when contact breaks.
     pub separation: Separation,
 }
@@ -38,6 +45,17 @@ pub enum Growth {
 }
 
 impl Growth {
+    /// This growth on top of another one.
+    #[must_use]
+    pub fn on(self, base: Self) -> Self {
+        match (self, base) {
+            (_, Self::None) => self,
+            // Powers of the state multiply; the scale of the base law stays.
+            (Self::Power(more, _), Self::Power(power, full)) => Self::Power(power + more, full),
+            _ => base,
+        }
+    }
+
     /// Whether the rate stays what it is.
     fn is_none(self) -> bool {
         matches!(self, Self::None | Self::Power(0.0, _) | Self::Sinh(0.0, _))
@@ -48,7 +66,7 @@ impl Growth {
             Self::None => return 1.0,
             Self::Power(power, full) => (x / full).abs().powf(power),
             Self::Sinh(strength, full) => {
-                let y = (strength * x / full).abs().min(30.0);
+                let y = (strength * x / full).abs().min(LARGEST_DRIVE);
                 if y < 1e-4 { 1.0 + y * y / 6.0 } else { y.sinh() / y }
             }
         };
@@ -63,11 +81,17 @@ pub struct HereditaryState {
     states: Vec<f64>,
     /// What drives the branches, D, at the last sample, N.
     driven: f64,
+    /// What went in at the last sample, N.
+    input: f64,
     /// Decay and gain of each branch within the interval last used.
     steps: Vec<(f64, f64)>,
     interval: f64,
 }
 
+/// Least part of a compression that follows at once.
+const SMALLEST_IMMEDIATE: f64 = 1e-6;
+/// Largest argument of the hyperbolic sine that is followed.
+const LARGEST_DRIVE: f64 = 30.0;
 /// Two intervals closer than this, relatively, are the same: times are printed with few digits.
 const SAME_INTERVAL: f64 = 1e-7;
 /// Largest part of a growth of the rate that is followed; a state far off its reference is at rest or
@@ -85,6 +109,8 @@ impl Hereditary {
             drive_factor: None,
             rate_factor: None,
             growth: Growth::None,
+            viscosity: 0.0,
+            retarded: false,
             separation,
         }
     }
@@ -114,15 +140,27 @@ impl Hereditary {
             let value = if k == 0 {
                 self.jump(state, elastic)
             } else {
-                self.prepare(state, k, interval, at(&self.drive_factor, k) * elastic);
-                let reached = match self.separation {
-                    Separation::Clamp | Separation::Bonded => elastic,
-                    Separation::Free => elastic.max(self.free(state, k)),
-                };
-                self.step(state, k, reached)
+                self.advance(state, k, interval, elastic)
             };
             force.push(if self.separation == Separation::Bonded { value } else { value.max(0.0) });
         }
+    }
+
+    /// One sample: the force, N, or where retarded the settled response.
+    fn advance(&self, state: &mut HereditaryState, k: usize, interval: f64, elastic: f64) -> f64 {
+        if self.retarded {
+            self.prepare(state, k, interval, state.driven);
+            let settled = self.settled(state, k, elastic);
+            // A parted surface is free of stress, wherever the indenter is.
+            let free = self.separation == Separation::Free && settled < 0.0;
+            return self.settle(state, k, if free { 0.0 } else { settled });
+        }
+        self.prepare(state, k, interval, at(&self.drive_factor, k) * elastic);
+        let reached = match self.separation {
+            Separation::Clamp | Separation::Bonded => elastic,
+            Separation::Free => elastic.max(self.free(state, k, interval)),
+        };
+        self.step(state, k, interval, reached)
     }
 
     fn force(&self, state: &HereditaryState, k: usize, elastic: f64) -> f64 {
@@ -136,28 +174,42 @@ impl Hereditary {
     }
 
     fn jump(&self, state: &mut HereditaryState, elastic: f64) -> f64 {
+        if self.retarded {
+            state.steps.fill((1.0, 1.0));
+            state.interval = f64::NAN;
+            let settled = self.settled(state, 0, elastic);
+            return self.settle(state, 0, settled);
+        }
         let driven = at(&self.drive_factor, 0) * elastic;
         for x in &mut state.states {
             *x += driven - state.driven;
         }
-        state.driven = driven;
+        (state.driven, state.input) = (driven, elastic);
         self.force(state, 0, elastic)
     }
 
-    fn step(&self, state: &mut HereditaryState, k: usize, elastic: f64) -> f64 {
+    fn step(&self, state: &mut HereditaryState, k: usize, interval: f64, elastic: f64) -> f64 {
         let driven = at(&self.drive_factor, k) * elastic;
+        let viscous = self.viscosity * (elastic - state.input) / interval;
+        self.drive(state, driven);
+        state.input = elastic;
+        self.force(state, k, elastic) + viscous
+    }
+
+    fn drive(&self, state: &mut HereditaryState, driven: f64) {
         let change = driven - state.driven;
         state.driven = driven;
         for (x, &(decay, gain)) in state.states.iter_mut().zip(&state.steps) {
             *x = *x * decay + gain * change;
         }
-        self.force(state, k, elastic)
     }
 
     /// The elastic response that would leave the surface free of force at sample `k`, N.
-    fn free(&self, state: &HereditaryState, k: usize) -> f64 {
+    fn free(&self, state: &HereditaryState, k: usize, interval: f64) -> f64 {
         let (share, drive) = (at(&self.share_factor, k), at(&self.drive_factor, k));
-        let (mut held, mut immediate) = (0.0, 1.0 + self.on_top * share * drive);
+        let viscous = self.viscosity / interval;
+        let mut held = -viscous * state.input;
+        let mut immediate = 1.0 + viscous + self.on_top * share * drive;
         for ((branch, x), &(decay, gain)) in
             self.branches.iter().zip(&state.states).zip(&state.steps)
         {
@@ -165,6 +217,27 @@ impl Hereditary {
             immediate += branch.share * share * drive * (gain - 1.0);
         }
         -held / immediate
+    }
+
+    /// Where retarded: the settled response to this input at sample `k`.
+    fn settled(&self, state: &HereditaryState, k: usize, input: f64) -> f64 {
+        let (share, drive) = (at(&self.share_factor, k), at(&self.drive_factor, k));
+        let (mut late, mut immediate) = (0.0, 1.0);
+        for ((branch, x), &(decay, gain)) in
+            self.branches.iter().zip(&state.states).zip(&state.steps)
+        {
+            late += branch.share * share * (decay * x - gain * state.driven);
+            immediate -= branch.share * share * drive * gain;
+        }
+        (input + late) / immediate.max(SMALLEST_IMMEDIATE)
+    }
+
+    fn settle(&self, state: &mut HereditaryState, k: usize, settled: f64) -> f64 {
+        self.drive(state, at(&self.drive_factor, k) * settled);
+        let late: f64 =
+            self.branches.iter().zip(&state.states).map(|(branch, x)| branch.share * x).sum();
+        state.input = settled - at(&self.share_factor, k) * late;
+        settled
     }
 
     /// Decay and gain of every branch from sample `k` − 1 to `k`, towards the drive `ahead`.
@@ -177,7 +250,7 @@ impl Hereditary {
         let factor = at(&self.rate_factor, k);
         let half = 0.5 * (ahead - state.driven);
         for ((step, branch), x) in state.steps.iter_mut().zip(&self.branches).zip(&state.states) {
-            let exponent = branch.rate * factor * self.growth.at(x + half) * interval;
+            let exponent = self.growth.turns(x + half, branch.rate * factor * interval);
             *step = ((-exponent).exp(), mean_decay(exponent));
         }
     }
@@ -185,19 +258,25 @@ impl Hereditary {
     /// Lets the specimen rest between two stretches.
     fn rest(&self, state: &mut HereditaryState, seconds: f64) {
         let factor = at(&self.rate_factor, 0);
-        if self.separation != Separation::Free {
+        if self.separation != Separation::Free && !self.retarded {
             for (x, branch) in state.states.iter_mut().zip(&self.branches) {
-                *x = self.rested(*x, branch.rate * factor, seconds);
+                *x *= (-self.growth.turns(*x, branch.rate * factor * seconds)).exp();
             }
             return;
         }
-        // The free recovery is curved; linear pieces of growing length follow it closely.
+        // The recovery is curved; linear pieces of growing length follow it closely.
         const PIECES: i32 = 24;
         let unit = seconds / (2f64.powi(PIECES) - 1.0);
+        let input = state.input;
         for piece in 0..PIECES {
-            self.prepare(state, 0, unit * 2f64.powi(piece), state.driven);
-            let free = self.free(state, 0).max(0.0);
-            self.step(state, 0, free);
+            let interval = unit * 2f64.powi(piece);
+            if self.retarded {
+                self.advance(state, 0, interval, input);
+            } else {
+                self.prepare(state, 0, interval, state.driven);
+                let free = self.free(state, 0, interval).max(0.0);
+                self.step(state, 0, interval, free);
+            }
         }
     }
 }
@@ -211,24 +290,26 @@ impl HereditaryState {
 
     fn forget(&mut self) {
         self.states.fill(0.0);
-        self.driven = 0.0;
+        (self.driven, self.input) = (0.0, 0.0);
     }
 }
 
-impl Hereditary {
-    /// The state x of a branch after a rest, at a rate stated for the linear law, in closed form.
-    fn rested(&self, x: f64, rate: f64, seconds: f64) -> f64 {
-        match self.growth {
+impl Growth {
+    /// By how many times its e-th part a state x decays in closed form, where a linear law would do it
+    /// `turns` times: ∫ v h(x) dt.
+    fn turns(self, x: f64, turns: f64) -> f64 {
+        match self {
+            Self::Power(power, _) if power.abs() > 1e-9 => {
+                let turns = turns * self.at(x);
+                (1.0 + power * turns).max(f64::MIN_POSITIVE).ln() / power
+            }
             // tanh(s y/2) decays exponentially.
-            Growth::Sinh(strength, full) if strength.abs() > 1e-6 => {
-                let half = (0.5 * strength * x / full).tanh() * (-rate * seconds).exp();
-                half.atanh() * 2.0 * full / strength
+            Self::Sinh(strength, full) if (strength * x / full).abs() > 1e-6 => {
+                let y = (strength * x / full).abs().min(LARGEST_DRIVE);
+                let half = (0.5 * y).tanh() * (-turns).exp();
+                (y / (2.0 * half.atanh())).max(1.0).ln()
             }
-            Growth::Power(power, _) if power.abs() > 1e-9 => {
-                let turns = rate * self.growth.at(x) * seconds;
-                x * (1.0 + power * turns).max(0.0).powf(-1.0 / power)
-            }
-            _ => x * (-rate * seconds).exp(),
+            _ => turns,
         }
     }
 }

@@ -4,28 +4,30 @@
 //! sensor*: a base law, and the effects that act on it at their stage.
 
 mod act;
+mod base_law;
 mod chain;
 pub mod covariate;
 mod elastic;
 mod expression;
 mod file;
-mod fung;
 mod hereditary;
 mod motion;
 mod parameter;
 mod profile;
 mod relaxation;
+mod response;
 mod scene;
 
 pub use act::{Act, Remembered, Stage};
+pub use base_law::{BaseLaw, Constants, EXPONENTS_N, Family, MAX_TERMS, Separation, TERMS};
 pub use chain::{Applied, Chain, Elasticity, History};
 pub use elastic::elastic_response;
 pub use expression::{Expression, ExpressionError, VARIABLES};
 pub use file::{Base, FileError, FitRecord, Model, Rung, StoredEffect, StoredParameter, VERSION};
-pub use fung::{Fung, MAX_TERMS, Separation, TERMS};
 pub use hereditary::{Growth, Hereditary, HereditaryState};
 pub use motion::{Motion, MotionError};
 pub use parameter::Parameter;
 pub use profile::{Hold, Move, Profile, ProfileError, Step};
 pub use relaxation::{Branch, Memory, Relaxation};
+pub use response::{Form, Response};
 pub use scene::{Past, Scene};

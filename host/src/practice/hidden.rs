@@ -12,7 +12,7 @@ use crate::criticism::screen::ABSORBED;
 use crate::effects::{Effect, EffectError, LIBRARY, Law, Role, Setting, Sign, find, store};
 use crate::fit::data::{Data, DataError};
 use crate::fit::whole_motion::predict;
-use crate::model::{Applied, Chain, Fung, Model, Separation};
+use crate::model::{Applied, BaseLaw, Chain, Model, Separation};
 use crate::trace::{FORCE, Trace};
 
 /// What to hide.
@@ -93,7 +93,7 @@ pub fn hide(choice: &Choice, size: f64, seed: u64) -> Result<Practice, HideError
     };
     let (mut session, mut effects) = (stream(Stream::Session), stream(Stream::Effects));
     let mut traces = ten_traces(&mut session);
-    let base = Chain::new(Fung { terms: 2, separation: Separation::Clamp });
+    let base = Chain::new(BaseLaw::fung(2, Separation::Clamp));
     let values = specimen(&mut session);
     let bare = predict(&base, &values, &Data::of_motions(&traces, FORCE)?);
     let range = bare.iter().flatten().fold(0.0, |most: f64, force| most.max(force.abs()));

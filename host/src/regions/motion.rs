@@ -157,7 +157,7 @@ fn end_recovery(region: &mut [Region], latent: &[f64], settled: f64) {
 mod tests {
     use super::*;
     use crate::decomposition::{decompose, default_relaxation};
-    use crate::model::{Fung, Motion, Separation};
+    use crate::model::{BaseLaw, Motion, Separation};
     use crate::regions;
     use crate::trace::{Column, DISPLACEMENT, FORCE};
 
@@ -178,7 +178,7 @@ mod tests {
                 displacement.push(to);
             }
         }
-        let law = Fung { terms: 2, separation: Separation::Clamp };
+        let law = BaseLaw::fung(2, Separation::Clamp);
         let motion = Motion {
             time: (&time[..]).into(),
             displacement: (&displacement[..]).into(),

@@ -18,6 +18,21 @@ pub(super) const ABOUT: &str = "On the traces the model was fitted to; held out 
 
 /// The errors of the rungs beside the noise, in `unit`.
 pub(super) fn ladder_bars(rungs: &[Rung], unit: &str, noise: Option<f64>) -> Bars {
+    let names = rungs.iter().enumerate().map(rung_name).collect();
+    Bars {
+        title: "Error at each rung".into(),
+        summary: "Root mean square error after each addition to the model".into(),
+        ..error_bars(names, rungs, unit, noise)
+    }
+}
+
+/// The errors of several models beside the noise, in `unit`.
+pub(super) fn error_bars(
+    names: Vec<String>,
+    rungs: &[Rung],
+    unit: &str,
+    noise: Option<f64>,
+) -> Bars {
     let bar = |name: &str, values: Vec<f64>, colour| BarSeries {
         name: name.into(),
         values,
@@ -27,10 +42,10 @@ pub(super) fn ladder_bars(rungs: &[Rung], unit: &str, noise: Option<f64>) -> Bar
     let held_out = rungs.iter().map(|rung| rung.heldout_rms.unwrap_or(f64::NAN)).collect();
     let noise = noise.map(|y| Level { y, label: "noise".into() });
     Bars {
-        title: "Error at each rung".into(),
-        summary: "Root mean square error after each addition to the model".into(),
+        title: String::new(),
+        summary: "Root mean square error of each model".into(),
         axis: Axis::new("root mean square error", unit),
-        groups: rungs.iter().enumerate().map(rung_name).collect(),
+        groups: names,
         series: vec![
             bar("fitted", rungs.iter().map(|rung| rung.fitted_rms).collect(), Colour::Hue(0)),
             bar("held out", held_out, Colour::Hue(1)),

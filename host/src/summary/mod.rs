@@ -10,6 +10,7 @@ mod ladder;
 mod plan;
 mod practice;
 mod press;
+mod ranking;
 mod recording;
 mod whole_motion;
 
@@ -28,6 +29,7 @@ pub use ladder::ladder;
 pub use plan::plan_section;
 pub use practice::{practice_json, practice_sections, truth_json, truth_sections};
 pub use press::press_sections;
+pub use ranking::{ranking_json, ranking_sections};
 pub use recording::{loops, overview, trace_panels};
 pub use whole_motion::FitSummary;
 

@@ -6,7 +6,7 @@ use super::{estimate, name_of, unit_of};
 use crate::fit::data::Data;
 use crate::fit::warning::warnings;
 use crate::fit::whole_motion::{MotionFit, over_traces, predict};
-use crate::model::{Fung, Model, Rung};
+use crate::model::{Family, Model, Rung};
 use crate::report::number::significant;
 use crate::report::{Axis, Block, Callout, Colour, Column, Panels, Plot, Section, Series, Table};
 use crate::trace::{Noise, Source};
@@ -45,7 +45,7 @@ impl FitSummary<'_> {
         let noise = self.noise.map(|noise| noise.standard_deviation);
         model.fit = Some(fit.record(self.data, noise));
         model.ladder.push(Rung {
-            add: Fung::NAME.into(),
+            add: fit.chain.base.name().into(),
             fitted_rms: fit.rms(),
             heldout_rms: self.held_out_rms(),
         });
@@ -85,9 +85,11 @@ impl FitSummary<'_> {
             .collect();
         json!({
             "palpate_fit": 1,
-            "law": Fung::NAME,
+            "law": fit.chain.base.name(),
             "terms": fit.chain.base.terms,
             "separation": fit.chain.base.separation,
+            "segments": fit.chain.base.segments,
+            "exponent": fit.chain.base.exponent,
             "signal": self.signal,
             "unit": unit_of(self.signal),
             "parameters": parameters,
@@ -115,13 +117,7 @@ impl FitSummary<'_> {
     #[must_use]
     pub fn sections(&self) -> Vec<Section> {
         let fit = self.fit;
-        let title = format!(
-            "{} with {} exponential{}",
-            Fung::NAME,
-            fit.chain.base.terms,
-            if fit.chain.base.terms == 1 { "" } else { "s" }
-        );
-        let mut parameters = Section::new(title)
+        let mut parameters = Section::new(fit.chain.base.in_words())
             .paragraph(self.stop_in_words())
             .table(self.parameter_table())
             .table(self.quality_table());
@@ -173,10 +169,11 @@ impl FitSummary<'_> {
             table =
                 table.row([&parameter.name, value.as_str(), &parameter.unit, &parameter.meaning]);
         }
-        let shares = &fit.values[2..2 + fit.chain.base.terms];
-        let rest = 1.0 - shares.iter().sum::<f64>();
-        let rest = significant(rest, 4);
-        table = table.row(["c0", &rest, "", "share that never relaxes, 1 − Σ ci"]);
+        if fit.chain.base.family == Family::Fung {
+            let shares = fit.chain.base.constants(&fit.values).shares;
+            let rest = significant(1.0 - shares.iter().sum::<f64>(), 4);
+            table = table.row(["c0", &rest, "", "share that never relaxes, 1 − Σ ci"]);
+        }
         if fit.autocorrelation > 0.02 {
             table = table.note(format!(
                 "Neighbouring residuals correlate by {:.2}; the standard errors allow for it.",

@@ -4,7 +4,7 @@ use palpate::criticism::diagnose::diagnose;
 use palpate::criticism::search;
 use palpate::fit::data::Data;
 use palpate::fit::whole_motion::fit;
-use palpate::model::{Fung, Model, Separation};
+use palpate::model::{BaseLaw, Model, Separation};
 use palpate_tests::hidden::DataSet;
 
 /// A diagnosis.
@@ -35,7 +35,7 @@ pub struct Step {
 pub fn answer(set: &DataSet) -> Result<Answer, String> {
     let signal = set.truth.signal;
     let data = Data::of(&set.traces, signal).map_err(|error| error.to_string())?;
-    let law = Fung { terms: 2, separation: Separation::Clamp };
+    let law = BaseLaw::fung(2, Separation::Clamp);
     let base = fit(law, &data).map_err(|error| error.to_string())?;
     let model = Model::of(&law, signal, &base.values, &base.standard_errors);
     let diagnosis = diagnose(&model, &set.traces).map_err(|error| error.to_string())?;

@@ -319,7 +319,7 @@ fn rounded(value: f64, steps: f64) -> f64 {
 mod tests {
     use palpate::fit::data::Data;
     use palpate::fit::whole_motion::fit;
-    use palpate::model::{Fung, Separation};
+    use palpate::model::{BaseLaw, Separation};
     use palpate::trace::read_set;
 
     use super::*;
@@ -339,7 +339,7 @@ mod tests {
             trace.set_column(set.truth.signal, clean.clone());
         }
         let data = Data::of(&traces, set.truth.signal).expect("the traces can be fitted");
-        let law = Fung { terms: 2, separation: Separation::Clamp };
+        let law = BaseLaw::fung(2, Separation::Clamp);
         fit(law, &data).expect("the base can be fitted").rms() / set.truth.noise_rms
     }
 

@@ -25,7 +25,7 @@ use crate::criticism::leftover::leftover;
 use crate::criticism::screen::DRAWS;
 use crate::criticism::search::DECISIVE;
 use crate::fit::data::Data;
-use crate::model::{Fung, Rung};
+use crate::model::Rung;
 use crate::report::number::significant;
 use crate::report::{Block, Callout, Column, Section, Table};
 
@@ -149,9 +149,9 @@ impl<'a> DiagnosisSummary<'a> {
 
     /// The model that was diagnosed: its law and the effects that it had.
     fn base_name(&self) -> String {
-        let effects = &self.diagnosis.found.base.chain.effects;
-        let names = effects.iter().map(|effect| effect.name.as_str());
-        std::iter::once(Fung::NAME).chain(names).collect::<Vec<_>>().join(" + ")
+        let chain = &self.diagnosis.found.base.chain;
+        let names = chain.effects.iter().map(|effect| effect.name.as_str());
+        std::iter::once(chain.base.name()).chain(names).collect::<Vec<_>>().join(" + ")
     }
 
     fn ladder_table(&self) -> Table {

@@ -1,0 +1,184 @@
+//! Every base law on the same data: which predicts best what it has not seen, and whose parameters are the
+//! same in every set-up (chapter 3's argument).
+
+use rayon::prelude::*;
+
+use super::data::{Data, DataError};
+use super::whole_motion::{MotionFit, fit, held_out, over_traces};
+use crate::model::{BaseLaw, Family, Separation};
+use crate::trace::{Kind, Noise, Trace, pooled_noise, segments};
+
+/// All laws, best first.
+pub struct Ranking {
+    /// One place for each law.
+    pub places: Vec<Place>,
+    /// The set-ups that parameters are compared between.
+    pub setups: Vec<Setup>,
+    /// The noise of the signal, where it can be told without a model.
+    pub noise: Option<Noise>,
+}
+
+/// One law in the ranking.
+pub struct Place {
+    /// Its fit to all traces together.
+    pub fit: MotionFit,
+    /// Root mean square error over traces left out in turn; none for a single trace.
+    pub held_out: Option<f64>,
+    /// How its parameters move between the set-ups; empty for a single set-up.
+    pub spreads: Vec<ParameterSpread>,
+}
+
+/// Traces that were recorded alike.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Setup {
+    /// Their largest compression, mm.
+    pub compression: f64,
+    /// Their fastest loading, mm/s.
+    pub rate: f64,
+    /// Which traces of the set.
+    pub traces: Vec<usize>,
+}
+
+impl Place {
+    /// Median over the parameters of their relative deviation between the set-ups; none for one set-up.
+    #[must_use]
+    pub fn typical_deviation(&self) -> Option<f64> {
+        let mut deviations: Vec<f64> = self
+            .spreads
+            .iter()
+            .map(ParameterSpread::relative_deviation)
+            .filter(|deviation| deviation.is_finite())
+            .collect();
+        deviations.sort_by(f64::total_cmp);
+        deviations.get(deviations.len() / 2).copied()
+    }
+}
+
+/// One parameter over the set-ups.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ParameterSpread {
+    /// Name of the parameter.
+    pub name: String,
+    /// Its unit.
+    pub unit: String,
+    /// Value in each set-up, in their order.
+    pub values: Vec<f64>,
+}
+
+impl ParameterSpread {
+    /// Mean over the set-ups.
+    #[must_use]
+    pub fn mean(&self) -> f64 {
+        self.values.iter().sum::<f64>() / self.values.len() as f64
+    }
+
+    /// Sample standard deviation over the set-ups, over the mean's size.
+    #[must_use]
+    pub fn relative_deviation(&self) -> f64 {
+        let mean = self.mean();
+        let square: f64 = self.values.iter().map(|value| (value - mean).powi(2)).sum();
+        (square / (self.values.len() as f64 - 1.0)).sqrt() / mean.abs()
+    }
+
+    /// Largest value over the smallest, in size: 100 is two orders of magnitude.
+    #[must_use]
+    pub fn ratio(&self) -> f64 {
+        let sizes = || self.values.iter().map(|value| value.abs());
+        sizes().fold(0.0, f64::max) / sizes().fold(f64::INFINITY, f64::min)
+    }
+}
+
+/// Set-ups are the same within this part of compression and of rate.
+const ALIKE: (f64, f64) = (0.02, 0.1);
+
+/// Fits every law with so many exponentials where it has a choice, and ranks them by the error on traces
+/// left out in turn, for a single trace by the Bayesian information criterion.
+///
+/// # Errors
+/// When the traces cannot be fitted.
+pub fn rank(
+    traces: &[Trace],
+    signal: &str,
+    terms: usize,
+    separation: Separation,
+) -> Result<Ranking, DataError> {
+    let data = Data::of(traces, signal)?;
+    let laws: Vec<BaseLaw> = Family::ALL
+        .into_iter()
+        .filter(|family| separation != Separation::Bonded || family.can_be_bonded())
+        .map(|family| BaseLaw::new(family, terms, separation))
+        .collect();
+    let setups = setups(traces);
+    let mut places = laws
+        .into_par_iter()
+        .map(|law| {
+            let fit = fit(law, &data)?;
+            let left_out = if traces.len() > 1 { held_out(&fit, &data) } else { Vec::new() };
+            let held_out = over_traces(&left_out, &data);
+            Ok(Place { spreads: spreads(law, traces, signal, &setups)?, fit, held_out })
+        })
+        .collect::<Result<Vec<_>, DataError>>()?;
+    places.sort_by(|a, b| match (a.held_out, b.held_out) {
+        (Some(a), Some(b)) => a.total_cmp(&b),
+        _ => a.fit.bic().total_cmp(&b.fit.bic()),
+    });
+    Ok(Ranking { places, setups, noise: pooled_noise(traces, signal) })
+}
+
+fn spreads(
+    law: BaseLaw,
+    traces: &[Trace],
+    signal: &str,
+    setups: &[Setup],
+) -> Result<Vec<ParameterSpread>, DataError> {
+    if setups.len() < 2 {
+        return Ok(Vec::new());
+    }
+    let fits = setups
+        .iter()
+        .map(|setup| {
+            let own: Vec<Trace> = setup.traces.iter().map(|&k| traces[k].clone()).collect();
+            fit(law, &Data::of(&own, signal)?)
+        })
+        .collect::<Result<Vec<_>, _>>()?;
+    let spread = |(k, parameter): (usize, crate::model::Parameter)| ParameterSpread {
+        name: parameter.name.into(),
+        unit: parameter.unit.into(),
+        values: fits.iter().map(|fit| fit.values[k]).collect(),
+    };
+    Ok(law.parameters().into_iter().enumerate().map(spread).collect())
+}
+
+/// Traces of the same compression and loading rate together; where all are alike, each by itself.
+fn setups(traces: &[Trace]) -> Vec<Setup> {
+    let mut setups: Vec<Setup> = Vec::new();
+    for (index, trace) in traces.iter().enumerate() {
+        let Some(own) = setup(index, trace) else { continue };
+        let alike = |a: f64, b: f64, part: f64| (a - b).abs() <= part * a.abs().max(b.abs());
+        let same = |known: &&mut Setup| {
+            alike(known.compression, own.compression, ALIKE.0)
+                && alike(known.rate, own.rate, ALIKE.1)
+        };
+        match setups.iter_mut().find(same) {
+            Some(known) => known.traces.push(index),
+            None => setups.push(own),
+        }
+    }
+    if setups.len() == 1 {
+        return traces.iter().enumerate().filter_map(|(k, trace)| setup(k, trace)).collect();
+    }
+    setups.sort_by(|a, b| a.compression.total_cmp(&b.compression).then(a.rate.total_cmp(&b.rate)));
+    setups
+}
+
+/// The set-up of one trace; none where it never reaches the specimen.
+fn setup(index: usize, trace: &Trace) -> Option<Setup> {
+    let displacement = trace.displacement()?;
+    let compression = displacement.iter().copied().fold(0.0, f64::max);
+    let rate = segments(&trace.time, displacement)
+        .iter()
+        .filter(|segment| segment.kind == Kind::Load)
+        .map(|segment| segment.rate_mm_per_s)
+        .fold(0.0, f64::max);
+    (compression > 0.0).then(|| Setup { compression, rate, traces: vec![index] })
+}

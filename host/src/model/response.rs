@@ -1,0 +1,69 @@
+//! From the compression to the force: an elastic response and a memory, in the order of the law's form.
+
+use super::hereditary::{Hereditary, HereditaryState};
+use super::{Elasticity, Separation};
+
+/// What the memory of a law acts on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Form {
+    /// On the force: F = ∫ g(t−s) dN(x(s)) (eq. 2.1).
+    Force,
+    /// On the strain: F = N(x) ε/x with the strain at the contact ε = ∫ g(t−s) dx (eqs 4.1, 7.11).
+    Strain,
+    /// On the compression: F = N(D), where D is such that x = ∫ h(t−s) dD(s) (eqs 6.1, 6.2).
+    Compression,
+}
+
+/// A base law with its numbers: what makes a force of a compression.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Response {
+    /// What the memory acts on.
+    pub form: Form,
+    /// Stiffness p of the elastic response, N/mm^(q+1).
+    pub p: f64,
+    /// Exponent q of the elastic response.
+    pub q: f64,
+    /// The memory.
+    pub hereditary: Hereditary,
+}
+
+/// Compression, mm, below which the ratio N/x is not formed.
+const TOUCHING: f64 = 1e-9;
+
+impl Response {
+    /// Runs over one stretch: times, s, compressions x, mm, and the rest before, s (none where all is
+    /// forgotten). `change` may change the elastic response N (last), N, at a compression, mm. The force,
+    /// N, goes to `force`.
+    pub fn run(
+        &self,
+        (time, x, rest): (&[f64], &[f64], Option<f64>),
+        (state, elasticity): (&mut HereditaryState, &mut Elasticity),
+        mut change: impl FnMut(&[f64], &mut [f64]),
+        force: &mut Vec<f64>,
+    ) {
+        let bonded = self.hereditary.separation == Separation::Bonded;
+        let pressed = || x.iter().map(|&x| if bonded { x } else { x.max(0.0) }).collect::<Vec<_>>();
+        match self.form {
+            Form::Force => {
+                let mut elastic = elasticity.response(self.p, self.q, x);
+                change(x, &mut elastic);
+                self.hereditary.run(time, &elastic, rest, state, force);
+            }
+            Form::Strain => {
+                let mut elastic = elasticity.response(self.p, self.q, x);
+                change(x, &mut elastic);
+                let pressed = pressed();
+                self.hereditary.run(time, &pressed, rest, state, force);
+                for ((strain, elastic), x) in force.iter_mut().zip(&elastic).zip(&pressed) {
+                    *strain *= if *x > TOUCHING { elastic / x } else { 0.0 };
+                }
+            }
+            Form::Compression => {
+                let mut settled = Vec::new();
+                self.hereditary.run(time, &pressed(), rest, state, &mut settled);
+                *force = elasticity.response(self.p, self.q, &settled);
+                change(&settled, force);
+            }
+        }
+    }
+}
