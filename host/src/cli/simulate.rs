@@ -11,12 +11,12 @@ use super::output::{print, write_file};
 use crate::effects::chain_of;
 use crate::fit::data::Data;
 use crate::fit::whole_motion::predict;
-use crate::model::{Model, Profile};
+use crate::model::{Equilibrium, Family, ForceProfile, Model, Profile, Segments};
 use crate::trace::{Column, Control, DISPLACEMENT, Head, TEMPERATURE, Trace, read, write_to};
 
-/// Predict the force of a motion.
+/// Predict the force of a motion, or the motion under a controlled force.
 #[derive(clap::Args)]
-#[command(after_help = "\
+#[command(group = clap::ArgGroup::new("what").required(true), after_help = "\
 The motion is a trace, whose displacement is used, or a profile (a TOML file):
   palpate-profile = 1
   rate_hz = 200.0
@@ -31,15 +31,35 @@ The motion is a trace, whose displacement is used, or a profile (a TOML file):
   [[step]]
   to_mm = 0.0
 
+A controlled force (--force) is a programme that a PI controller follows:
+  palpate-force-profile = 1
+  rate_hz = 200.0
+  loading_N_per_s = 1.96
+  bandwidth_hz = 5.0               # of the controller
+  [[step]]
+  to_N = 2.0                       # with a loading_N_per_s of its own where needed
+  [[step]]
+  hold_s = 9.5
+  [[step]]
+  to_N = 0.0
+
 Examples:
   palpate simulate model.toml --motion press.csv -o predicted.csv
+  palpate simulate model.toml --force creep.toml -o crept.csv
+  palpate simulate latency.toml --motion profile.toml --nodes   with the nodes inside the specimen
   palpate simulate model.toml --motion profile.toml --noise 0.01 --seed 3")]
 pub struct Args {
     /// The model
     model: PathBuf,
     /// The motion: a trace (.csv) or a profile (.toml)
-    #[arg(long, value_name = "TRACE|PROFILE.toml")]
-    motion: PathBuf,
+    #[arg(long, value_name = "TRACE|PROFILE.toml", group = "what")]
+    motion: Option<PathBuf>,
+    /// The force to keep by PI control: a force profile (.toml)
+    #[arg(long, value_name = "FORCE.toml", group = "what")]
+    force: Option<PathBuf>,
+    /// Of a latency model with segments: add the displacement of every node inside, node2_mm, …
+    #[arg(long)]
+    nodes: bool,
     /// Standard deviation of white noise to add, in the unit of the signal
     #[arg(long, value_name = "RMS", value_parser = parse_noise)]
     noise: Option<f64>,
@@ -61,25 +81,11 @@ fn parse_noise(text: &str) -> Result<f64, String> {
 /// Simulates and writes the trace.
 pub fn run(args: &Args) -> Result<(), Failure> {
     let model = Model::read(&args.model).map_err(Failure::input)?;
-    let mut trace = motion(&args.motion)?;
     let signal = &model.base.signal;
-    let mut force = {
-        let data = Data::of_motions(std::slice::from_ref(&trace), signal)
-            .map_err(Failure::input)?
-            .with_reference(model.reference_temperature);
-        let (chain, parameters) = chain_of(&model, &data.setting()).map_err(Failure::input)?;
-        let deepest = data.largest_compression();
-        if let Some(seen) = model.fit.as_ref().and_then(|fit| fit.largest_compression_mm)
-            && deepest > seen * 1.001
-        {
-            eprintln!(
-                "! the motion goes to {deepest:.3} mm, beyond the {seen:.3} mm that the model was fitted to"
-            );
-        }
-        if let Some(what) = data.left_out.first() {
-            return Err(Failure::Input(miette::miette!("{what}")));
-        }
-        predict(&chain, &parameters, &data).concat()
+    let (mut trace, mut force) = match (&args.motion, &args.force) {
+        (_, Some(path)) => controlled(&model, path)?,
+        (Some(path), None) => moved(&model, path)?,
+        (None, None) => return Err(Failure::Input(miette::miette!("give --motion or --force"))),
     };
     if let Some(noise) = args.noise {
         eprintln!("noise of {noise} RMS, seed {}", args.seed);
@@ -87,6 +93,9 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     }
     trace.columns.retain(|column| [DISPLACEMENT, TEMPERATURE].contains(&column.name.as_str()));
     trace.set_column(signal, force);
+    if args.nodes {
+        add_nodes(&model, &mut trace)?;
+    }
     let mut bytes = Vec::new();
     write_to(&mut bytes, &trace).map_err(Failure::work)?;
     match &args.output {
@@ -95,14 +104,89 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     }
 }
 
-/// The motion as a trace: read, or made from a profile.
-fn motion(path: &Path) -> Result<Trace, Failure> {
-    let mut head = Head {
+/// A motion and the force that the model predicts for it.
+fn moved(model: &Model, path: &Path) -> Result<(Trace, Vec<f64>), Failure> {
+    let trace = motion(path)?;
+    let force = {
+        let data = Data::of_motions(std::slice::from_ref(&trace), &model.base.signal)
+            .map_err(Failure::input)?
+            .with_reference(model.reference_temperature);
+        let (chain, parameters) = chain_of(model, &data.setting()).map_err(Failure::input)?;
+        beyond(model, data.largest_compression());
+        if let Some(what) = data.left_out.first() {
+            return Err(Failure::Input(miette::miette!("{what}")));
+        }
+        predict(&chain, &parameters, &data).concat()
+    };
+    Ok((trace, force))
+}
+
+/// The motion by which a controller keeps a force, and that force.
+fn controlled(model: &Model, path: &Path) -> Result<(Trace, Vec<f64>), Failure> {
+    if let Some(effect) = model.effects.first() {
+        return Err(Failure::Input(miette::miette!(
+            "under force control a model runs without effects, and this one has `{}`: take it out (palpate drop), or give --motion",
+            effect.name
+        )));
+    }
+    let profile = ForceProfile::read(path).map_err(Failure::input)?;
+    let (law, parameters) =
+        model.law().map_err(|problem| Failure::Input(miette::miette!(problem)))?;
+    let run = profile.run(&law, &parameters);
+    beyond(model, run.displacement.iter().copied().fold(0.0, f64::max));
+    let head = Head { control: Some(Control::Force), ..simulated(path) };
+    let columns = vec![Column { name: DISPLACEMENT.into(), values: run.displacement }];
+    Ok((Trace { path: None, head, time: run.time, columns }, run.force))
+}
+
+/// Says when the model is asked for more than it has seen.
+fn beyond(model: &Model, deepest: f64) {
+    if let Some(seen) = model.fit.as_ref().and_then(|fit| fit.largest_compression_mm)
+        && deepest > seen * 1.001
+    {
+        eprintln!(
+            "! the motion goes to {deepest:.3} mm, beyond the {seen:.3} mm that the model was fitted to"
+        );
+    }
+}
+
+/// Adds what the nodes inside the specimen do.
+fn add_nodes(model: &Model, trace: &mut Trace) -> Result<(), Failure> {
+    let wrong = |problem: String| Failure::Input(miette::miette!("{problem}"));
+    let (law, parameters) = model.law().map_err(wrong)?;
+    let (Some(count), Some(x)) = (law.segments, trace.displacement()) else {
+        return Err(wrong(
+            "--nodes needs a latency model with `segments`: fit one with --segments".into(),
+        ));
+    };
+    let equilibrium =
+        if law.family == Family::Latency { Equilibrium::Common } else { Equilibrium::OwnNode };
+    let segments = Segments {
+        count: count as usize,
+        rate: parameters[2],
+        exponent: law.constants(&parameters).exponent,
+        equilibrium,
+    };
+    let pressed: Vec<f64> = x.iter().map(|x| x.max(0.0)).collect();
+    let nodes = segments.displacements(&trace.time, &pressed);
+    for (node, values) in nodes.into_iter().enumerate().skip(1) {
+        trace.set_column(&format!("node{}_mm", node + 1), values);
+    }
+    Ok(())
+}
+
+/// The head of a simulated trace.
+fn simulated(path: &Path) -> Head {
+    Head {
         version: Some(1),
         name: Some(format!("simulated over {}", path.display())),
-        control: Some(Control::Displacement),
         ..Head::default()
-    };
+    }
+}
+
+/// The motion as a trace: read, or made from a profile.
+fn motion(path: &Path) -> Result<Trace, Failure> {
+    let mut head = Head { control: Some(Control::Displacement), ..simulated(path) };
     if path.extension().is_some_and(|extension| extension == "toml") {
         let motion = Profile::read(path).map_err(Failure::input)?.motion();
         let displacement = motion.displacement.into_owned();

@@ -114,10 +114,13 @@ impl Base {
             let known = Family::ALL.map(Family::name).join(", ");
             format!("unknown law `{name}`; known: {known}")
         })?;
-        let rate = if family == Family::GeneralizedMaxwell { "eta" } else { "v" };
-        let terms = self.parameters.keys().filter(|name| name.starts_with(rate)).count();
+        let (each, what) = match family {
+            Family::GeneralizedMaxwell => ("eta", "dampers"),
+            _ => ("c", "shares"),
+        };
+        let terms = self.parameters.keys().filter(|name| name.starts_with(each)).count();
         if family.has_terms() && !(1..=MAX_TERMS).contains(&terms) {
-            return Err(format!("{terms} parameters {rate}1…; `{name}` takes 1 to {MAX_TERMS}"));
+            return Err(format!("{terms} {what} {each}1…; `{name}` takes 1 to {MAX_TERMS}"));
         }
         let mut law = BaseLaw::new(family, terms, self.separation);
         if self.separation == Separation::Bonded && !family.can_be_bonded() {

@@ -147,7 +147,13 @@ impl Hereditary {
     }
 
     /// One sample: the force, N, or where retarded the settled response.
-    fn advance(&self, state: &mut HereditaryState, k: usize, interval: f64, elastic: f64) -> f64 {
+    pub(super) fn advance(
+        &self,
+        state: &mut HereditaryState,
+        k: usize,
+        interval: f64,
+        elastic: f64,
+    ) -> f64 {
         if self.retarded {
             self.prepare(state, k, interval, state.driven);
             let settled = self.settled(state, k, elastic);
@@ -171,6 +177,13 @@ impl Hereditary {
             .map(|(branch, x)| branch.share * (x - state.driven))
             .sum();
         elastic + at(&self.share_factor, k) * (latent + self.on_top * state.driven)
+    }
+
+    /// A specimen that has forgotten all is taken to this elastic response, N, at once.
+    pub(super) fn begin(&self, state: &mut HereditaryState, elastic: f64) -> f64 {
+        state.begin(self.branches.len());
+        state.forget();
+        self.jump(state, elastic)
     }
 
     fn jump(&self, state: &mut HereditaryState, elastic: f64) -> f64 {
@@ -297,7 +310,7 @@ impl HereditaryState {
 impl Growth {
     /// By how many times its e-th part a state x decays in closed form, where a linear law would do it
     /// `turns` times: ∫ v h(x) dt.
-    fn turns(self, x: f64, turns: f64) -> f64 {
+    pub(super) fn turns(self, x: f64, turns: f64) -> f64 {
         match self {
             Self::Power(power, _) if power.abs() > 1e-9 => {
                 let turns = turns * self.at(x);

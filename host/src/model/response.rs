@@ -1,7 +1,7 @@
 //! From the compression to the force: an elastic response and a memory, in the order of the law's form.
 
 use super::hereditary::{Hereditary, HereditaryState};
-use super::{Elasticity, Separation};
+use super::{Elasticity, Separation, elastic_response};
 
 /// What the memory of a law acts on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,6 +31,40 @@ pub struct Response {
 const TOUCHING: f64 = 1e-9;
 
 impl Response {
+    /// The specimen at rest is taken to a compression, mm, at once; the force, N.
+    #[must_use]
+    pub fn begin(&self, state: &mut HereditaryState, x: f64) -> f64 {
+        self.sample(x, |input| self.hereditary.begin(state, input))
+    }
+
+    /// The compression goes on to x, mm, within an interval, s; the force, N.
+    #[must_use]
+    pub fn advance(&self, state: &mut HereditaryState, interval: f64, x: f64) -> f64 {
+        self.sample(x, |input| self.hereditary.advance(state, 0, interval, input))
+    }
+
+    /// One sample: what goes into the memory, and what its answer means.
+    fn sample(&self, x: f64, memory: impl FnOnce(f64) -> f64) -> f64 {
+        let elastic = |x| elastic_response(self.p, self.q, x);
+        let force = match self.form {
+            Form::Force => memory(elastic(x)),
+            Form::Strain => {
+                let strain = memory(x.max(0.0));
+                if x > TOUCHING { elastic(x) / x * strain } else { 0.0 }
+            }
+            Form::Compression => elastic(memory(x.max(0.0))),
+        };
+        if self.hereditary.separation == Separation::Bonded { force } else { force.max(0.0) }
+    }
+
+    /// Stiffness dF/dx, N/mm, with which a specimen at rest meets a sudden move at a compression, mm.
+    #[must_use]
+    pub fn stiffness(&self, x: f64) -> f64 {
+        let step = 1e-4 * x.abs().max(1e-3);
+        let sudden = |to: f64| self.begin(&mut HereditaryState::default(), to);
+        (sudden(x + step) - sudden(x - step)) / (2.0 * step)
+    }
+
     /// Runs over one stretch: times, s, compressions x, mm, and the rest before, s (none where all is
     /// forgotten). `change` may change the elastic response N (last), N, at a compression, mm. The force,
     /// N, goes to `force`.
