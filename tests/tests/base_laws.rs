@@ -3,9 +3,12 @@
 use palpate::fit::data::Data;
 use palpate::fit::whole_motion::fit;
 use palpate::model::{BaseLaw, Family, Motion, Separation};
-use palpate::trace::{Column, DISPLACEMENT, FORCE, Trace};
+use palpate::trace::{Column, DISPLACEMENT, FORCE, Trace, write};
+use palpate_tests::{palpate, press};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, Normal};
+use serde_json::Value;
 
 /// Samples per second of the random motions.
 const RATE: f64 = 400.0;
@@ -161,5 +164,113 @@ fn a_maxwell_element_under_a_steady_speed_follows_its_differential_equation() {
     let force = law.predict(&[0.4, 0.3], &[motion]).remove(0);
     for (t, force) in time.iter().zip(&force) {
         assert!((force - 0.3 * 3.0 * (1.0 - (-0.4 * t / 0.3).exp())).abs() < 1e-9);
+    }
+}
+
+/// Standard deviation of the noise of the recordings with friction, N.
+const NOISE: f64 = 0.005;
+/// Friction at the contact, N.
+const FRICTION: f64 = 0.04;
+
+/// Presses of a specimen of this law whose contact rubs with this force, N, as files of a folder.
+fn record_files(folder: &std::path::Path, (law, values): &(BaseLaw, Vec<f64>), friction: f64) {
+    let motions: Vec<Motion> = [3.0, 6.0]
+        .iter()
+        .flat_map(|&deep| [6.0, 40.0].map(|speed| press(deep, speed, 1.5)))
+        .collect();
+    let force = law.predict(values, &motions);
+    let mut random = ChaCha8Rng::seed_from_u64(5);
+    let normal = Normal::new(0.0, NOISE).unwrap();
+    for (number, (motion, force)) in motions.into_iter().zip(force).enumerate() {
+        let x = motion.displacement.into_owned();
+        let rubs = |k: usize| {
+            let speed = (x[k] - x[k.saturating_sub(1)]) * 200.0;
+            if force[k] > 0.0 { friction * (speed / 0.2).tanh() } else { 0.0 }
+        };
+        let measured = (0..x.len()).map(|k| force[k] + rubs(k) + normal.sample(&mut random));
+        let columns = vec![
+            Column { name: FORCE.into(), values: measured.collect() },
+            Column { name: DISPLACEMENT.into(), values: x.clone() },
+        ];
+        let trace = Trace { time: motion.time.into_owned(), columns, ..Trace::default() };
+        write(&folder.join(format!("take-{number}.csv")), &trace).unwrap();
+    }
+}
+
+/// What the command prints as JSON.
+fn told(folder: &std::path::Path, arguments: &[&str]) -> Value {
+    let output = palpate().current_dir(folder).args(arguments).output().unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{arguments:?}: {said}");
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+#[test]
+fn friction_is_found_and_added_whatever_the_base_law() {
+    for family in Family::ALL {
+        let place = tempfile::tempdir().unwrap();
+        let folder = place.path();
+        std::fs::create_dir(folder.join("traces")).unwrap();
+        record_files(&folder.join("traces"), &example(family), FRICTION);
+        let name = family.name();
+        told(folder, &["fit", name, "traces", "-o", "model.toml", "--json"]);
+        let compared = told(folder, &["compare", "model.toml", "traces", "--json"]);
+        assert_eq!(compared["only_noise"], false, "{name}");
+        let answer = told(folder, &["diagnose", "--model", "model.toml", "--json", "traces"]);
+        let set: Vec<&str> = answer["steps"][0]["credible_set"]
+            .as_array()
+            .unwrap_or_else(|| panic!("{name}: {answer:#}"))
+            .iter()
+            .filter_map(Value::as_str)
+            .collect();
+        assert!(set.contains(&"coulomb-friction"), "{name}: {set:?}");
+        let change = told(
+            folder,
+            &["add", "coulomb-friction", "model.toml", "traces", "--json", "-o", "better.toml"],
+        );
+        let rms = |at: &str| change[at].as_f64().unwrap();
+        let (before, after) = (rms("rms_before"), rms("rms_after"));
+        assert!(after < 1.5 * NOISE && after < 0.65 * before, "{name}: {before} {after}");
+        let ladder = std::fs::read_to_string(folder.join("better.toml")).unwrap();
+        assert!(ladder.contains(&format!("add = \"{name}\"")), "{ladder}");
+    }
+}
+
+#[test]
+fn every_law_is_ranked_and_the_one_that_made_the_traces_comes_first() {
+    let place = tempfile::tempdir().unwrap();
+    record_files(place.path(), &example(Family::Fung), 0.0);
+    let ranking = told(place.path(), &["fit", "--all", ".", "--json"]);
+    let laws = ranking["laws"].as_array().unwrap();
+    assert_eq!(laws.len(), Family::ALL.len());
+    assert_eq!(laws[0]["law"], "fung");
+    let held_out: Vec<f64> = laws.iter().map(|law| law["heldout_rms"].as_f64().unwrap()).collect();
+    assert!(held_out.is_sorted(), "{held_out:?}");
+    // Chapter 3's argument: what belongs to the material moves less between set-ups.
+    let moves = |name: &str| {
+        let law = laws.iter().find(|law| law["law"] == name).unwrap();
+        law["deviation_between_setups"].as_f64().unwrap()
+    };
+    assert!(
+        moves("fung") < 0.2 && moves("maxwell") > 0.2,
+        "{} {}",
+        moves("fung"),
+        moves("maxwell")
+    );
+}
+
+#[test]
+fn options_of_another_law_are_refused_in_words() {
+    for (arguments, word) in [
+        (["fit", "fung", "x.csv", "--segments", "8"], "latency models"),
+        (["fit", "latency", "x.csv", "--exponent", "3"], "latency-power"),
+        (["fit", "creep", "x.csv", "--separation", "bonded"], "cannot be bonded"),
+        (["fit", "maxwel", "x.csv", "--terms", "2"], "known: kelvin-voigt"),
+    ] {
+        let output = palpate().args(arguments).output().unwrap();
+        let said = String::from_utf8_lossy(&output.stderr);
+        // The trace does not exist: the law and its options are looked at first.
+        assert_eq!(output.status.code(), Some(2), "{said}");
+        assert!(said.contains(word), "{arguments:?}: {said}");
     }
 }

@@ -130,8 +130,9 @@ pub fn run(args: &Args) -> Result<(), Failure> {
             family.name()
         ));
     }
+    let laws = args.laws(family).map_err(|problem| Failure::Input(miette::miette!(problem)))?;
     let traces = read_set(traces).map_err(Failure::input)?;
-    if args.hold_only { holds(args, &traces) } else { whole(args, family, &traces) }
+    if args.hold_only { holds(args, &traces) } else { whole(args, &laws, &traces) }
 }
 
 fn family(name: &Path) -> Result<Family, Failure> {
@@ -181,10 +182,9 @@ impl Args {
     }
 }
 
-fn whole(args: &Args, family: Family, traces: &[Trace]) -> Result<(), Failure> {
-    let laws = args.laws(family).map_err(|problem| Failure::Input(miette::miette!(problem)))?;
+fn whole(args: &Args, laws: &[BaseLaw], traces: &[Trace]) -> Result<(), Failure> {
     let data = Data::of(traces, &args.signal).map_err(Failure::input)?;
-    let candidates = candidates(&laws, &data)?;
+    let candidates = candidates(laws, &data)?;
     let best = candidates
         .iter()
         .min_by(|a, b| a.bic().total_cmp(&b.bic()))

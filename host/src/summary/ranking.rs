@@ -160,6 +160,7 @@ pub fn ranking_json(ranking: &Ranking, signal: &str) -> Value {
             "terms": fit.chain.base.terms,
             "residual_rms": fit.rms(),
             "heldout_rms": place.held_out,
+            "deviation_between_setups": place.typical_deviation(),
             "r_squared": fit.r_squared,
             "bic": fit.bic(),
             "converged": fit.stop.converged(),
