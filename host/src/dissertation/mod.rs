@@ -4,8 +4,11 @@
 //! Chia-Hung Dylan Tsai, *Nonlinear Modeling on Viscoelastic Contact Interface: Theoretical Study and
 //! Experimental Validation* (doctoral dissertation).
 
+mod base_laws;
 mod comparison;
+mod latency;
 mod relaxation_tables;
+mod segments;
 
 pub use comparison::{Check, Comparison};
 pub use relaxation_tables::{

@@ -80,6 +80,13 @@ impl ParameterSpread {
         (square / (self.values.len() as f64 - 1.0)).sqrt() / mean.abs()
     }
 
+    /// Smallest and largest value.
+    #[must_use]
+    pub fn range(&self) -> (f64, f64) {
+        let start = (f64::INFINITY, f64::NEG_INFINITY);
+        self.values.iter().fold(start, |(least, most), &value| (least.min(value), most.max(value)))
+    }
+
     /// Largest value over the smallest, in size: 100 is two orders of magnitude.
     #[must_use]
     pub fn ratio(&self) -> f64 {
@@ -115,7 +122,7 @@ pub fn rank(
             let fit = fit(law, &data)?;
             let left_out = if traces.len() > 1 { held_out(&fit, &data) } else { Vec::new() };
             let held_out = over_traces(&left_out, &data);
-            Ok(Place { spreads: spreads(law, traces, signal, &setups)?, fit, held_out })
+            Ok(Place { spreads: between(law, traces, signal, &setups)?, fit, held_out })
         })
         .collect::<Result<Vec<_>, DataError>>()?;
     places.sort_by(|a, b| match (a.held_out, b.held_out) {
@@ -125,7 +132,19 @@ pub fn rank(
     Ok(Ranking { places, setups, noise: pooled_noise(traces, signal) })
 }
 
-fn spreads(
+/// How the parameters of a law move between the set-ups among these traces; empty for a single set-up.
+///
+/// # Errors
+/// When a set-up cannot be fitted by itself.
+pub fn spreads(
+    law: BaseLaw,
+    traces: &[Trace],
+    signal: &str,
+) -> Result<Vec<ParameterSpread>, DataError> {
+    between(law, traces, signal, &setups(traces))
+}
+
+fn between(
     law: BaseLaw,
     traces: &[Trace],
     signal: &str,

@@ -546,7 +546,7 @@ mod tests {
         let law = BaseLaw::fung(2, Separation::Bonded);
         let whole = press();
         let cut = 300;
-        let part = |range: std::ops::Range<usize>, rest_before| Motion {
+        let part = |range: Range<usize>, rest_before| Motion {
             time: whole.time[range.clone()].to_vec().into(),
             displacement: whole.displacement[range].to_vec().into(),
             rest_before,

@@ -113,8 +113,7 @@ fn spread_table(ranking: &Ranking) -> Table {
     let mut table = Table::new("Parameters between set-ups", columns);
     for place in &ranking.places {
         for spread in &place.spreads {
-            let least = spread.values.iter().copied().fold(f64::INFINITY, f64::min);
-            let most = spread.values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            let (least, most) = spread.range();
             table = table.row([
                 place.fit.chain.base.name().to_owned(),
                 spread.name.clone(),
