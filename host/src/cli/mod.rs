@@ -11,6 +11,7 @@ mod decompose;
 mod demo;
 mod device;
 mod diagnose;
+mod dissertation;
 mod drop;
 mod effects;
 mod explore;
@@ -94,6 +95,8 @@ enum Command {
     Device(device::Args),
     /// Record a device into a file
     Record(record::Args),
+    /// Recompute every printed table and equation of the dissertation
+    Dissertation(dissertation::Args),
     /// Print completions for a shell
     Completions(completions::Args),
 }
@@ -149,6 +152,7 @@ pub fn run() -> ExitCode {
         Command::Plan(args) => plan::run(args),
         Command::Device(args) => device::run(args),
         Command::Record(args) => record::run(args),
+        Command::Dissertation(args) => dissertation::run(args),
         Command::Completions(args) => completions::run::<Arguments>(args),
     };
     match outcome {

@@ -26,3 +26,12 @@ pub struct Chapter {
     /// Text, tables and figures.
     pub sections: Vec<Section>,
 }
+
+/// Every chapter, in the order of the text; computed side by side.
+#[must_use]
+pub fn chapters() -> Vec<Chapter> {
+    use rayon::prelude::*;
+    const CHAPTERS: [fn() -> Chapter; 3] =
+        [base_laws::chapter, latency::chapter, segments::chapter];
+    CHAPTERS.par_iter().map(|chapter| chapter()).collect()
+}

@@ -4,6 +4,7 @@ mod change;
 mod compare;
 mod decomposition;
 mod diagnosis;
+mod dissertation;
 mod effects;
 mod holds;
 mod ladder;
@@ -21,6 +22,9 @@ pub use decomposition::{
     region_table, shaded,
 };
 pub use diagnosis::{DiagnosisSummary, NextCommand};
+pub use dissertation::{
+    comparisons_csv, dissertation_json, dissertation_overview, dissertation_report,
+};
 pub use effects::{
     effect_figures, effect_json, effect_pages, effect_section, library_json, library_section,
 };

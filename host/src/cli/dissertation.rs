@@ -1,0 +1,58 @@
+//! `palpate dissertation`.
+
+use std::path::PathBuf;
+
+use super::output::{print_json, print_sections, write_file, write_report};
+use super::{Failure, progress};
+use crate::dissertation::chapters;
+use crate::summary::{
+    comparisons_csv, dissertation_json, dissertation_overview, dissertation_report,
+};
+
+/// Recompute every printed table, equation and figure of the dissertation.
+#[derive(clap::Args)]
+#[command(after_help = "\
+Writes into the folder:
+  report.html        every chapter: printed beside recomputed, figures redrawn, slips noted
+  comparisons.csv    each printed figure, the same one recomputed, and how far they may differ
+
+Exit status 1 when a figure does not agree.
+
+Examples:
+  palpate dissertation -o dissertation/
+  palpate dissertation -o dissertation/ --json | jq '.figures, .agree'")]
+pub struct Args {
+    /// The folder to write into; made where it is not there
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+    /// Print one JSON object instead of tables
+    #[arg(long)]
+    json: bool,
+}
+
+/// Computes, writes, prints.
+pub fn run(args: &Args) -> Result<(), Failure> {
+    std::fs::create_dir_all(&args.output)
+        .map_err(|source| super::output::cannot_write(&args.output, source))?;
+    let wait = progress::spinner("recomputing every chapter");
+    let chapters = chapters();
+    wait.finish_and_clear();
+    write_file(&args.output.join("comparisons.csv"), comparisons_csv(&chapters).as_bytes())?;
+    write_report(
+        &args.output.join("report.html"),
+        "A dissertation recomputed",
+        "Chia-Hung Dylan Tsai, Nonlinear Modeling on Viscoelastic Contact Interface",
+        Vec::new(),
+        dissertation_report(&chapters),
+    )?;
+    if args.json {
+        print_json(&dissertation_json(&chapters))?;
+    } else {
+        print_sections(&[dissertation_overview(&chapters)])?;
+    }
+    let missed = chapters.iter().flat_map(|chapter| &chapter.comparisons).flat_map(|c| c.missed());
+    match missed.count() {
+        0 => Ok(()),
+        count => Err(Failure::Work(miette::miette!("{count} printed figures do not agree"))),
+    }
+}

@@ -1,0 +1,151 @@
+//! The dissertation recomputed: how much of it agrees, and chapter by chapter.
+
+use serde_json::{Value, json};
+
+use crate::dissertation::{Chapter, Check, Comparison};
+use crate::report::number::significant;
+use crate::report::{Block, Callout, Column, Section, Table};
+
+fn comparisons(chapters: &[Chapter]) -> impl Iterator<Item = &Comparison> {
+    chapters.iter().flat_map(|chapter| &chapter.comparisons)
+}
+
+/// Figures in all, and those that agree.
+fn counts(chapters: &[Chapter]) -> (usize, usize) {
+    let checks = || comparisons(chapters).flat_map(|comparison| &comparison.checks);
+    (checks().count(), checks().filter(|check| check.agrees()).count())
+}
+
+/// The first page: how much agrees, by table and equation.
+#[must_use]
+pub fn dissertation_overview(chapters: &[Chapter]) -> Section {
+    let (figures, agree) = counts(chapters);
+    let columns = vec![
+        Column::text("printed in"),
+        Column::whole("figures"),
+        Column::whole("agree"),
+        Column::number("largest difference", "of the allowed"),
+    ];
+    let mut table = Table::new("Printed and recomputed", columns);
+    for comparison in comparisons(chapters) {
+        let count = comparison.checks.len();
+        table = table.row([
+            comparison.source.to_owned(),
+            count.to_string(),
+            (count - comparison.missed().count()).to_string(),
+            comparison
+                .checks
+                .iter()
+                .filter_map(part)
+                .max_by(f64::total_cmp)
+                .map_or_else(|| "exact".into(), |part| significant(part, 2)),
+        ]);
+    }
+    let kind = if agree == figures { Callout::Finding } else { Callout::Warning };
+    Section::new("In short")
+        .callout(
+            kind,
+            "Agreement",
+            format!("{agree} of {figures} printed figures agree with what is computed here."),
+        )
+        .table(table.note("A difference of 1 is as large as the precision of the text allows."))
+}
+
+/// Difference as a part of what is allowed; none where it must be exact.
+fn part(check: &Check) -> Option<f64> {
+    (check.tolerance > 0.0).then(|| check.difference().abs() / check.tolerance)
+}
+
+/// The whole report.
+#[must_use]
+pub fn dissertation_report(chapters: &[Chapter]) -> Vec<Section> {
+    let about = Section::new("What this is").paragraph(
+        "A dissertation on viscoelastic contact is the ground that palpate stands on. Every table and equation \
+         that it prints numbers in is recomputed here from its models, beside the printed number and with the \
+         difference that the precision of the text allows; its figures are redrawn in kind (the measurements \
+         behind them were not published); where the text slips, the right form is used and the slip is said. \
+         Each analysis is a subcommand for your own recordings.",
+    );
+    let mut sections = vec![about, dissertation_overview(chapters)];
+    sections.extend(chapters.iter().flat_map(chapter_sections));
+    sections
+}
+
+/// A chapter's sections, the comparisons at the end of the first.
+fn chapter_sections(chapter: &Chapter) -> Vec<Section> {
+    let mut sections = chapter.sections.clone();
+    if let Some(first) = sections.first_mut() {
+        for comparison in &chapter.comparisons {
+            let table = Block::Table(comparison.table());
+            first.blocks.push(if comparison.checks.len() > LONG {
+                let summary = format!(
+                    "{} recomputed: {} figures",
+                    comparison.source,
+                    comparison.checks.len()
+                );
+                Block::Details { summary, blocks: vec![table] }
+            } else {
+                table
+            });
+        }
+    }
+    sections
+}
+
+/// Comparisons with more figures are folded away.
+const LONG: usize = 20;
+
+/// Every printed figure with its recomputed one, as CSV.
+#[must_use]
+pub fn comparisons_csv(chapters: &[Chapter]) -> String {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    let head = ["printed_in", "quantity", "unit", "printed", "recomputed", "allowed", "agrees"];
+    // Writing to memory cannot fail.
+    let _ = writer.write_record(head);
+    for comparison in comparisons(chapters) {
+        for check in &comparison.checks {
+            let _ = writer.write_record([
+                comparison.source,
+                &check.quantity,
+                check.unit,
+                &check.printed.to_string(),
+                &check.recomputed.to_string(),
+                &check.tolerance.to_string(),
+                if check.agrees() { "yes" } else { "no" },
+            ]);
+        }
+    }
+    writer
+        .into_inner()
+        .map(|bytes| String::from_utf8_lossy(&bytes).into_owned())
+        .unwrap_or_default()
+}
+
+/// The comparisons as one JSON object.
+#[must_use]
+pub fn dissertation_json(chapters: &[Chapter]) -> Value {
+    let (figures, agree) = counts(chapters);
+    let check = |check: &Check| {
+        json!({
+            "quantity": check.quantity,
+            "unit": check.unit,
+            "printed": check.printed,
+            "recomputed": check.recomputed,
+            "allowed": check.tolerance,
+            "agrees": check.agrees(),
+        })
+    };
+    let comparison = |comparison: &Comparison| {
+        json!({
+            "printed_in": comparison.source,
+            "reason": comparison.reason,
+            "checks": comparison.checks.iter().map(check).collect::<Vec<_>>(),
+        })
+    };
+    json!({
+        "palpate_dissertation": 1,
+        "figures": figures,
+        "agree": agree,
+        "comparisons": comparisons(chapters).map(comparison).collect::<Vec<_>>(),
+    })
+}
