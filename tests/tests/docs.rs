@@ -114,6 +114,11 @@ fn the_commands_of_the_readme_run() {
 }
 
 #[test]
+fn the_page_of_the_base_laws_says_what_the_commands_print() {
+    run_all("docs/base-laws.md");
+}
+
+#[test]
 fn the_commands_of_the_format_description_run() {
     run_all("docs/formats.md");
 }
@@ -132,6 +137,7 @@ fn every_link_to_a_file_leads_somewhere() {
         "docs/measured.md",
         "docs/effects/README.md",
         "docs/missing-effect.md",
+        "docs/base-laws.md",
     ] {
         let path = workspace().join(document);
         let text = fs::read_to_string(&path).unwrap();

@@ -44,12 +44,12 @@ fn places_table(ranking: &Ranking, signal: &str) -> Table {
     let unit = unit_of(signal);
     let columns = vec![
         Column::text("law"),
-        Column::whole("parameters"),
-        Column::number("residual RMS", unit),
-        Column::number("held-out RMS", unit),
+        Column::whole("numbers"),
+        Column::number("fitted", unit),
+        Column::number("held out", unit),
         Column::number("R²", ""),
-        Column::number("BIC over the best", ""),
-        Column::number("parameters between set-ups", "±%"),
+        Column::number("ΔBIC", ""),
+        Column::number("set-ups", "±%"),
         Column::text("converged"),
     ];
     let least = ranking.places.iter().map(|place| place.fit.bic()).fold(f64::INFINITY, f64::min);
@@ -59,8 +59,8 @@ fn places_table(ranking: &Ranking, signal: &str) -> Table {
         table = table.row([
             fit.chain.base.in_words(),
             fit.values.len().to_string(),
-            significant(fit.rms(), 4),
-            place.held_out.map_or("–".into(), |rms| significant(rms, 4)),
+            significant(fit.rms(), 3),
+            place.held_out.map_or("–".into(), |rms| significant(rms, 3)),
             format!("{:.5}", fit.r_squared),
             format!("{:.1}", fit.bic() - least),
             place.typical_deviation().map_or("–".into(), |part| significant(100.0 * part, 2)),
@@ -72,7 +72,7 @@ fn places_table(ranking: &Ranking, signal: &str) -> Table {
         None => "The noise cannot be told without a model.".into(),
     };
     table.note(format!(
-        "Held out: each trace is predicted by the law fitted to the others. BIC: Bayesian information criterion. Between set-ups: standard deviation over mean, the median of the law's parameters. {noise}"
+        "Root mean square errors; held out: each trace is predicted by the law fitted to the others. ΔBIC: Bayesian information criterion over the best one's. Set-ups: how much the law's numbers move from set-up to set-up, standard deviation over mean, the median over the numbers. {noise}"
     ))
 }
 
@@ -106,9 +106,9 @@ fn setups_in_words(ranking: &Ranking) -> String {
 
 fn spread_table(ranking: &Ranking) -> Table {
     let mut columns = vec![Column::text("law"), Column::text("parameter")];
-    columns.extend(["smallest", "mean", "largest"].map(|name| Column::number(name, "")));
-    columns.push(Column::number("deviation / mean", "%"));
-    columns.push(Column::number("largest / smallest", ""));
+    columns.extend(["least", "mean", "most"].map(|name| Column::number(name, "")));
+    columns.push(Column::number("±", "%"));
+    columns.push(Column::number("most / least", ""));
     columns.push(Column::text("unit"));
     let mut table = Table::new("Parameters between set-ups", columns);
     for place in &ranking.places {
@@ -126,7 +126,7 @@ fn spread_table(ranking: &Ranking) -> Table {
             ]);
         }
     }
-    table.note("Sample standard deviation (n − 1) over the set-ups. A ratio of 100 is two orders of magnitude.")
+    table.note("±: sample standard deviation (n − 1) over the set-ups, of the mean. A ratio of 100 is two orders of magnitude.")
 }
 
 fn finite(value: f64, digits: usize) -> String {
