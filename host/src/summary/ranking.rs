@@ -50,7 +50,6 @@ fn places_table(ranking: &Ranking, signal: &str) -> Table {
         Column::number("R²", ""),
         Column::number("ΔBIC", ""),
         Column::number("set-ups", "±%"),
-        Column::text("converged"),
     ];
     let least = ranking.places.iter().map(|place| place.fit.bic()).fold(f64::INFINITY, f64::min);
     let mut table = Table::new("Ranking", columns);
@@ -61,18 +60,27 @@ fn places_table(ranking: &Ranking, signal: &str) -> Table {
             fit.values.len().to_string(),
             significant(fit.rms(), 3),
             place.held_out.map_or("–".into(), |rms| significant(rms, 3)),
-            format!("{:.5}", fit.r_squared),
+            format!("{:.4}", fit.r_squared),
             format!("{:.1}", fit.bic() - least),
             place.typical_deviation().map_or("–".into(), |part| significant(100.0 * part, 2)),
-            if fit.stop.converged() { "yes" } else { "no" }.to_owned(),
         ]);
     }
     let noise = match &ranking.noise {
         Some(noise) => format!("The noise is {} {unit}.", significant(noise.standard_deviation, 3)),
         None => "The noise cannot be told without a model.".into(),
     };
+    let unfinished: Vec<&str> = ranking
+        .places
+        .iter()
+        .filter(|place| !place.fit.stop.converged())
+        .map(|place| place.fit.chain.base.name())
+        .collect();
+    let unfinished = match &unfinished[..] {
+        [] => String::new(),
+        names => format!(" Not converged: {}.", names.join(", ")),
+    };
     table.note(format!(
-        "Root mean square errors; held out: each trace is predicted by the law fitted to the others. ΔBIC: Bayesian information criterion over the best one's. Set-ups: how much the law's numbers move from set-up to set-up, standard deviation over mean, the median over the numbers. {noise}"
+        "Root mean square errors; held out: each trace is predicted by the law fitted to the others. ΔBIC: Bayesian information criterion over the best one's. Set-ups: how much the law's numbers move from set-up to set-up, standard deviation over mean, the median over the numbers. {noise}{unfinished}"
     ))
 }
 
