@@ -2,7 +2,7 @@
 
 use palpate::fit::data::Data;
 use palpate::fit::whole_motion::fit;
-use palpate::model::{BaseLaw, Family, Motion, Separation};
+use palpate::model::{BaseLaw, Family, Model, Motion, Separation};
 use palpate::trace::{Column, DISPLACEMENT, FORCE, Trace, write};
 use palpate_tests::{palpate, press};
 use rand::{RngExt, SeedableRng};
@@ -272,5 +272,91 @@ fn options_of_another_law_are_refused_in_words() {
         // The trace does not exist: the law and its options are looked at first.
         assert_eq!(output.status.code(), Some(2), "{said}");
         assert!(said.contains(word), "{arguments:?}: {said}");
+    }
+}
+
+/// A model file of this law in a folder.
+fn model_of(folder: &std::path::Path, (law, values): &(BaseLaw, Vec<f64>)) {
+    let errors = vec![None; values.len()];
+    Model::of(law, FORCE, values, &errors).write(&folder.join("model.toml")).unwrap();
+}
+
+/// Steps of the programme of forces.
+const PROGRAMME: &str = "palpate-force-profile = 1
+rate_hz = 200.0
+loading_N_per_s = 1.0
+[[step]]
+to_N = 1.0
+[[step]]
+hold_s = 5.0
+[[step]]
+to_N = 0.4
+[[step]]
+hold_s = 5.0
+";
+
+#[test]
+fn under_a_controlled_force_every_law_that_relaxes_creeps_both_ways() {
+    for family in Family::ALL.into_iter().filter(|family| *family != Family::KelvinVoigt) {
+        let place = tempfile::tempdir().unwrap();
+        let folder = place.path();
+        model_of(folder, &example(family));
+        std::fs::write(folder.join("force.toml"), PROGRAMME).unwrap();
+        let call = ["simulate", "model.toml", "--force", "force.toml", "-o", "crept.csv"];
+        palpate().current_dir(folder).args(call).assert().success();
+        let trace = palpate::trace::read(&folder.join("crept.csv")).unwrap();
+        let (x, force) = (trace.displacement().unwrap(), trace.force().unwrap());
+        let at = |time: f64| (time * 200.0) as usize;
+        assert!((force[at(3.0)] - 1.0).abs() < 0.02, "{}: {}", family.name(), force[at(3.0)]);
+        assert!(x[at(5.9)] > x[at(2.0)], "{}: Type I", family.name());
+        // A Maxwell fluid flows on under any force; the others come back after a partial unloading.
+        if family != Family::Maxwell {
+            assert!(x[at(11.0)] < x[at(7.2)], "{}: Type II", family.name());
+        }
+    }
+}
+
+#[test]
+fn the_nodes_inside_follow_the_contact() {
+    let place = tempfile::tempdir().unwrap();
+    let folder = place.path();
+    let (law, _) = example(Family::LatencyPower);
+    let law = BaseLaw { segments: Some(5), exponent: Some(3.0), ..law };
+    model_of(folder, &(law, vec![0.1, 0.8, 0.4]));
+    let press = palpate_tests::workspace().join("tests/traces/press.csv");
+    palpate()
+        .current_dir(folder)
+        .args(["simulate", "model.toml", "--nodes", "-o", "nodes.csv", "--motion"])
+        .arg(press)
+        .assert()
+        .success();
+    let trace = palpate::trace::read(&folder.join("nodes.csv")).unwrap();
+    let node = |number: usize| trace.column(&format!("node{number}_mm")).unwrap();
+    for k in 0..trace.len() {
+        let outer = trace.displacement().unwrap()[k].max(0.0);
+        assert!(node(2)[k] <= outer.max(node(2)[k.saturating_sub(1)]) + 1e-9);
+    }
+    assert!(node(5).iter().copied().fold(0.0, f64::max) > 0.1);
+}
+
+#[test]
+fn a_force_profile_that_cannot_be_is_refused_and_nothing_is_written() {
+    let place = tempfile::tempdir().unwrap();
+    let folder = place.path();
+    model_of(folder, &example(Family::Creep));
+    for (from, to, word) in [
+        ("profile = 1", "profile = 3", "version 3"),
+        ("to_N = 0.4", "to_N = -0.4", "not negative"),
+        ("rate_hz = 200.0", "rate_hz = 200.0\nbandwidth_hz = 50.0", "a tenth"),
+        ("hold_s = 5.0", "hold_s = 0.0", "above zero"),
+        ("hold_s", "holds", "not a force profile"),
+    ] {
+        std::fs::write(folder.join("force.toml"), PROGRAMME.replacen(from, to, 1)).unwrap();
+        let call = ["simulate", "model.toml", "--force", "force.toml", "-o", "crept.csv"];
+        let output = palpate().current_dir(folder).args(call).output().unwrap();
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{said}");
+        assert!(said.contains(word), "{said}");
+        assert!(!folder.join("crept.csv").exists());
     }
 }
