@@ -15,6 +15,7 @@ mod drop;
 mod effects;
 mod explore;
 mod fit;
+mod grasp;
 mod hide;
 pub mod import;
 mod interrupt;
@@ -82,6 +83,8 @@ enum Command {
     Hide(hide::Args),
     /// Predict the force of a motion
     Simulate(simulate::Args),
+    /// What a soft contact carries before it slips
+    Grasp(grasp::Args),
     /// Turn a foreign recording into a trace
     Import(import::Args),
     /// Turn recordings of a device into traces (CSV, Parquet), and back
@@ -143,6 +146,7 @@ pub fn run() -> ExitCode {
         Command::Effects(args) => effects::run(args),
         Command::Hide(args) => hide::run(args),
         Command::Simulate(args) => simulate::run(args),
+        Command::Grasp(args) => grasp::run(args),
         Command::Import(args) => import::run(args),
         Command::Convert(args) => convert::run(args),
         Command::Plot(args) => plot::run(args),

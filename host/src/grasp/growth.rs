@@ -4,7 +4,7 @@
 use super::body::Body;
 use super::contact::{Contact, Shape};
 use super::pressure::PressureLaw;
-use crate::model::{Branch, Memory, Relaxation};
+use crate::model::{Branch, Memory, Model, Relaxation};
 
 /// A held grasp at one time.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -64,6 +64,19 @@ const FINE: f64 = 0.01;
 const MOST_STEPS: f64 = 10_000.0;
 
 impl Material {
+    /// Of the base law of a model; effects are left out.
+    ///
+    /// # Errors
+    /// In words, when the model cannot be run or has no stiffness.
+    pub fn of(model: &Model) -> Result<Self, String> {
+        let (law, parameters) = model.law()?;
+        let [stiffness, exponent] = [parameters[0], parameters[1]];
+        if stiffness <= 0.0 {
+            return Err("the model has no stiffness: nothing is held with it".into());
+        }
+        Ok(Self { stiffness, exponent, relaxation: law.relaxation(&parameters) })
+    }
+
     /// Creep under a constant force that is there at once, N, at these times, s, the first one 0 or later and
     /// growing. The elastic response is what keeps the hereditary integral (eq. 2.1) at the force.
     #[must_use]
