@@ -1,5 +1,6 @@
 //! Rows of a device as they come, kept nowhere.
 
+use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
 use shared::wire::{Columns, Row, Source, Start, ToDevice};
@@ -13,14 +14,15 @@ const SLICE: Duration = Duration::from_millis(50);
 /// Nothing came for so long: the converter stands still.
 const PATIENCE: Duration = Duration::from_secs(2);
 
-/// Streams all columns until `ended`; `each` sees every row. Tells what came and what did not.
+/// Streams all columns until `ended`, or until `each`, which sees every row, breaks off. Tells what came and
+/// what did not.
 ///
 /// # Errors
 /// [`LinkError`]; [`LinkError::NoRows`].
 pub fn watch(
     session: &mut Session,
     ended: impl Fn() -> bool,
-    mut each: impl FnMut(&Row),
+    mut each: impl FnMut(&Row) -> ControlFlow<()>,
 ) -> Result<Tally, LinkError> {
     session.settle()?;
     let start = Start { source: Source::Converter, columns: Columns::All };
@@ -35,7 +37,10 @@ pub fn watch(
         stream.take(&heard);
         if let Ok((_, Said::Rows(rows))) = &heard.said {
             last = Instant::now();
-            session.rows(rows).into_iter().flatten().for_each(|row| each(&row));
+            let mut rows = session.rows(rows).into_iter().flatten();
+            if rows.try_for_each(|row| each(&row)).is_break() {
+                break;
+            }
         }
     }
     session.quiet()?;

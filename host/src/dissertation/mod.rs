@@ -5,6 +5,7 @@
 //! Experimental Validation* (doctoral dissertation).
 
 mod comparison;
+pub mod grasp_stability;
 mod relaxation_tables;
 
 pub use comparison::{Check, Comparison};

@@ -1,13 +1,14 @@
 //! `palpate grasp watch`.
 
+use std::io::{self, Write};
+use std::ops::ControlFlow::{self, Break, Continue};
 use std::path::PathBuf;
-use std::time::{Duration, Instant};
 
 use shared::pipeline::GAUGES;
+use shared::wire::Row;
 
 use super::{Pressing, body, contact_of, number, positive};
 use crate::cli::device::At;
-use crate::cli::output::print;
 use crate::cli::{Failure, interrupt};
 use crate::decomposition::{decompose, default_relaxation, relaxation_of};
 use crate::device::watch::watch;
@@ -97,29 +98,18 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         Some(path) => {
             for trace in &read_set(&[path]).map_err(Failure::input)? {
                 watcher.begin();
-                for felt in felt(trace, args)? {
-                    if watcher.take(&felt) {
-                        break;
-                    }
-                }
+                let _ = felt(trace, args)?.iter().try_for_each(|felt| watcher.take(felt));
             }
         }
         None => {
-            let interrupted = interrupt::handle()?;
+            let ended = interrupt::handle()?;
             let (_, mut session) = args.at.open()?;
-            let began = Instant::now();
-            let most = args.duration.and_then(|most| Duration::try_from_secs_f64(most).ok());
-            let ended = || interrupted() || most.is_some_and(|most| began.elapsed() >= most);
-            let tally = watch(&mut session, ended, |row| {
-                if let Some(felt) = Felt::of(row) {
-                    watcher.take(&felt);
-                }
-            })
-            .map_err(Failure::work)?;
+            let each = |row: &Row| Felt::of(row).map_or(Continue(()), |felt| watcher.take(&felt));
+            let tally = watch(&mut session, ended, each).map_err(Failure::work)?;
             eprintln!("{} rows, {} lost", tally.rows, tally.rows_lost);
         }
     }
-    watcher.printed
+    watcher.written.map_err(Failure::work)
 }
 
 /// Turns samples into lines.
@@ -127,12 +117,11 @@ struct Watcher<'a> {
     args: &'a Args,
     fingertip: Fingertip,
     /// Samples of the rest, until it is over.
-    rest: Option<Vec<Felt>>,
+    rest: Vec<Felt>,
     /// Times of the first sample and of the next line, s.
-    began: Option<f64>,
-    next: f64,
-    /// Whether all lines could be printed.
-    printed: Result<(), Failure>,
+    times: Option<(f64, f64)>,
+    /// Whether all lines could be written.
+    written: io::Result<()>,
 }
 
 impl<'a> Watcher<'a> {
@@ -148,57 +137,52 @@ impl<'a> Watcher<'a> {
             threshold: args.contact_above,
             zero: [0.0; GAUGES],
         };
-        let mut watcher =
-            Self { args, fingertip, rest: None, began: None, next: 0.0, printed: Ok(()) };
-        watcher.begin();
-        Ok(watcher)
+        Ok(Self { args, fingertip, rest: Vec::new(), times: None, written: Ok(()) })
     }
 
     /// A stream begins.
     fn begin(&mut self) {
-        self.rest = self.args.rest.map(|_| Vec::new());
-        self.began = None;
+        self.rest.clear();
+        self.times = None;
     }
 
-    /// Takes a sample; whether it was the last one wanted.
-    fn take(&mut self, felt: &Felt) -> bool {
-        let began = *self.began.get_or_insert(felt.time);
-        if felt.time < began {
-            // The device began anew.
-            self.begin();
-            return false;
-        }
+    /// Takes a sample; breaks after the last one that is wanted.
+    fn take(&mut self, felt: &Felt) -> ControlFlow<()> {
+        let rest = self.args.rest.unwrap_or_default();
+        let (began, next) = *self.times.get_or_insert((felt.time, felt.time + rest));
         let passed = felt.time - began;
-        if let (Some(samples), Some(rest)) = (&mut self.rest, self.args.rest) {
-            if passed < rest {
-                samples.push(*felt);
-                return false;
-            }
-            self.fingertip.zero = mean_strain(samples);
-            self.rest = None;
-            self.next = felt.time;
+        if passed < rest {
+            self.rest.push(*felt);
+            return Continue(());
         }
-        if felt.time == began {
-            self.next = felt.time;
+        if !self.rest.is_empty() {
+            self.fingertip.zero = mean_strain(&self.rest);
+            self.rest.clear();
         }
-        if felt.time >= self.next {
-            self.next += self.args.every
-                * ((felt.time - self.next) / self.args.every).floor().max(0.0)
-                + self.args.every;
-            self.say(felt);
+        if felt.time >= next {
+            let late = ((felt.time - next) / self.args.every).floor();
+            self.times = Some((began, next + self.args.every * (late + 1.0)));
+            return self.say(felt);
         }
-        self.printed.is_err() || self.args.duration.is_some_and(|most| passed >= most)
+        if self.args.duration.is_some_and(|most| passed >= most) { Break(()) } else { Continue(()) }
     }
 
-    fn say(&mut self, felt: &Felt) {
+    /// Writes a line; breaks where nobody reads any more.
+    fn say(&mut self, felt: &Felt) -> ControlFlow<()> {
         let reading = self.fingertip.read(felt);
         let line = if self.args.json {
             reading_json(&reading).to_string()
         } else {
             reading_line(&reading)
         };
-        if self.printed.is_ok() {
-            self.printed = print(&format!("{line}\n"));
+        let mut out = io::stdout().lock();
+        match writeln!(out, "{line}").and_then(|()| out.flush()) {
+            Ok(()) => Continue(()),
+            Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Break(()),
+            Err(error) => {
+                self.written = Err(error);
+                Break(())
+            }
         }
     }
 }

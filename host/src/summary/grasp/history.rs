@@ -51,9 +51,9 @@ pub fn history_sections(histories: &[(&Trace, History)]) -> Vec<Section> {
                 Callout::Finding,
                 "No slip",
                 format!(
-                    "{} never slips: at least {} of the margin 1 is left over.",
+                    "{} never slips: its load could always have been {} times as large.",
                     trace.label(),
-                    margin_words(history.smallest_margin() - 1.0)
+                    margin_words(history.smallest_margin())
                 ),
             ),
         };
