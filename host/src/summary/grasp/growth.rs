@@ -25,8 +25,8 @@ pub fn growth_sections(grown: &[Grown]) -> Vec<Section> {
         ],
     );
     let step = grown.len().div_ceil(ROWS).max(1);
-    let shown =
-        grown.iter().step_by(step).chain(Some(last).filter(|_| (grown.len() - 1) % step != 0));
+    let last_is_shown = (grown.len() - 1).is_multiple_of(step);
+    let shown = grown.iter().step_by(step).chain(Some(last).filter(|_| !last_is_shown));
     for moment in shown {
         table = table.row([
             significant(moment.held.time, 4),
