@@ -121,18 +121,19 @@ pub fn history(
         let noise = noise(trace, &sources.normal);
         noise.map_or(0.0, |noise| OVER_NOISE * noise.standard_deviation)
     });
-    let model = contact_at(grip, compression.as_deref(), None, 0);
+    // Any size will do for one whose tables serve all samples.
+    let shape = grip.body.contact(1.0);
+    let model = shape.and_then(|shape| Contact::new(shape, grip.law).ok());
+    let contact = |k: usize| {
+        let shape = grip.body.contact(compression.map_or(0.0, |compression| compression[k]))?;
+        model.as_ref()?.reshaped(shape).ok()
+    };
     let used = |normal: &[f64]| -> Vec<f64> {
         let at = |k: usize| {
-            if normal[k] <= threshold {
-                return f64::NAN;
-            }
-            let contact = contact_at(grip, compression.as_deref(), model.as_ref(), k);
-            contact.map_or(f64::NAN, |contact| {
-                margin(&contact, grip.friction * normal[k], &loads[k]).factor.recip()
-            })
+            let contact = contact(k).filter(|_| normal[k] > threshold)?;
+            Some(margin(&contact, grip.friction * normal[k], &loads[k]).factor.recip())
         };
-        (0..trace.len()).into_par_iter().map(at).collect()
+        (0..trace.len()).into_par_iter().map(|k| at(k).unwrap_or(f64::NAN)).collect()
     };
     let settled = settled.map(used);
     let used = used(normal);
@@ -158,33 +159,13 @@ pub fn history(
     })
 }
 
-/// The contact at a sample; `model` is one of the same law, whose tables serve again.
-fn contact_at(
-    grip: &Grip,
-    compression: Option<&[f64]>,
-    model: Option<&Contact>,
-    sample: usize,
-) -> Option<Contact> {
-    // Any size will do for a model.
-    let compression = match (model, compression) {
-        (None, _) => 1.0,
-        (Some(_), Some(compression)) => compression[sample],
-        (Some(_), None) => 0.0,
-    };
-    let shape = grip.body.contact(compression)?;
-    match model {
-        Some(model) => model.reshaped(shape).ok(),
-        None => Contact::new(shape, grip.law).ok(),
-    }
-}
-
 /// The compression, where the contact depends on it.
-fn compression(trace: &Trace, body: &Body) -> Result<Option<Vec<f64>>, HistoryError> {
+fn compression<'t>(trace: &'t Trace, body: &Body) -> Result<Option<&'t [f64]>, HistoryError> {
     if !body.grows() {
         return Ok(None);
     }
     let advice = "the contact grows with it; give one of a fixed size with --contact";
-    column(trace, DISPLACEMENT, advice).map(|values| Some(values.to_vec()))
+    column(trace, DISPLACEMENT, advice).map(Some)
 }
 
 fn loads(trace: &Trace, sources: &Sources) -> Result<Vec<Load>, HistoryError> {
