@@ -10,6 +10,7 @@
 //! - [`effects`]: the library of effects, one declaration each, and laws of one's own.
 //! - [`fit`]: exponential sums, whole motions, bounded least squares, uncertainty, noise made white.
 //! - [`criticism`]: where a model fails, which effect is missing, how sure that is.
+//! - [`grasp`]: what a soft contact can hold before it slips.
 //! - [`dissertation`]: the figures that the dissertation prints.
 //! - [`practice`]: data sets with a hidden effect.
 //! - [`report`]: vector plots and self-contained HTML.
@@ -24,6 +25,7 @@ pub mod dissertation;
 pub mod effects;
 pub mod files;
 pub mod fit;
+pub mod grasp;
 pub mod model;
 pub mod practice;
 pub mod press;

@@ -129,6 +129,11 @@ fn the_walk_from_the_first_comparison_to_the_last_rung_runs_as_printed() {
 }
 
 #[test]
+fn the_page_on_grasps_says_what_the_commands_print() {
+    run_all("docs/grasp.md");
+}
+
+#[test]
 fn every_link_to_a_file_leads_somewhere() {
     for document in [
         "README.md",
@@ -138,6 +143,7 @@ fn every_link_to_a_file_leads_somewhere() {
         "docs/effects/README.md",
         "docs/missing-effect.md",
         "docs/base-laws.md",
+        "docs/grasp.md",
     ] {
         let path = workspace().join(document);
         let text = fs::read_to_string(&path).unwrap();

@@ -16,6 +16,7 @@ mod drop;
 mod effects;
 mod explore;
 mod fit;
+mod grasp;
 mod hide;
 pub mod import;
 mod interrupt;
@@ -55,6 +56,7 @@ Examples:
   palpate effects mullins                          one effect of the library, in depth
   palpate hide -o practice/                        an exercise: which effect is in it?
   palpate simulate model.toml --motion press.csv   what the model says of another motion
+  palpate grasp margin pull.csv --friction 0.7     when a grasp slips
   palpate import lab.txt --map lab.map.toml        a foreign recording
   palpate device list                              the fingertips that are plugged in
   palpate record -o press.palpate                  a recording of one";
@@ -83,6 +85,8 @@ enum Command {
     Hide(hide::Args),
     /// Predict the force of a motion
     Simulate(simulate::Args),
+    /// What a soft contact carries before it slips
+    Grasp(grasp::Args),
     /// Turn a foreign recording into a trace
     Import(import::Args),
     /// Turn recordings of a device into traces (CSV, Parquet), and back
@@ -146,6 +150,7 @@ pub fn run() -> ExitCode {
         Command::Effects(args) => effects::run(args),
         Command::Hide(args) => hide::run(args),
         Command::Simulate(args) => simulate::run(args),
+        Command::Grasp(args) => grasp::run(args),
         Command::Import(args) => import::run(args),
         Command::Convert(args) => convert::run(args),
         Command::Plot(args) => plot::run(args),

@@ -7,6 +7,7 @@
 mod base_laws;
 mod comparison;
 mod latency;
+pub mod grasp_stability;
 mod relaxation_tables;
 mod segments;
 

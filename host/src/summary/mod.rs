@@ -6,6 +6,7 @@ mod decomposition;
 mod diagnosis;
 mod dissertation;
 mod effects;
+mod grasp;
 mod holds;
 mod ladder;
 mod plan;
@@ -27,6 +28,10 @@ pub use dissertation::{
 };
 pub use effects::{
     effect_figures, effect_json, effect_pages, effect_section, library_json, library_section,
+};
+pub use grasp::{
+    SurfaceSummary, growth_json, growth_sections, histories_json, history_csv, history_sections,
+    pressure_plot, reading_json, reading_line, surface_csv,
 };
 pub use holds::{hold_json, hold_sections};
 pub use ladder::ladder;
