@@ -23,6 +23,7 @@ mod plan;
 mod plot;
 mod progress;
 mod record;
+mod segment;
 mod simulate;
 
 use std::process::ExitCode;
@@ -66,6 +67,8 @@ enum Command {
     Decompose(decompose::Args),
     /// Fit a contact model
     Fit(fit::Args),
+    /// Cut grasps into their six regions, cycle by cycle: points, forces, work, dissipation
+    Segment(segment::Args),
     /// Compare a model with measurements, and see where it fails
     Compare(compare::Args),
     /// Say which physical effect a model lacks, with the evidence
@@ -135,6 +138,7 @@ pub fn run() -> ExitCode {
         Command::Demo(args) => demo::run(args),
         Command::Decompose(args) => decompose::run(args),
         Command::Fit(args) => fit::run(args),
+        Command::Segment(args) => segment::run(args),
         Command::Compare(args) => compare::run(args),
         Command::Diagnose(args) => diagnose::run(args),
         Command::Add(args) => add::run(args),

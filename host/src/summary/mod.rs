@@ -11,6 +11,7 @@ mod plan;
 mod practice;
 mod press;
 mod recording;
+mod segment;
 mod whole_motion;
 
 pub use change::{change_json, change_sections};
@@ -28,6 +29,7 @@ pub use ladder::ladder;
 pub use plan::plan_section;
 pub use practice::{practice_json, practice_sections, truth_json, truth_sections};
 pub use press::press_sections;
+pub use segment::{segment_json, segment_sections};
 pub use recording::{loops, overview, trace_panels};
 pub use whole_motion::FitSummary;
 
