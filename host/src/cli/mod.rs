@@ -23,6 +23,7 @@ mod plan;
 mod plot;
 mod progress;
 mod record;
+mod relaxation;
 mod segment;
 mod simulate;
 
@@ -69,6 +70,8 @@ enum Command {
     Fit(fit::Args),
     /// Cut grasps into their six regions, cycle by cycle: points, forces, work, dissipation
     Segment(segment::Args),
+    /// What holds of a displacement show: eq. 3.4, repeats, number of exponentials, latency model
+    Relaxation(relaxation::Args),
     /// Compare a model with measurements, and see where it fails
     Compare(compare::Args),
     /// Say which physical effect a model lacks, with the evidence
@@ -139,6 +142,7 @@ pub fn run() -> ExitCode {
         Command::Decompose(args) => decompose::run(args),
         Command::Fit(args) => fit::run(args),
         Command::Segment(args) => segment::run(args),
+        Command::Relaxation(args) => relaxation::run(args),
         Command::Compare(args) => compare::run(args),
         Command::Diagnose(args) => diagnose::run(args),
         Command::Add(args) => add::run(args),

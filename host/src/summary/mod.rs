@@ -11,7 +11,9 @@ mod plan;
 mod practice;
 mod press;
 mod recording;
+mod relaxation;
 mod segment;
+mod terms;
 mod whole_motion;
 
 pub use change::{change_json, change_sections};
@@ -29,12 +31,14 @@ pub use ladder::ladder;
 pub use plan::plan_section;
 pub use practice::{practice_json, practice_sections, truth_json, truth_sections};
 pub use press::press_sections;
-pub use segment::{segment_json, segment_sections};
 pub use recording::{loops, overview, trace_panels};
+pub use relaxation::{relaxation_json, relaxation_sections};
+pub use segment::{segment_json, segment_sections};
 pub use whole_motion::FitSummary;
 
 pub use crate::trace::units::printed as unit_of;
 
+use crate::analysis::derivative::Derivative;
 use crate::report::number::{significant, with_error};
 use crate::trace::units;
 
@@ -63,6 +67,19 @@ fn concise(value: f64, standard_error: Option<f64>) -> String {
 
 /// The note below a table of concise values.
 const CONCISE: &str = "In parentheses: the standard error in units of the last digits.";
+
+/// What a derivative in a figure can show.
+fn bandwidth_words(found: &Derivative) -> String {
+    let width = significant(found.half_width_s, 3);
+    let bandwidth = found.bandwidth_hz.map_or("not told by so few samples".into(), |bandwidth| {
+        format!("{} Hz", significant(bandwidth, 3))
+    });
+    let quiet = if found.quiet { "" } else { ", still above 5 % of the fastest rate" };
+    format!(
+        "The derivative is the slope of parabolas fitted within ±{width} s: bandwidth (−3 dB) {bandwidth}; noise of 1 in a sample makes {} /s{quiet}.",
+        significant(found.noise_gain, 2)
+    )
+}
 
 /// A column's name in words: `gauge1_ustrain` is gauge 1.
 #[must_use]
