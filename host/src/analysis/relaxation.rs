@@ -1,12 +1,13 @@
 //! What a hold shows: eq. 3.4, how many exponentials, and the linear latency model (chapters 3 and 4,
 //! appendix A).
 
+use super::controlled::{ForceControlled, displacement_controlled};
 use super::derivative::{Derivative, derivative};
 use super::terms::{self, Terms};
 use crate::fit::exponentials::{Fit, Options, Parameter, Prepared};
 use crate::fit::hold::{self, HoldError, HoldFit, Response};
 use crate::latency::Linear;
-use crate::trace::{Control, Trace, control};
+use crate::trace::Trace;
 
 /// Instants at which the strain rate of a hold is drawn.
 const INSTANTS: usize = 120;
@@ -53,12 +54,8 @@ pub enum StrainScale {
 pub enum RelaxationError {
     #[error(transparent)]
     Hold(#[from] HoldError),
-    #[error(
-        "{trace}: force was controlled ({}), so its holds creep: use `palpate creep`.{}",
-        if *told { "the head says so" } else { "the data say so" },
-        if *told { "" } else { " If displacement was, write control = \"displacement\" into the head." }
-    )]
-    ForceControlled { trace: String, told: bool },
+    #[error(transparent)]
+    Controlled(#[from] ForceControlled),
 }
 
 /// Fits every hold of a trace; `exponentials` for eq. 3.4, `signs` as in [`hold::fit_holds`].
@@ -71,10 +68,7 @@ pub fn relaxation(
     exponentials: hold::Terms,
     signs: bool,
 ) -> Result<Vec<Hold>, RelaxationError> {
-    if control(trace) == Control::Force {
-        let told = trace.head.control.is_some();
-        return Err(RelaxationError::ForceControlled { trace: trace.label(), told });
-    }
+    displacement_controlled(trace)?;
     let fits = hold::fit_holds(trace, signal, exponentials, signs)?;
     let values = trace.changing(signal).map_err(HoldError::from)?;
     let of = |fit: HoldFit| {

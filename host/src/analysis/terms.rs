@@ -3,7 +3,8 @@
 
 use crate::fit::exponentials::{Error, Fit, MOST_TERMS, Options, Prepared};
 
-/// Blocks into which a hold is cut; every other one is left out, then the rest.
+/// Blocks into which a hold is cut; every other inner one is left out, then the rest of the inner ones. The
+/// first and the last always stay: what lies beyond the samples is the forecast's question.
 const BLOCKS: usize = 16;
 /// Share of the samples from which the rest is forecast.
 const FIRST: f64 = 2.0 / 3.0;
@@ -79,23 +80,28 @@ pub fn terms(time: &[f64], values: &[f64], options: &Options) -> Result<Terms, E
 /// samples are too few.
 fn held_out(time: &[f64], values: &[f64], options: &Options) -> Vec<Vec<f64>> {
     let block = |k: usize| k * BLOCKS / time.len();
-    let fold = |odd: usize| {
+    let inner = |block: usize| (1..BLOCKS - 1).contains(&block);
+    let without = |parity: usize| {
         // A weight of 0 leaves a sample out, and time still counts from the first one.
-        let weight = |k: usize| if block(k) % 2 == odd { 0.0 } else { 1.0 };
-        let weights: Vec<f64> = (0..time.len()).map(weight).collect();
+        let left_out = |k: usize| inner(block(k)) && block(k) % 2 == parity;
+        let weights: Vec<f64> =
+            (0..time.len()).map(|k| if left_out(k) { 0.0 } else { 1.0 }).collect();
         Prepared::weighted(time, &weights, options).ok()?.compare_terms(values).ok()
     };
-    let (Some(even), Some(odd)) = (fold(1), fold(0)) else { return Vec::new() };
-    let squares = |(even, odd): (&Fit, &Fit)| {
+    let (Some(without_even), Some(without_odd)) = (without(0), without(1)) else {
+        return Vec::new();
+    };
+    let squares = |(without_even, without_odd): (&Fit, &Fit)| {
         let mut sums = vec![(0.0, 0.0); BLOCKS];
-        for (k, (t, y)) in time.iter().zip(values).enumerate() {
-            let fit = if block(k) % 2 == 1 { even } else { odd };
+        for (k, (t, y)) in time.iter().zip(values).enumerate().filter(|(k, _)| inner(block(*k))) {
+            let fit = if block(k) % 2 == 0 { without_even } else { without_odd };
             let sum = &mut sums[block(k)];
             *sum = (sum.0 + (y - fit.sum.at(t - time[0])).powi(2), sum.1 + 1.0);
         }
         sums.into_iter().filter(|sum| sum.1 > 0.0).map(|sum| sum.0 / sum.1).collect()
     };
-    even.rows.iter().zip(&odd.rows).map(|(even, odd)| squares((&even.fit, &odd.fit))).collect()
+    let rows = without_even.rows.iter().zip(&without_odd.rows);
+    rows.map(|(even, odd)| squares((&even.fit, &odd.fit))).collect()
 }
 
 /// Error on the last third of what the first two thirds say.

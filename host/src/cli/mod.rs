@@ -7,6 +7,7 @@ mod add;
 mod compare;
 mod completions;
 mod convert;
+mod creep;
 mod decompose;
 mod demo;
 mod device;
@@ -72,6 +73,8 @@ enum Command {
     Segment(segment::Args),
     /// What holds of a displacement show: eq. 3.4, repeats, number of exponentials, latency model
     Relaxation(relaxation::Args),
+    /// Creep in holds of a force: eq. 6.2, Type I and II, what is not identified
+    Creep(creep::Args),
     /// Compare a model with measurements, and see where it fails
     Compare(compare::Args),
     /// Say which physical effect a model lacks, with the evidence
@@ -143,6 +146,7 @@ pub fn run() -> ExitCode {
         Command::Fit(args) => fit::run(args),
         Command::Segment(args) => segment::run(args),
         Command::Relaxation(args) => relaxation::run(args),
+        Command::Creep(args) => creep::run(args),
         Command::Compare(args) => compare::run(args),
         Command::Diagnose(args) => diagnose::run(args),
         Command::Add(args) => add::run(args),

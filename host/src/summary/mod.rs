@@ -2,6 +2,7 @@
 
 mod change;
 mod compare;
+mod creep;
 mod decomposition;
 mod diagnosis;
 mod effects;
@@ -18,6 +19,7 @@ mod whole_motion;
 
 pub use change::{change_json, change_sections};
 pub use compare::{compare_json, compare_sections, overlays};
+pub use creep::{Conditioning, creep_json, creep_sections};
 pub use decomposition::{
     decomposed_trace, decomposition_json, decomposition_sections, part_panels, region_spans,
     region_table, shaded,

@@ -43,7 +43,7 @@ pub(super) fn terms_table(holds: &[(&HoldFit, &Terms)], signal: &str) -> Table {
         }
     }
     table.note(
-        "BIC: Bayesian information criterion. Left out: every other of 16 blocks predicted from the rest; forecast: the last third from the first two. Told: no term at a limit, none vanishes or coincides, every share at least two standard errors from 0. R² never falls with more terms and decides nothing; used is the lesser of the least BIC among those told and the least number whose left-out error is the best within one standard error.",
+        "BIC: Bayesian information criterion. Left out: every other of 14 inner blocks predicted from the rest; forecast: the last third from the first two. Told: no term at a limit, none vanishes or coincides, every share at least two standard errors from 0. R² never falls with more terms and decides nothing; used is the lesser of the least BIC among those told and the least number whose left-out error is the best within one standard error.",
     )
 }
 
