@@ -23,10 +23,13 @@ mod output;
 mod plan;
 mod plot;
 mod progress;
+mod rates;
 mod record;
 mod relaxation;
 mod segment;
 mod simulate;
+mod specimen;
+mod strain_rate;
 
 use std::process::ExitCode;
 
@@ -75,6 +78,10 @@ enum Command {
     Relaxation(relaxation::Args),
     /// Creep in holds of a force: eq. 6.2, Type I and II, what is not identified
     Creep(creep::Args),
+    /// One specimen at several loading rates: stiffness, surface strain, asymptotes, stiffening
+    Rates(rates::Args),
+    /// Strain and strain rate from force, and the power law of every hold
+    StrainRate(strain_rate::Args),
     /// Compare a model with measurements, and see where it fails
     Compare(compare::Args),
     /// Say which physical effect a model lacks, with the evidence
@@ -147,6 +154,8 @@ pub fn run() -> ExitCode {
         Command::Segment(args) => segment::run(args),
         Command::Relaxation(args) => relaxation::run(args),
         Command::Creep(args) => creep::run(args),
+        Command::Rates(args) => rates::run(args),
+        Command::StrainRate(args) => strain_rate::run(args),
         Command::Compare(args) => compare::run(args),
         Command::Diagnose(args) => diagnose::run(args),
         Command::Add(args) => add::run(args),

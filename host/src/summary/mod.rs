@@ -11,9 +11,11 @@ mod ladder;
 mod plan;
 mod practice;
 mod press;
+mod rates;
 mod recording;
 mod relaxation;
 mod segment;
+mod strain_rate;
 mod terms;
 mod whole_motion;
 
@@ -33,9 +35,11 @@ pub use ladder::ladder;
 pub use plan::plan_section;
 pub use practice::{practice_json, practice_sections, truth_json, truth_sections};
 pub use press::press_sections;
+pub use rates::{rates_json, rates_sections};
 pub use recording::{loops, overview, trace_panels};
 pub use relaxation::{relaxation_json, relaxation_sections};
 pub use segment::{segment_json, segment_sections};
+pub use strain_rate::{strain_rate_json, strain_rate_sections};
 pub use whole_motion::FitSummary;
 
 pub use crate::trace::units::printed as unit_of;
