@@ -9,7 +9,7 @@ use crate::trace::{Trace, sampling};
 /// Highest order.
 pub const HIGHEST_ORDER: usize = 8;
 /// Time constants of the filter that are put before and after the record.
-const PADDING: f64 = 6.0;
+const PADDING: f64 = 15.0;
 
 /// A Butterworth low-pass filter.
 #[derive(Clone, Copy, Debug, PartialEq)]

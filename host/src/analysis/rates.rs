@@ -15,7 +15,7 @@ use crate::trace::{
 
 /// Displacements that differ by less than this, relatively, are the same.
 const SAME_DISPLACEMENT: f64 = 0.02;
-/// Samples before and after over which the peak is averaged.
+/// Samples before and after over which the peak is averaged; it may be the first five of the hold.
 const REACH: usize = 2;
 
 /// A value with its standard error, where it has one.
@@ -182,7 +182,7 @@ fn run(
         rate_mm_per_s: pair[0].rate_mm_per_s,
         displacement_mm,
         peak_n: (
-            peak(&force[loading.start..(hold.start + REACH + 1).min(hold.end)]),
+            peak(&force[loading.start..(hold.start + 2 * REACH + 1).min(hold.end)]),
             noise.map(|noise| noise / ((2 * REACH + 1) as f64).sqrt()),
         ),
         v1: estimate(Parameter::Rate(1)),

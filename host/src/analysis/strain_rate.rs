@@ -233,6 +233,12 @@ impl Strains {
             .map(|(_, order)| order)
             .collect();
         let odd_orders = (as_good[0], as_good[as_good.len() - 1]);
+        if odd_orders.0 == ODD_ORDERS[ODD_ORDERS.len() - 1] {
+            fit.doubts.push(format!(
+                "the highest order tried, {}, fits best: no power law describes this hold; several rates may (`palpate relaxation`)",
+                odd_orders.0
+            ));
+        }
         if odd_orders.0 < odd_orders.1 {
             fit.doubts.push(format!(
                 "odd orders from {} to {} fit this hold equally well: ν of one order says nothing of another",
@@ -323,6 +329,9 @@ fn doubts(fit: &PowerFit, converged: bool, at_bound: &[bool]) -> Vec<String> {
         found.push("ε_e is not identifiable from this hold: its standard error exceeds half the gap".into());
     } else if fit.left > 0.5 {
         found.push(format!("{:.0} % of the gap is still open at the end: ε_e is an extrapolation", 100.0 * fit.left));
+    }
+    if fit.equilibrium.0 * fit.law.initial < 0.0 {
+        found.push("ε_e lies on the other side of zero strain: it is an extrapolation that no specimen reaches".into());
     }
     if fit.rate.1.is_none_or(|error| error > 0.7) {
         found.push("ν is not told within a factor of two".into());

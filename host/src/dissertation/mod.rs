@@ -4,8 +4,14 @@
 //! Chia-Hung Dylan Tsai, *Nonlinear Modeling on Viscoelastic Contact Interface: Theoretical Study and
 //! Experimental Validation* (doctoral dissertation).
 
+pub mod appendices;
 mod comparison;
+pub mod creep;
+pub mod loading_rates;
+pub mod relaxation;
 mod relaxation_tables;
+mod simulated;
+pub mod strain_rate;
 
 pub use comparison::{Check, Comparison};
 pub use relaxation_tables::{

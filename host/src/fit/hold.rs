@@ -90,13 +90,15 @@ pub fn fit_responses(
 ) -> Result<Vec<HoldFit>, HoldError> {
     let values = trace.changing(signal)?;
     let ranges = holds(trace, signal)?;
-    let fit = |range| fit_hold(trace, values, range, response, terms, signs);
+    let sense = sense(values);
+    let fit = |range| fit_hold(trace, values, sense, range, response, terms, signs);
     ranges.into_iter().map(fit).collect()
 }
 
 fn fit_hold(
     trace: &Trace,
     values: &[f64],
+    sense: f64,
     range: Range<usize>,
     response: Response,
     terms: Terms,
@@ -105,8 +107,13 @@ fn fit_hold(
     let (time, values) = (&trace.time[range.clone()], &values[range.clone()]);
     let from_s = time[0];
     let failed = |source| HoldError::Fit { trace: trace.label(), from_s, source };
-    let trend = response.of_fall(falls(values));
-    let options = response.options(terms, if signs { Some(trend) } else { None });
+    // Signs are relative to the signal in this hold, the type is relative to the whole recording: a
+    // force that crosses zero after unloading still rises.
+    let shrinks = falls(values);
+    let against = mean(values) * sense < 0.0;
+    let trend = response.of_fall(shrinks != against);
+    let signs = signs.then(|| response.of_fall(shrinks));
+    let options = response.options(terms, signs);
     let prepared = Prepared::new(time, &options).map_err(failed)?;
     let (fit, candidates) = match terms {
         Terms::Fixed(_) => (prepared.fit(values).map_err(failed)?, Vec::new()),
@@ -115,7 +122,7 @@ fn fit_hold(
             (compared.best().clone(), compared.rows)
         }
     };
-    let relaxation = direction(&fit).map_or(trend, |falls| response.of_fall(falls));
+    let relaxation = direction(&fit, sense).map_or(trend, |falls| response.of_fall(falls));
     let displacement = trace.column(DISPLACEMENT).map(|x| mean(&x[range.clone()]));
     let duration_s = time[time.len() - 1] - from_s;
     let trace = trace.label();
@@ -165,12 +172,18 @@ fn falls(values: &[f64]) -> bool {
     if first + last >= 0.0 { last <= first } else { last >= first }
 }
 
-/// Whether the fitted function falls, where its terms agree.
-fn direction(fit: &Fit) -> Option<bool> {
+/// +1 or −1: the sign of the largest value by size.
+fn sense(values: &[f64]) -> f64 {
+    values.iter().copied().fold(0.0, |most: f64, v| if v.abs() > most.abs() { v } else { most }).signum()
+}
+
+/// Whether the fitted function falls, seen in the sense of the recording, where its terms agree.
+fn direction(fit: &Fit, sense: f64) -> Option<bool> {
     let terms = &fit.sum.terms;
-    if terms.iter().all(|term| term.coefficient >= 0.0) {
+    let sense = sense * fit.sum.scale.signum();
+    if terms.iter().all(|term| sense * term.coefficient >= 0.0) {
         Some(true)
-    } else if terms.iter().all(|term| term.coefficient <= 0.0) {
+    } else if terms.iter().all(|term| sense * term.coefficient <= 0.0) {
         Some(false)
     } else {
         None

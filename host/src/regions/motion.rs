@@ -94,12 +94,15 @@ fn smooth(values: &[f64]) -> Vec<f64> {
         .collect()
 }
 
+/// The largest value by size, with its sign.
+fn largest_of(values: &[f64]) -> f64 {
+    let larger = |most: f64, value: f64| if value.abs() > most.abs() { value } else { most };
+    values.iter().copied().fold(0.0, larger)
+}
+
 /// Contact at each sample: made above a level, lost below half of it.
 fn touches(signal: &[f64], noise: f64) -> Vec<bool> {
-    let largest = signal
-        .iter()
-        .copied()
-        .fold(0.0, |most: f64, value| if value.abs() > most.abs() { value } else { most });
+    let largest = largest_of(signal);
     let level = (TOUCH * noise).max(SMALLEST * largest.abs());
     let mut touching = false;
     signal
@@ -149,8 +152,10 @@ fn relaxation(channel: &Channel, region: &[Region], settled: f64) -> Vec<Relaxat
     let latent = channel.latent.iter().zip(&channel.input);
     let mut found: Vec<RelaxationType> =
         latent.map(|(latent, input)| type_of(latent * input.signum(), band)).collect();
+    // In a hold the sign is that of the recording: a force that crosses zero after unloading still rises.
+    let sense = largest_of(&channel.input).signum();
     over_holds(&mut found, region, &smooth(&channel.input), |first, last| {
-        type_of((first - last) * first.signum(), band)
+        type_of((first - last) * sense, band)
     });
     found
 }

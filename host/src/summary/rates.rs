@@ -24,10 +24,10 @@ pub fn rates_sections(study: &Study, traces: &[Trace]) -> Vec<Section> {
         .table(run_table(study))
         .table(property_table(study))
         .table(group_table(study));
-    for group in &study.groups {
+    for group in study.groups.iter().filter(|group| group.runs.len() > 1) {
         first = first.callout(Callout::Finding, "Asymptotes and stiffening", group_words(group));
     }
-    if let Some(words) = misfit_words(study) {
+    for words in warnings(study) {
         first = first.callout(Callout::Warning, "Beware", words);
     }
     for plot in force_plots(study, traces) {
@@ -101,6 +101,7 @@ pub fn rates_json(study: &Study) -> Value {
         "specific_stiffness_agree_p_value": study.agreement.1.map(|test| test.p_value),
         "runs": runs,
         "groups": groups,
+        "warnings": warnings(study),
     })
 }
 
@@ -210,7 +211,7 @@ fn group_table(study: &Study) -> Table {
 
 fn group_words(group: &Group) -> String {
     let asymptotes = match group.asymptotes {
-        None => "One run: nothing to compare.".to_owned(),
+        None => "The asymptotes have no standard errors to compare them by.".to_owned(),
         Some(test) if test.p_value >= UNLIKELY => format!(
             "The asymptotes of {} runs agree within their standard errors (p {}).",
             group.runs.len(),
@@ -219,8 +220,8 @@ fn group_words(group: &Group) -> String {
         Some(test) => {
             let along = match group.asymptote_trend {
                 Some(trend) if trend.p_value < UNLIKELY => "and they go with the rate",
-                Some(_) => "but not with the rate",
-                None => "with too few rates to say whether along the rate",
+                Some(_) => "without a trend that so few runs show",
+                None => "at too few rates to say whether along the rate",
             };
             format!(
                 "The asymptotes of {} runs differ by more than their standard errors (p {}), {along}.",
@@ -236,7 +237,7 @@ fn group_words(group: &Group) -> String {
             let verdict = match (told, trend.slope_n.0 > 0.0) {
                 (true, true) => "The peak stiffens with the rate",
                 (true, false) => "The peak falls with the rate",
-                (false, _) => "The peak is not shown to depend on the rate",
+                (false, _) => "A trend of the peak is not shown by so few runs",
             };
             format!(
                 "{verdict}: {} N for ten times the rate (p {}).",
@@ -246,6 +247,24 @@ fn group_words(group: &Group) -> String {
         }
     };
     format!("At {} mm: {asymptotes} {peaks}", significant(group.displacement_mm, 4))
+}
+
+/// What to beware of.
+fn warnings(study: &Study) -> Vec<String> {
+    let alone = study.groups.iter().all(|group| group.runs.len() == 1);
+    let alone = alone.then(|| {
+        "Every displacement has one run only: nothing to compare over the rates.".to_owned()
+    });
+    let stiffness = study.agreement.1.filter(|test| test.p_value < UNLIKELY).map(|_| {
+        let of = study.runs.iter().map(|run| run.stiffness_pa.0);
+        let (low, high) = of.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), k| (low.min(k), high.max(k)));
+        format!(
+            "k_s is not one number: {} to {} Pa over the runs. (5.7) takes one, so the strain of the surface is off by as much.",
+            significant(low, 4),
+            significant(high, 4)
+        )
+    });
+    alone.into_iter().chain(stiffness).chain(misfit_words(study)).collect()
 }
 
 /// Where one exponential does not describe the holds.

@@ -109,7 +109,12 @@ fn tally(holds: &[Hold]) -> String {
         let count = holds.iter().filter(|hold| hold.terms.decided() == number).count();
         (count > 0).then(|| format!("{number} in {count} of {} hold(s)", holds.len()))
     });
-    format!("Exponentials that the data show: {}.", counted.collect::<Vec<_>>().join(", "))
+    let untold = holds.iter().filter(|hold| !hold.terms.best().identified).count();
+    let untold = match untold {
+        0 => String::new(),
+        _ => format!(" In {untold} hold(s) not even that one is told."),
+    };
+    format!("Exponentials that the data show: {}.{untold}", counted.collect::<Vec<_>>().join(", "))
 }
 
 /// When so much of the gap is left, s (4.10).
