@@ -114,6 +114,11 @@ fn the_commands_of_the_readme_run() {
 }
 
 #[test]
+fn the_analyses_say_what_the_page_prints() {
+    run_all("docs/analyses.md");
+}
+
+#[test]
 fn the_commands_of_the_format_description_run() {
     run_all("docs/formats.md");
 }
