@@ -205,11 +205,11 @@ mod tests {
             let gap: f64 = f64::abs(initial - equilibrium);
             let c = gap.powf(1.0 - n) / (n - 1.0);
             let bracket = ((n - 1.0) * (nu * t + c)).powf(1.0 / (1.0 - n));
-            let printed = if equilibrium > initial { equilibrium - bracket } else { equilibrium + bracket };
+            let printed =
+                if equilibrium > initial { equilibrium - bracket } else { equilibrium + bracket };
             assert!((hold.strain(t) - printed).abs() < 1e-15);
         }
     }
-
 
     #[test]
     fn a_strain_that_is_never_passed_has_no_time() {

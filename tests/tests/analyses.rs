@@ -80,7 +80,8 @@ fn the_gripper_of_chapter_3_accelerates_as_printed() {
 
 #[test]
 fn repeats_are_told_apart_from_noise_and_two_exponentials_are_chosen() {
-    let rows: Vec<PathBuf> = (1..=10).map(|k| bundled(&format!("table-3.1-row-{k:02}.csv"))).collect();
+    let rows: Vec<PathBuf> =
+        (1..=10).map(|k| bundled(&format!("table-3.1-row-{k:02}.csv"))).collect();
     let found = answer(&["relaxation"], &rows);
     let spread = found["spread"].as_array().unwrap();
     let c0 = spread.iter().find(|line| line["parameter"] == "c0").unwrap();
@@ -99,7 +100,8 @@ fn repeats_are_told_apart_from_noise_and_two_exponentials_are_chosen() {
 #[test]
 fn relaxation_and_fit_hold_only_give_the_same_coefficients() {
     let trace = [bundled("table-3.2-row-03.csv")];
-    let (new, old) = (answer(&["relaxation"], &trace), answer(&["fit", "fung", "--hold-only"], &trace));
+    let (new, old) =
+        (answer(&["relaxation"], &trace), answer(&["fit", "fung", "--hold-only"], &trace));
     assert_eq!(new["holds"][0]["parameters"], old["holds"][0]["parameters"]);
 }
 
@@ -152,9 +154,12 @@ fn what_is_missing_of_the_geometry_is_asked_for_and_options_supply_it() {
     let folder = tempfile::tempdir().unwrap();
     let bare = [pressed(folder.path(), 50.0, "")];
     assert!(refusal(&["rates"], &bare).contains("--shape"));
-    assert!(refusal(&["rates", "--shape", "cylinder", "--radius", "25", "--height", "30"], &bare)
-        .contains("--poisson"));
-    let told = ["rates", "--shape", "cylinder", "--radius", "25", "--height", "30", "--poisson", "0.48"];
+    assert!(
+        refusal(&["rates", "--shape", "cylinder", "--radius", "25", "--height", "30"], &bare)
+            .contains("--poisson")
+    );
+    let told =
+        ["rates", "--shape", "cylinder", "--radius", "25", "--height", "30", "--poisson", "0.48"];
     let found = answer(&told, &bare);
     assert!((found["specific_stiffness_Pa"].as_f64().unwrap() / 3.5e4 - 1.0).abs() < 5e-3);
     assert!(refusal(&["strain-rate", "--modulus", "-3"], &bare).contains("above 0"));
@@ -189,12 +194,9 @@ fn the_power_law_of_a_ball_comes_back_from_its_force() {
 fn every_analysis_writes_a_report() {
     let folder = tempfile::tempdir().unwrap();
     let run = pressed(folder.path(), 50.0, SILICONE);
-    for arguments in [
-        &["segment"][..],
-        &["relaxation"],
-        &["rates"],
-        &["strain-rate", "--modulus", "3.5e4"],
-    ] {
+    for arguments in
+        [&["segment"][..], &["relaxation"], &["rates"], &["strain-rate", "--modulus", "3.5e4"]]
+    {
         let report = folder.path().join("report.html");
         let output =
             palpate().args(arguments).arg(&run).arg("--report").arg(&report).output().unwrap();

@@ -26,9 +26,13 @@ pub struct Butterworth {
 #[derive(Debug, thiserror::Error)]
 #[allow(missing_docs)]
 pub enum ConditioningError {
-    #[error("{trace}: its sampling is uneven, and a Butterworth filter needs even samples. Resample it, or analyse it unfiltered.")]
+    #[error(
+        "{trace}: its sampling is uneven, and a Butterworth filter needs even samples. Resample it, or analyse it unfiltered."
+    )]
     Uneven { trace: String },
-    #[error("{trace}: a cut-off of {cutoff_hz} Hz is not between 0 and half the sampling rate, {nyquist_hz} Hz")]
+    #[error(
+        "{trace}: a cut-off of {cutoff_hz} Hz is not between 0 and half the sampling rate, {nyquist_hz} Hz"
+    )]
     Cutoff { trace: String, cutoff_hz: f64, nyquist_hz: f64 },
     #[error("order {0} of the filter is not between 1 and {HIGHEST_ORDER}")]
     Order(usize),
@@ -75,7 +79,8 @@ impl Butterworth {
         if !(normalised > 0.0 && normalised < 1.0) {
             return None;
         }
-        let section = |kind, quality| Coefficients::from_normalized_params(kind, normalised, quality).ok();
+        let section =
+            |kind, quality| Coefficients::from_normalized_params(kind, normalised, quality).ok();
         let order = self.order as f64;
         let pairs = (0..self.order / 2).map(|k| {
             // Poles lie evenly on a half circle.

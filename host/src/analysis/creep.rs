@@ -96,7 +96,9 @@ pub fn doubts(fit: &Fit, duration_s: f64, relaxation: RelaxationType) -> Vec<Str
         };
         if wrong {
             let equation = if relaxation == RelaxationType::TypeI { "6.3" } else { "6.4" };
-            found.push(format!("c{number} has the wrong sign for its type ({equation}); --signs forbids it"));
+            found.push(format!(
+                "c{number} has the wrong sign for its type ({equation}); --signs forbids it"
+            ));
         }
     }
     found
@@ -167,10 +169,14 @@ mod tests {
     #[test]
     fn rates_that_a_short_hold_does_not_tell_are_named() {
         let found = creep(&steps(), DISPLACEMENT, hold::Terms::Fixed(3), false).unwrap();
-        assert!(found[0].doubts.iter().any(|doubt| doubt.contains("not identifiable")
-            || doubt.contains("coincide")
-            || doubt.contains("trade off")
-            || doubt.contains("limit")), "{:?}", found[0].doubts);
+        assert!(
+            found[0].doubts.iter().any(|doubt| doubt.contains("not identifiable")
+                || doubt.contains("coincide")
+                || doubt.contains("trade off")
+                || doubt.contains("limit")),
+            "{:?}",
+            found[0].doubts
+        );
     }
 
     #[test]

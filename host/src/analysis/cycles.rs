@@ -149,7 +149,9 @@ pub enum SegmentError {
     Decomposition(#[from] DecompositionError),
     #[error(transparent)]
     Regions(#[from] RegionsError),
-    #[error("{trace}: no touch is found in it: the force never rises out of its noise while the indenter moves")]
+    #[error(
+        "{trace}: no touch is found in it: the force never rises out of its noise while the indenter moves"
+    )]
     NoCycle { trace: String },
 }
 
@@ -159,7 +161,9 @@ pub enum SegmentError {
 /// Without displacement or force, when the force never changes, and when nothing is touched.
 pub fn segment(trace: &Trace) -> Result<Segmentation, SegmentError> {
     let column = |name: &'static str| {
-        trace.column(name).ok_or_else(|| SegmentError::NoColumn { trace: trace.label(), column: name })
+        trace
+            .column(name)
+            .ok_or_else(|| SegmentError::NoColumn { trace: trace.label(), column: name })
     };
     column(DISPLACEMENT)?;
     column(FORCE)?;
@@ -230,7 +234,12 @@ impl<'a> Path<'a> {
         for gap in gaps(&trace.time) {
             gap_before[gap.index] = true;
         }
-        Some(Self { time: &trace.time, x: trace.displacement()?, force: trace.force()?, gap_before })
+        Some(Self {
+            time: &trace.time,
+            x: trace.displacement()?,
+            force: trace.force()?,
+            gap_before,
+        })
     }
 
     /// ∫F dx between two samples, mJ (N mm), by the trapezoidal rule, nothing across gaps.
@@ -437,7 +446,8 @@ mod tests {
             names(cycle)[..11],
             ["O", "A", "B", "C", "D", "B2", "C2", "D2", "C3", "D3", "E"]
         );
-        let holds: Vec<_> = cycle.pieces.iter().filter(|p| p.region == Region::Relaxation).collect();
+        let holds: Vec<_> =
+            cycle.pieces.iter().filter(|p| p.region == Region::Relaxation).collect();
         use RelaxationType::{TypeI, TypeII};
         assert_eq!(holds.iter().map(|p| p.relaxation).collect::<Vec<_>>(), [TypeI, TypeI, TypeII]);
     }

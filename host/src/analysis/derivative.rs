@@ -70,9 +70,10 @@ fn with_width(time: &[f64], values: &[f64], instants: &[usize], half_width_s: f6
         .map(|&k| {
             let window = window(time, k, half_width_s);
             let weights = weights(&time[window.clone()], time[k]);
-            weights.iter().zip(&values[window]).fold((0.0, 0.0), |(value, slope), (w, y)| {
-                (value + w.0 * y, slope + w.1 * y)
-            })
+            weights
+                .iter()
+                .zip(&values[window])
+                .fold((0.0, 0.0), |(value, slope), (w, y)| (value + w.0 * y, slope + w.1 * y))
         })
         .unzip();
     let middle = instants[instants.len() / 2];
@@ -140,7 +141,8 @@ fn bandwidth(around: &[f64], weights: &[(f64, f64)]) -> Option<f64> {
     if !reach.is_normal() || !passes(low) {
         return None;
     }
-    let first = (1..=200).map(|k| low + (high - low) * f64::from(k) / 200.0).find(|f| !passes(*f))?;
+    let first =
+        (1..=200).map(|k| low + (high - low) * f64::from(k) / 200.0).find(|f| !passes(*f))?;
     (low, high) = (first - (high - low) / 200.0, first);
     for _ in 0..60 {
         let middle = 0.5 * (low + high);

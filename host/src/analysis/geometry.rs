@@ -183,7 +183,10 @@ mod tests {
         assert!((one.area_mm2(5.0) - PI * (35.0f64.powi(2) - 30.0f64.powi(2))).abs() < 1e-9);
         assert_eq!(one.area_mm2(5.0), each.area_mm2(10.0));
         assert_eq!(one.stress_pa(1.0, -0.1), None);
-        assert!((one.area_mm2(50.0) - PI * 35.0f64.powi(2)).abs() < 1e-9, "no more than the equator");
+        assert!(
+            (one.area_mm2(50.0) - PI * 35.0f64.powi(2)).abs() < 1e-9,
+            "no more than the equator"
+        );
     }
 
     #[test]
@@ -195,7 +198,8 @@ mod tests {
 
     #[test]
     fn the_missing_size_is_named_with_its_option() {
-        let specimen = Specimen { shape: Some(Shape::Cylinder), radius_mm: Some(3.0), ..Specimen::default() };
+        let specimen =
+            Specimen { shape: Some(Shape::Cylinder), radius_mm: Some(3.0), ..Specimen::default() };
         let error = Geometry::of(&specimen, Faces::One, "press.csv").unwrap_err().to_string();
         assert!(error.contains("height_mm") && error.contains("--height"), "{error}");
     }

@@ -9,9 +9,7 @@ use super::controlled::{ForceControlled, displacement_controlled};
 use super::geometry::{Faces, Geometry, GeometryError};
 use crate::fit::consistency::{Consistency, consistency};
 use crate::fit::exponentials::{self, Fit, Normalisation, Options, Parameter, Prepared};
-use crate::trace::{
-    DISPLACEMENT, FORCE, Kind, Segment, SignalError, Trace, force_noise, segments,
-};
+use crate::trace::{DISPLACEMENT, FORCE, Kind, Segment, SignalError, Trace, force_noise, segments};
 
 /// Displacements that differ by less than this, relatively, are the same.
 const SAME_DISPLACEMENT: f64 = 0.02;
@@ -284,8 +282,12 @@ impl Study {
         let touching = samples
             .filter(|&k| k < trace.len())
             .filter_map(|k| Some((k, self.geometry.stress_pa(force[k], displacement[k])?)));
-        let mut course =
-            Course { time: Vec::new(), surface: Vec::new(), equilibrium: Vec::new(), latent_rate: Vec::new() };
+        let mut course = Course {
+            time: Vec::new(),
+            surface: Vec::new(),
+            equilibrium: Vec::new(),
+            latent_rate: Vec::new(),
+        };
         for (k, stress) in touching {
             let surface = stress / self.stiffness_pa.0;
             let equilibrium = self.geometry.equilibrium_strain(displacement[k]);

@@ -73,9 +73,9 @@ pub fn relaxation(
     let values = trace.changing(signal).map_err(HoldError::from)?;
     let of = |fit: HoldFit| {
         let (time, values) = (&trace.time[fit.range.clone()], &values[fit.range.clone()]);
-        let failed =
-            |source| HoldError::Fit { trace: trace.label(), from_s: fit.from_s, source };
-        let asked = Response::Relaxation.options(hold::Terms::Auto, signs.then_some(fit.relaxation));
+        let failed = |source| HoldError::Fit { trace: trace.label(), from_s: fit.from_s, source };
+        let asked =
+            Response::Relaxation.options(hold::Terms::Auto, signs.then_some(fit.relaxation));
         let terms = terms::terms(time, values, &asked).map_err(failed)?;
         let latency = latency(time, values, strain_of_height(trace, &fit));
         Ok::<_, HoldError>(Hold { fit, terms, latency })
@@ -101,12 +101,8 @@ fn latency(time: &[f64], values: &[f64], strain: Option<f64>) -> Option<Latency>
         return None;
     }
     let stiffness_n = settles / strain.unwrap_or(1.0);
-    let law = Linear {
-        initial_force_n: force,
-        constant,
-        rate: fit.sum.terms.first()?.rate,
-        stiffness_n,
-    };
+    let law =
+        Linear { initial_force_n: force, constant, rate: fit.sum.terms.first()?.rate, stiffness_n };
     let strains: Vec<f64> = values.iter().map(|force| -force / stiffness_n).collect();
     let since: Vec<f64> = time.iter().map(|t| t - time[0]).collect();
     let measured = derivative(&since, &strains, fit.noise / stiffness_n.abs(), INSTANTS);

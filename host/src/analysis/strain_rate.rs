@@ -121,9 +121,13 @@ pub enum StrainRateError {
     Controlled(#[from] ForceControlled),
     #[error(transparent)]
     Geometry(#[from] GeometryError),
-    #[error("{trace}: the hold from {from_s:.3} s has {samples} samples, {FEWEST} are needed. Record longer or faster.")]
+    #[error(
+        "{trace}: the hold from {from_s:.3} s has {samples} samples, {FEWEST} are needed. Record longer or faster."
+    )]
     Short { trace: String, from_s: f64, samples: usize },
-    #[error("{trace}: at the hold from {from_s:.3} s the displacement is {displacement_mm} mm: nothing touches, so force is no strain")]
+    #[error(
+        "{trace}: at the hold from {from_s:.3} s the displacement is {displacement_mm} mm: nothing touches, so force is no strain"
+    )]
     NoContact { trace: String, from_s: f64, displacement_mm: f64 },
 }
 
@@ -273,7 +277,8 @@ impl Strains {
         let rss = solution.normal.cost;
         let variance = rss / (samples - free).max(1.0);
         let found = uncertainty(&solution.normal.curvature, &solution.at_bound, variance);
-        let error = |slope: &[f64]| found.variance(&DVector::from_column_slice(slope)).map(f64::sqrt);
+        let error =
+            |slope: &[f64]| found.variance(&DVector::from_column_slice(slope)).map(f64::sqrt);
         let point = Point::of(&solution.point, order);
         // ln ν = ln p − (n − 1) ln |gap|.
         let k = point.order - 1.0;
@@ -321,14 +326,22 @@ fn doubts(fit: &PowerFit, converged: bool, at_bound: &[bool]) -> Vec<String> {
         found.push("the fit did not converge".to_owned());
     }
     if at_bound[2] {
-        found.push("the rate is at its limit: the hold is too short or too coarsely sampled for it".into());
+        found.push(
+            "the rate is at its limit: the hold is too short or too coarsely sampled for it".into(),
+        );
     }
     if fit.gap.1.is_none_or(|error| fit.gap.0.abs() < 2.0 * error) {
         found.push("the gap is not told from zero: nothing relaxes beyond the noise, or its size trades off with ε_e".into());
     } else if fit.equilibrium.1.is_none_or(|error| error > 0.5 * fit.gap.0.abs()) {
-        found.push("ε_e is not identifiable from this hold: its standard error exceeds half the gap".into());
+        found.push(
+            "ε_e is not identifiable from this hold: its standard error exceeds half the gap"
+                .into(),
+        );
     } else if fit.left > 0.5 {
-        found.push(format!("{:.0} % of the gap is still open at the end: ε_e is an extrapolation", 100.0 * fit.left));
+        found.push(format!(
+            "{:.0} % of the gap is still open at the end: ε_e is an extrapolation",
+            100.0 * fit.left
+        ));
     }
     if fit.equilibrium.0 * fit.law.initial < 0.0 {
         found.push("ε_e lies on the other side of zero strain: it is an extrapolation that no specimen reaches".into());
@@ -337,7 +350,9 @@ fn doubts(fit: &PowerFit, converged: bool, at_bound: &[bool]) -> Vec<String> {
         found.push("ν is not told within a factor of two".into());
     }
     if fit.trade_off.is_some_and(|r| r.abs() > 0.98) {
-        found.push("ν and n trade off (correlation beyond 0.98): only both together mean something".into());
+        found.push(
+            "ν and n trade off (correlation beyond 0.98): only both together mean something".into(),
+        );
     }
     found
 }
@@ -512,8 +527,11 @@ mod tests {
             let hold = &study.unwrap().holds[0];
             assert!((hold.fit.law.rate / law.rate - 1.0).abs() < 1e-3, "{:?}", hold.fit);
             assert!((hold.fit.law.equilibrium - law.equilibrium).abs() < 1e-5);
-            let expected =
-                if law.initial > law.equilibrium { RelaxationType::TypeI } else { RelaxationType::TypeII };
+            let expected = if law.initial > law.equilibrium {
+                RelaxationType::TypeI
+            } else {
+                RelaxationType::TypeII
+            };
             assert_eq!(hold.relaxation, expected);
         }
     }
@@ -524,9 +542,13 @@ mod tests {
         for seed in 0..20 {
             let trace = ball(LAW, 0.005, seed);
             let traces = std::slice::from_ref(&trace);
-            let hold = strain_rate(traces, MODULUS, Order::Fixed(5.0), Faces::One).unwrap().holds.remove(0);
+            let hold = strain_rate(traces, MODULUS, Order::Fixed(5.0), Faces::One)
+                .unwrap()
+                .holds
+                .remove(0);
             deviations.push((hold.fit.law.rate / LAW.rate).ln() / hold.fit.rate.1.unwrap());
-            deviations.push((hold.fit.equilibrium.0 - LAW.equilibrium) / hold.fit.equilibrium.1.unwrap());
+            deviations
+                .push((hold.fit.equilibrium.0 - LAW.equilibrium) / hold.fit.equilibrium.1.unwrap());
             assert!(hold.odd_orders.0 <= 5.0 && 5.0 <= hold.odd_orders.1);
         }
         let square = deviations.iter().map(|d| d * d).sum::<f64>() / deviations.len() as f64;
@@ -547,7 +569,8 @@ mod tests {
     #[test]
     fn a_free_order_says_that_it_trades_off_with_the_rate() {
         let trace = ball(LAW, 0.01, 3);
-        let study = strain_rate(std::slice::from_ref(&trace), MODULUS, Order::Free, Faces::One).unwrap();
+        let study =
+            strain_rate(std::slice::from_ref(&trace), MODULUS, Order::Free, Faces::One).unwrap();
         let fit = &study.holds[0].fit;
         assert!((fit.order.0 - 5.0).abs() < 4.0 * fit.order.1.unwrap(), "{fit:?}");
         assert!(fit.trade_off.unwrap().abs() > 0.9, "{fit:?}");
@@ -557,9 +580,14 @@ mod tests {
     fn half_the_displacement_on_each_face_is_another_strain() {
         let trace = ball(LAW, 0.0, 1);
         let traces = std::slice::from_ref(&trace);
-        let of = |faces| strain_rate(traces, MODULUS, Order::Fixed(5.0), faces).unwrap().holds.remove(0);
+        let of =
+            |faces| strain_rate(traces, MODULUS, Order::Fixed(5.0), faces).unwrap().holds.remove(0);
         let (one, each) = (of(Faces::One), of(Faces::Each));
-        assert!((each.fit.law.equilibrium / one.fit.law.equilibrium - one.area_mm2 / each.area_mm2).abs() < 1e-3);
+        assert!(
+            (each.fit.law.equilibrium / one.fit.law.equilibrium - one.area_mm2 / each.area_mm2)
+                .abs()
+                < 1e-3
+        );
     }
 
     proptest! {

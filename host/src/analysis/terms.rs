@@ -160,7 +160,13 @@ mod tests {
             assert_eq!(terms(&time, &values, &Options::default()).unwrap().decided(), 1);
             let (time, values) = hold(&[(0.48, 3.7), (0.51, 0.51)], 0.005, seed);
             let found = terms(&time, &values, &Options::default()).unwrap();
-            assert_eq!(found.decided(), 2, "seed {seed}: {:?} {:?}", found.by_criterion, found.by_held_out);
+            assert_eq!(
+                found.decided(),
+                2,
+                "seed {seed}: {:?} {:?}",
+                found.by_criterion,
+                found.by_held_out
+            );
             let rms = found.rows[1].held_out_rms.unwrap();
             assert!((rms / 0.005 - 1.0).abs() < 0.1, "{rms}");
             assert!(found.rows[0].held_out_rms.unwrap() > 2.0 * rms);

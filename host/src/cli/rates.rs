@@ -39,7 +39,8 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<(), Failure> {
     let mut traces = read_set(&args.traces).map_err(Failure::input)?;
     args.specimen.apply(&mut traces);
-    let study = rates(&traces, usize::from(args.terms), args.specimen.faces()).map_err(Failure::input)?;
+    let study =
+        rates(&traces, usize::from(args.terms), args.specimen.faces()).map_err(Failure::input)?;
     let sections = rates_sections(&study, &traces);
     if let Some(path) = &args.result.report {
         let names = traces.iter().map(Trace::label).collect();

@@ -43,7 +43,8 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         write_report(path, "The regions of a grasp", "", names, sections.clone())?;
     }
     if args.result.json {
-        let traces: Vec<_> = found.iter().map(|(trace, found)| segment_json(trace, found)).collect();
+        let traces: Vec<_> =
+            found.iter().map(|(trace, found)| segment_json(trace, found)).collect();
         print_json(&json!({"palpate_segment": 1, "traces": traces}))
     } else {
         print_sections(&sections)

@@ -57,9 +57,5 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         let names = traces.iter().map(Trace::label).collect();
         write_report(path, "Strain and strain rate", "", names, sections.clone())?;
     }
-    if args.result.json {
-        print_json(&strain_rate_json(&study))
-    } else {
-        print_sections(&sections)
-    }
+    if args.result.json { print_json(&strain_rate_json(&study)) } else { print_sections(&sections) }
 }

@@ -7,7 +7,9 @@ use super::simulated::{noisy, times};
 use super::{Chapter, Check, Comparison, TABLE_3_1};
 use crate::analysis::creep::doubts;
 use crate::analysis::terms::{Terms, terms};
-use crate::fit::exponentials::{ExponentialSum, Fit, Normalisation, Options, Parameter, Prepared, Term};
+use crate::fit::exponentials::{
+    ExponentialSum, Fit, Normalisation, Options, Parameter, Prepared, Term,
+};
 use crate::report::number::significant;
 use crate::report::{Axis, Callout, Colour, Column, Plot, Section, Series, Table};
 use crate::trace::{FORCE, Trace, holds};
@@ -56,8 +58,13 @@ const SEED: u64 = 11;
 #[must_use]
 pub fn chapter() -> Chapter {
     let creep = rebuilt_creep();
-    let comparisons =
-        vec![one_exponential(), two_exponentials(), time_constants(), normalised(), creep_again(&creep)];
+    let comparisons = vec![
+        one_exponential(),
+        two_exponentials(),
+        time_constants(),
+        normalised(),
+        creep_again(&creep),
+    ];
     Chapter { comparisons, sections: vec![relaxation_section(), creep_section(&creep)] }
 }
 
@@ -99,11 +106,18 @@ fn two_exponentials() -> Comparison {
         sum.scale * sum.terms[1].coefficient,
         sum.terms[1].rate,
     ];
-    let names = [("constant", "N"), ("first coefficient", "N"), ("first rate", "1/s"), ("second coefficient", "N"), ("second rate", "1/s")];
+    let names = [
+        ("constant", "N"),
+        ("first coefficient", "N"),
+        ("first rate", "1/s"),
+        ("second coefficient", "N"),
+        ("second rate", "1/s"),
+    ];
     let check = |k: usize| {
         let (name, unit) = names[k];
         // Half digits of N (5e-4 of 2 N), of a share (5e-5 of 1) and of the product.
-        let tolerance = if unit == "N" { 5e-4 * A_2[k] / sum.scale + 5e-5 * sum.scale + 5e-5 } else { 1e-12 };
+        let tolerance =
+            if unit == "N" { 5e-4 * A_2[k] / sum.scale + 5e-5 * sum.scale + 5e-5 } else { 1e-12 };
         Check::new(name, unit, A_2[k], found[k], tolerance)
     };
     Comparison {
@@ -132,8 +146,20 @@ fn normalised() -> Comparison {
         let n = index + 1;
         checks.push(Check::new(format!("n = {n}, D"), "mm", printed_d, *d, 0.005));
         for (k, ((coefficient, rate), (c, v))) in terms.iter().zip(printed).enumerate() {
-            checks.push(Check::new(format!("n = {n}, c{}", k + 1), "", *c, coefficient / d, half_third_digit(*c)));
-            checks.push(Check::new(format!("n = {n}, v{}", k + 1), "1/s", *v, *rate, half_third_digit(*v)));
+            checks.push(Check::new(
+                format!("n = {n}, c{}", k + 1),
+                "",
+                *c,
+                coefficient / d,
+                half_third_digit(*c),
+            ));
+            checks.push(Check::new(
+                format!("n = {n}, v{}", k + 1),
+                "1/s",
+                *v,
+                *rate,
+                half_third_digit(*v),
+            ));
         }
     }
     Comparison { source: "Table B.1", reason: "half of the last printed digit".into(), checks }
@@ -184,13 +210,31 @@ fn creep_again(creep: &Creep) -> Comparison {
         };
         checks.push(Check::new("(B.1) D", "mm", d, fit.sum.scale, error(Parameter::Scale, d)));
         let found = fit.sum.scale * term.coefficient;
-        checks.push(Check::new("(B.1) coefficient", "mm", coefficient, found, 0.05 * coefficient.abs()));
-        checks.push(Check::new("(B.1) rate", "1/s", rate, term.rate, error(Parameter::Rate(1), rate)));
+        checks.push(Check::new(
+            "(B.1) coefficient",
+            "mm",
+            coefficient,
+            found,
+            0.05 * coefficient.abs(),
+        ));
+        checks.push(Check::new(
+            "(B.1) rate",
+            "1/s",
+            rate,
+            term.rate,
+            error(Parameter::Rate(1), rate),
+        ));
     }
     for n in [2, 3] {
         let printed = R_SQUARED_B[n - 1];
         if let Some(fit) = creep.fit(n) {
-            checks.push(Check::new(format!("R², n = {n}"), "", printed, fit.r_squared, 0.1 * (1.0 - printed)));
+            checks.push(Check::new(
+                format!("R², n = {n}"),
+                "",
+                printed,
+                fit.r_squared,
+                0.1 * (1.0 - printed),
+            ));
         }
     }
     Comparison {
@@ -274,11 +318,16 @@ fn creep_section(creep: &Creep) -> Section {
         found.decided()
     );
     section = section.callout(Callout::Finding, "What 9.5 s tell", words);
-    let (long, axes) = (60.0, (Axis::new("time in the hold", "s"), Axis::new("displacement", "mm")));
-    let mut plot = Plot::new("The same 9.5 s, and what each fit makes of the rest (Fig. B.1)", axes.0, axes.1)
-        .summary("Rebuilt creep and fits with one to three exponentials continued to 60 s")
-        .series(Series::points("rebuilt recording", &creep.time[..], &creep.displacement[..]).colour(Colour::MEASURED))
-        .span(0.0, HOLD_B, "hold");
+    let (long, axes) =
+        (60.0, (Axis::new("time in the hold", "s"), Axis::new("displacement", "mm")));
+    let mut plot =
+        Plot::new("The same 9.5 s, and what each fit makes of the rest (Fig. B.1)", axes.0, axes.1)
+            .summary("Rebuilt creep and fits with one to three exponentials continued to 60 s")
+            .series(
+                Series::points("rebuilt recording", &creep.time[..], &creep.displacement[..])
+                    .colour(Colour::MEASURED),
+            )
+            .span(0.0, HOLD_B, "hold");
     for n in 1..=3 {
         let Some(fit) = creep.fit(n) else { continue };
         let (x, y): (Vec<f64>, Vec<f64>) =
@@ -296,7 +345,12 @@ mod tests {
     fn every_printed_figure_of_the_appendices_is_met() {
         for comparison in chapter().comparisons {
             assert!(comparison.checks.len() >= 3, "{}", comparison.source);
-            assert_eq!(comparison.missed().collect::<Vec<_>>(), [] as [&Check; 0], "{}", comparison.source);
+            assert_eq!(
+                comparison.missed().collect::<Vec<_>>(),
+                [] as [&Check; 0],
+                "{}",
+                comparison.source
+            );
         }
     }
 

@@ -36,7 +36,13 @@ fn inertia() -> Comparison {
     Comparison {
         source: "Section 6.3.1",
         reason: "half of the last printed digit".into(),
-        checks: vec![Check::new("inertial force of 14 g at 100 mm/s²", "N", 0.0014, 14e-3 * 0.1, 5e-5)],
+        checks: vec![Check::new(
+            "inertial force of 14 g at 100 mm/s²",
+            "N",
+            0.0014,
+            14e-3 * 0.1,
+            5e-5,
+        )],
     }
 }
 
@@ -67,7 +73,14 @@ fn recording(name: &str, corners: &[(f64, f64)], seed: u64) -> Trace {
 fn once(rate: f64, seed: u64) -> Trace {
     let ramp = FORCE_HELD / rate;
     let hold = 0.5 + ramp + HOLD;
-    let corners = [(0.0, 0.0), (0.5, 0.0), (0.5 + ramp, FORCE_HELD), (hold, FORCE_HELD), (hold + ramp, 0.0), (hold + ramp + 8.0, 0.0)];
+    let corners = [
+        (0.0, 0.0),
+        (0.5, 0.0),
+        (0.5 + ramp, FORCE_HELD),
+        (hold, FORCE_HELD),
+        (hold + ramp, 0.0),
+        (hold + ramp + 8.0, 0.0),
+    ];
     recording(&format!("{rate} N/s"), &corners, seed)
 }
 
@@ -118,7 +131,10 @@ fn types() -> Section {
         Axis::new("displacement", "mm"),
     )
     .summary("Displacement creeping up after loading and down after unloading")
-    .series(Series::line("displacement", &trace.time[..], trace.displacement().unwrap_or(&[])).colour(Colour::MEASURED));
+    .series(
+        Series::line("displacement", &trace.time[..], trace.displacement().unwrap_or(&[]))
+            .colour(Colour::MEASURED),
+    );
     Section::new("Type I and Type II creep")
         .table(table.note("Signs are found, not imposed: c1 < 0 after loading (6.3), c1 > 0 after unloading (6.4)."))
         .figure(plot, "")
@@ -167,7 +183,12 @@ fn rates() -> Section {
         .flatten();
     let words = format!(
         "A higher rate begins its hold at a smaller displacement and looks stiffer (6.5), dissipates more, and ends where every other ends{} (6.6). In a linear specimen like this one that is no property of a rate-dependent elastic response: the elastic response is one, what differs is how much had time to creep on the way.",
-        agree.map_or(String::new(), |test| format!(", χ² {} with {} degrees of freedom, p {}", significant(test.chi_square, 2), test.degrees_of_freedom, significant(test.p_value, 2)))
+        agree.map_or(String::new(), |test| format!(
+            ", χ² {} with {} degrees of freedom, p {}",
+            significant(test.chi_square, 2),
+            test.degrees_of_freedom,
+            significant(test.p_value, 2)
+        ))
     );
     Section::new("Loading rate, stiffness and dissipation")
         .table(table)

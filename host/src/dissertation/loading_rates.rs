@@ -96,10 +96,14 @@ pub fn chapter() -> Chapter {
     let mut sections = vec![claim()];
     for (silicone, runs, study) in &studies {
         for section in rates_sections(study, runs) {
-            sections.push(Section { title: format!("{}: {}", silicone.name, section.title), ..section });
+            sections.push(Section {
+                title: format!("{}: {}", silicone.name, section.title),
+                ..section
+            });
         }
     }
-    let compared: Vec<(Silicone, &Study)> = studies.iter().map(|(s, _, study)| (*s, study)).collect();
+    let compared: Vec<(Silicone, &Study)> =
+        studies.iter().map(|(s, _, study)| (*s, study)).collect();
     Chapter { comparisons: vec![table_5_2(&compared), inertia()], sections }
 }
 
@@ -121,7 +125,13 @@ fn table_5_2(studies: &[(Silicone, &Study)]) -> Comparison {
         .flat_map(|(silicone, study)| {
             let tolerance = |error: Option<f64>| ERRORS * error.unwrap_or(0.0);
             [
-                Check::new(format!("{}, v1", silicone.name), "1/s", silicone.rate, study.v1.0, tolerance(study.v1.1)),
+                Check::new(
+                    format!("{}, v1", silicone.name),
+                    "1/s",
+                    silicone.rate,
+                    study.v1.0,
+                    tolerance(study.v1.1),
+                ),
                 Check::new(
                     format!("{}, k_s", silicone.name),
                     "Pa",
@@ -134,7 +144,9 @@ fn table_5_2(studies: &[(Silicone, &Study)]) -> Comparison {
         .collect();
     Comparison {
         source: "Table 5.2",
-        reason: format!("{ERRORS} standard errors of the mean over five simulated runs with noise of {NOISE} N"),
+        reason: format!(
+            "{ERRORS} standard errors of the mean over five simulated runs with noise of {NOISE} N"
+        ),
         checks,
     }
 }
@@ -157,7 +169,12 @@ mod tests {
         let chapter = chapter();
         assert_eq!(chapter.comparisons[0].checks.len(), 4);
         for comparison in &chapter.comparisons {
-            assert_eq!(comparison.missed().collect::<Vec<_>>(), [] as [&Check; 0], "{}", comparison.source);
+            assert_eq!(
+                comparison.missed().collect::<Vec<_>>(),
+                [] as [&Check; 0],
+                "{}",
+                comparison.source
+            );
         }
     }
 

@@ -19,11 +19,8 @@ const ERRORS: f64 = 4.0;
 /// Moving mass of the gripper, g (3.3.1).
 const MASS_G: f64 = 14.0;
 /// Accelerations and inertial forces of 3.3.4 for 12, 8 and 4 mm: m/s², N, and half of its last digit.
-const INERTIA: [(f64, f64, f64, f64); 3] = [
-    (12.0, 0.6990, 9.786e-3, 5e-7),
-    (8.0, 0.7263, 1.017e-2, 5e-6),
-    (4.0, 0.7110, 9.954e-3, 5e-7),
-];
+const INERTIA: [(f64, f64, f64, f64); 3] =
+    [(12.0, 0.6990, 9.786e-3, 5e-7), (8.0, 0.7263, 1.017e-2, 5e-6), (4.0, 0.7110, 9.954e-3, 5e-7)];
 
 type Recording = (&'static str, &'static [u8]);
 
@@ -57,14 +54,14 @@ pub fn chapter() -> Chapter {
     let traces: Vec<Vec<Trace>> = (0..3).map(traces).collect();
     let fits: Vec<Vec<HoldFit>> = traces.iter().map(|traces| fitted(traces)).collect();
     let sources = ["Table 3.1", "Table 3.2", "Table 3.3"];
-    let mut comparisons: Vec<Comparison> = (0..3)
-        .map(|k| rows(sources[k], &tables[k], &fits[k]))
-        .collect();
+    let mut comparisons: Vec<Comparison> =
+        (0..3).map(|k| rows(sources[k], &tables[k], &fits[k])).collect();
     comparisons.push(statistics(&tables));
     comparisons.push(best_fits(&fits));
     comparisons.push(inertia());
     let all: Vec<HoldFit> = fits.iter().flatten().cloned().collect();
-    let sections = vec![claim(), consistency_section(&spreads(&all)), figures(&traces[0], &fits[0])];
+    let sections =
+        vec![claim(), consistency_section(&spreads(&all)), figures(&traces[0], &fits[0])];
     Chapter { comparisons, sections }
 }
 
@@ -102,7 +99,8 @@ fn row_checks(name: &str, row: &RelaxationRow, fit: &HoldFit) -> Vec<Check> {
         Check::new(format!("{name}, {parameter}"), unit(parameter), value, found, ERRORS * error)
     };
     let scatter = 0.15 * (1.0 - row.r_squared) + 5e-5;
-    let r_squared = Check::new(format!("{name}, R²"), "", row.r_squared, fit.fit.r_squared, scatter);
+    let r_squared =
+        Check::new(format!("{name}, R²"), "", row.r_squared, fit.fit.r_squared, scatter);
     printed(row).into_iter().map(check).chain([r_squared]).collect()
 }
 
@@ -166,7 +164,9 @@ fn best_fits(fits: &[Vec<HoldFit>]) -> Comparison {
         .collect();
     Comparison {
         source: "Eqs 3.5–3.10",
-        reason: format!("{ERRORS} standard errors of the fit; these are the sixth rows of Tables 3.1–3.3"),
+        reason: format!(
+            "{ERRORS} standard errors of the fit; these are the sixth rows of Tables 3.1–3.3"
+        ),
         checks,
     }
 }
@@ -235,7 +235,9 @@ fn consistency_section(spreads: &[Spread]) -> Section {
     }
     let between = between(spreads);
     Section::new("How consistent the coefficients are")
-        .table(table.note("p: the chance of so much scatter from the noise of the recordings alone."))
+        .table(
+            table.note("p: the chance of so much scatter from the noise of the recordings alone."),
+        )
         .table(between.0)
         .callout(Callout::Finding, "Consistent, but not the same", between.1)
 }
@@ -251,7 +253,8 @@ fn between(spreads: &[Spread]) -> (Table, String) {
     let mut table = Table::new("Is it one material at every compression?", columns);
     let mut moved = Vec::new();
     for parameter in Parameter::all(2).skip(1) {
-        let of: Vec<&Spread> = spreads.iter().filter(|spread| spread.parameter == parameter).collect();
+        let of: Vec<&Spread> =
+            spreads.iter().filter(|spread| spread.parameter == parameter).collect();
         let means: Vec<f64> = of.iter().map(|spread| spread.mean).collect();
         let errors: Vec<f64> =
             of.iter().map(|spread| spread.deviation / (spread.holds as f64).sqrt()).collect();
@@ -290,7 +293,10 @@ fn figures(traces: &[Trace], fits: &[HoldFit]) -> Section {
         for point in found.cycles.iter().flat_map(|cycle| &cycle.points) {
             plot = plot.annotation(point.displacement_mm, point.force_n, point.name.clone());
         }
-        section = section.figure(plot, "One grasp of 12 mm, rebuilt; the regions were found by `palpate segment`.");
+        section = section.figure(
+            plot,
+            "One grasp of 12 mm, rebuilt; the regions were found by `palpate segment`.",
+        );
     }
     let since: Vec<f64> = trace.time[fit.range.clone()].iter().map(|t| t - fit.from_s).collect();
     let (long, curve): (Vec<f64>, Vec<f64>) =
@@ -301,7 +307,10 @@ fn figures(traces: &[Trace], fits: &[HoldFit]) -> Section {
         Axis::new("force", "N"),
     )
     .summary("Measured force of the hold, the fit, and the fit continued to 20 s")
-    .series(Series::points("rebuilt recording", since, &force[fit.range.clone()]).colour(Colour::MEASURED))
+    .series(
+        Series::points("rebuilt recording", since, &force[fit.range.clone()])
+            .colour(Colour::MEASURED),
+    )
     .series(Series::line("(3.4)", long, curve).colour(Colour::MODEL))
     .level(fit.fit.sum.scale * fit.fit.sum.constant, "N c0");
     section.figure(plot, "Beyond the hold the curve is an extrapolation.")
@@ -318,7 +327,12 @@ mod tests {
         assert_eq!(chapter.comparisons[0].checks.len(), 70);
         for comparison in &chapter.comparisons {
             assert!(!comparison.checks.is_empty(), "{}", comparison.source);
-            assert_eq!(comparison.missed().collect::<Vec<_>>(), [] as [&Check; 0], "{}", comparison.source);
+            assert_eq!(
+                comparison.missed().collect::<Vec<_>>(),
+                [] as [&Check; 0],
+                "{}",
+                comparison.source
+            );
         }
     }
 }

@@ -55,7 +55,9 @@ pub fn chapter() -> Chapter {
     let tables = [("Table 7.1", LOADING), ("Table 7.2", UNLOADING)];
     let comparisons = tables
         .iter()
-        .map(|(source, rows)| compared(source, rows, study(rows, 0.0, Order::Fixed(ORDER)).as_ref()))
+        .map(|(source, rows)| {
+            compared(source, rows, study(rows, 0.0, Order::Fixed(ORDER)).as_ref())
+        })
         .collect();
     let mut sections = vec![claim(), slip()];
     for (source, rows) in tables {
@@ -173,7 +175,12 @@ mod tests {
     fn every_printed_figure_of_chapter_7_is_met() {
         for comparison in chapter().comparisons {
             assert_eq!(comparison.checks.len(), 10);
-            assert_eq!(comparison.missed().collect::<Vec<_>>(), [] as [&Check; 0], "{}", comparison.source);
+            assert_eq!(
+                comparison.missed().collect::<Vec<_>>(),
+                [] as [&Check; 0],
+                "{}",
+                comparison.source
+            );
         }
     }
 

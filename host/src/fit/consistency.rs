@@ -30,8 +30,10 @@ pub fn consistency(values: &[f64], errors: &[f64]) -> Option<Consistency> {
     }
     let weights: Vec<f64> = errors.iter().map(|error| error.powi(-2)).collect();
     let weight: f64 = weights.iter().sum();
-    let mean = values.iter().zip(&weights).map(|(value, weight)| value * weight).sum::<f64>() / weight;
-    let chi_square = values.iter().zip(errors).map(|(value, error)| ((value - mean) / error).powi(2)).sum();
+    let mean =
+        values.iter().zip(&weights).map(|(value, weight)| value * weight).sum::<f64>() / weight;
+    let chi_square =
+        values.iter().zip(errors).map(|(value, error)| ((value - mean) / error).powi(2)).sum();
     let degrees_of_freedom = values.len() - 1;
     let p_value = ChiSquared::new(degrees_of_freedom as f64).ok()?.sf(chi_square);
     let standard_error = weight.sqrt().recip();
@@ -48,7 +50,10 @@ mod tests {
         let found = consistency(&[1.0, 3.0], &[1.0, 1.0]).unwrap();
         assert!((found.chi_square - 2.0).abs() < 1e-12 && found.degrees_of_freedom == 1);
         assert!((found.p_value - 0.157_299_207_050_285).abs() < 1e-9);
-        assert!((found.mean - 2.0).abs() < 1e-12 && (found.standard_error - 0.5f64.sqrt()).abs() < 1e-12);
+        assert!(
+            (found.mean - 2.0).abs() < 1e-12
+                && (found.standard_error - 0.5f64.sqrt()).abs() < 1e-12
+        );
     }
 
     #[test]

@@ -174,7 +174,11 @@ fn falls(values: &[f64]) -> bool {
 
 /// +1 or −1: the sign of the largest value by size.
 fn sense(values: &[f64]) -> f64 {
-    values.iter().copied().fold(0.0, |most: f64, v| if v.abs() > most.abs() { v } else { most }).signum()
+    values
+        .iter()
+        .copied()
+        .fold(0.0, |most: f64, v| if v.abs() > most.abs() { v } else { most })
+        .signum()
 }
 
 /// Whether the fitted function falls, seen in the sense of the recording, where its terms agree.

@@ -56,7 +56,8 @@ pub fn creep_sections(
     let mut number = Section::new("Number of exponentials").table(terms_table(&pairs, signal));
     for hold in holds.iter().take(MOST_DRAWN) {
         let trace = traces.iter().find(|trace| trace.label() == hold.fit.trace);
-        if let Some((trace, values)) = trace.and_then(|trace| Some((trace, trace.column(signal)?))) {
+        if let Some((trace, values)) = trace.and_then(|trace| Some((trace, trace.column(signal)?)))
+        {
             first = first.figure(plot(&hold.fit, trace, signal), "");
             let left = residual_plot(&hold.fit, &hold.terms, &trace.time, values, signal);
             number = number.figure(left, "");
@@ -152,7 +153,8 @@ fn asymptote_words(spreads: &[Spread]) -> Option<String> {
         .filter_map(|spread| {
             let test = spread.consistency?;
             let verdict = if test.p_value < 0.01 { "differ by more than" } else { "agree within" };
-            let level = spread.level.map_or(String::new(), |f| format!(" at {} N", significant(f, 3)));
+            let level =
+                spread.level.map_or(String::new(), |f| format!(" at {} N", significant(f, 3)));
             Some(format!(
                 "{} holds{level} settle at places that {verdict} their standard errors (p {})",
                 spread.holds,

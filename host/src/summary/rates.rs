@@ -118,7 +118,8 @@ pub(super) fn geometry_words(geometry: &Geometry) -> String {
             "Ball of radius {radius_mm} mm; d of (7.7) is {}.",
             match faces {
                 Faces::One => "the whole displacement, as the equation is printed",
-                Faces::Each => "half the displacement, on each of two faces, as in the simulation of 7.4",
+                Faces::Each =>
+                    "half the displacement, on each of two faces, as in the simulation of 7.4",
             }
         ),
     }
@@ -168,7 +169,9 @@ fn property_table(study: &Study) -> Table {
             name.to_owned(),
             estimate(value.0, value.1),
             unit.to_owned(),
-            test.map_or("–".into(), |t| significant(t.chi_square / t.degrees_of_freedom as f64, 3)),
+            test.map_or("–".into(), |t| {
+                significant(t.chi_square / t.degrees_of_freedom as f64, 3)
+            }),
             test.map_or("–".into(), |t| chance(t.p_value)),
         ]
     };
@@ -295,7 +298,8 @@ fn forces<'a>(study: &'a Study, traces: &'a [Trace]) -> Vec<(&'a Run, Vec<f64>, 
 /// Figs 5.6–5.11 in kind: whole, end of loading, end of hold.
 fn force_plots(study: &Study, traces: &[Trace]) -> Vec<Plot> {
     let runs = forces(study, traces);
-    let shortest = runs.iter().filter_map(|run| run.1.last()).copied().fold(f64::INFINITY, f64::min);
+    let shortest =
+        runs.iter().filter_map(|run| run.1.last()).copied().fold(f64::INFINITY, f64::min);
     if !shortest.is_finite() {
         return Vec::new();
     }
@@ -344,10 +348,17 @@ fn strain_table(study: &Study, traces: &[Trace]) -> Table {
         Column::number("fastest latent rate", "1/s"),
         Column::number("ε_c at the end", ""),
     ];
-    let mut table = Table::new("Strain of the surface from the force (5.7), and latent strain rate (5.1)", columns);
+    let mut table = Table::new(
+        "Strain of the surface from the force (5.7), and latent strain rate (5.1)",
+        columns,
+    );
     for (run, course) in courses(study, traces) {
         let largest = course.surface.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let fastest = course.latent_rate.iter().copied().fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a });
+        let fastest = course
+            .latent_rate
+            .iter()
+            .copied()
+            .fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a });
         table = table.row([
             run.trace.clone(),
             significant(run.rate_mm_per_s, 4),
@@ -367,13 +378,22 @@ fn course_panels(run: &Run, course: &Course) -> Panels {
         .summary("Strain of the surface and of the equilibrium, and the latent strain rate")
         .plot(
             Plot::new("", Axis::new("time", "s"), Axis::new("strain", ""))
-                .series(Series::line("surface ε_c", &time[..], &course.surface[..]).colour(Colour::Hue(0)))
-                .series(Series::line("equilibrium ε_e", &time[..], &course.equilibrium[..]).colour(Colour::Hue(1)))
+                .series(
+                    Series::line("surface ε_c", &time[..], &course.surface[..])
+                        .colour(Colour::Hue(0)),
+                )
+                .series(
+                    Series::line("equilibrium ε_e", &time[..], &course.equilibrium[..])
+                        .colour(Colour::Hue(1)),
+                )
                 .height(170.0),
         )
         .plot(
             Plot::new("", Axis::new("time", "s"), Axis::new("latent strain rate", "1/s"))
-                .series(Series::line("latent rate", &time[..], &course.latent_rate[..]).colour(Colour::Ink))
+                .series(
+                    Series::line("latent rate", &time[..], &course.latent_rate[..])
+                        .colour(Colour::Ink),
+                )
                 .height(140.0),
         )
 }

@@ -135,7 +135,8 @@ fn latency_table(holds: &[Hold], signal: &str) -> Table {
         Column::number("ε_e", ""),
         Column::number("R²", ""),
     ];
-    let mut table = Table::new("Linear latency model: strain rate = −v1 (ε − ε_e) (4.4–4.10)", columns);
+    let mut table =
+        Table::new("Linear latency model: strain rate = −v1 (ε − ε_e) (4.4–4.10)", columns);
     let mut relative = false;
     for hold in holds {
         let Some(latency) = &hold.latency else { continue };
@@ -179,7 +180,10 @@ fn rate_plot(hold: &HoldFit, latency: &Latency) -> Option<(Plot, String)> {
         Axis::new("strain rate", "1/s"),
     )
     .summary("Measured strain rate over strain, with the straight line of the linear latency model")
-    .series(Series::points("measured", &measured.smoothed[..], &measured.slope[..]).colour(Colour::MEASURED))
+    .series(
+        Series::points("measured", &measured.smoothed[..], &measured.slope[..])
+            .colour(Colour::MEASURED),
+    )
     .series(Series::line("linear latency model (4.7)", ends, line).colour(Colour::MODEL))
     .mark(latency.law.equilibrium(), "ε_e");
     Some((plot, super::bandwidth_words(measured)))

@@ -1,7 +1,7 @@
 //! Cycles and regions of a recording, as tables, plots and JSON.
 
 use serde_json::{Value, json};
-use shared::phase::RelaxationType;
+use shared::phase::{Region, RelaxationType};
 
 use super::{estimate, region_spans, shaded};
 use crate::analysis::cycles::{Cycle, Inertia, Piece, Segmentation, Turn};
@@ -35,7 +35,8 @@ pub fn segment_sections(trace: &Trace, found: &Segmentation) -> Vec<Section> {
 /// One recording as a JSON object.
 #[must_use]
 pub fn segment_json(trace: &Trace, found: &Segmentation) -> Value {
-    let cycles: Vec<Value> = found.cycles.iter().map(|cycle| cycle_json(trace, cycle)).collect();
+    let cycles: Vec<Value> =
+        found.cycles.iter().map(|cycle| cycle_json(trace, cycle, found.control)).collect();
     json!({
         "trace": trace.label(),
         "control": word(found.control),
@@ -55,7 +56,7 @@ pub fn segment_json(trace: &Trace, found: &Segmentation) -> Value {
     })
 }
 
-fn cycle_json(trace: &Trace, cycle: &Cycle) -> Value {
+fn cycle_json(trace: &Trace, cycle: &Cycle, control: Control) -> Value {
     let points: Vec<Value> = cycle
         .points
         .iter()
@@ -72,7 +73,7 @@ fn cycle_json(trace: &Trace, cycle: &Cycle) -> Value {
         .pieces
         .iter()
         .map(|piece| {
-            let (points, word) = name(piece.region);
+            let (points, word) = named(piece.region, control);
             json!({
                 "points": points,
                 "region": word,
@@ -107,6 +108,14 @@ fn introduction(trace: &Trace, found: &Segmentation) -> String {
         word(found.control),
         significant(found.force_noise_n, 2),
     )
+}
+
+/// The points and the name of a region; a hold of a controlled force is one of creep.
+fn named(region: Region, control: Control) -> (&'static str, &'static str) {
+    match (region, control) {
+        (Region::Relaxation, Control::Force) => ("CD", "creep"),
+        _ => name(region),
+    }
 }
 
 fn word(control: Control) -> &'static str {
@@ -169,8 +178,9 @@ fn piece_table(trace: &Trace, found: &Segmentation) -> Table {
     let (Some(x), Some(force)) = (trace.displacement(), trace.force()) else { return table };
     for cycle in listed(found) {
         for piece in &cycle.pieces {
-            let (points, region) = name(piece.region);
-            let change = |values: &[f64]| values[*piece.samples.end()] - values[*piece.samples.start()];
+            let (points, region) = named(piece.region, found.control);
+            let change =
+                |values: &[f64]| values[*piece.samples.end()] - values[*piece.samples.start()];
             table = table.row([
                 cycle.number.to_string(),
                 points.to_owned(),
@@ -275,7 +285,10 @@ fn loop_plot(trace: &Trace, found: &Segmentation) -> Plot {
         Axis::new("displacement", "mm"),
         Axis::new("force", "N"),
     )
-    .summary(format!("Force over displacement of {} cycle(s) with their points", found.cycles.len()));
+    .summary(format!(
+        "Force over displacement of {} cycle(s) with their points",
+        found.cycles.len()
+    ));
     for (index, cycle) in listed(found).enumerate() {
         let samples = || cycle.pieces.iter().flat_map(|piece| piece.samples.clone());
         let (xs, ys): (Vec<f64>, Vec<f64>) = samples().map(|k| (x[k], force[k])).unzip();
@@ -297,7 +310,10 @@ fn time_panels(trace: &Trace, found: &Segmentation) -> Panels {
     let spans = region_spans(trace, &found.regions);
     let panel = |label: &str, unit: &str, values: Option<&[f64]>| {
         Plot::new("", Axis::new("time", "s"), Axis::new(label, unit))
-            .series(Series::line(label, &trace.time[..], values.unwrap_or(&[])).colour(Colour::MEASURED))
+            .series(
+                Series::line(label, &trace.time[..], values.unwrap_or(&[]))
+                    .colour(Colour::MEASURED),
+            )
             .height(170.0)
     };
     Panels::new("Force and displacement over time")

@@ -104,7 +104,9 @@ fn order_words(study: &Study) -> String {
             "n = {order}: the lowest odd order that fits all holds together as well as the best, within χ² of 95 % (one degree of freedom, residuals taken as independent)."
         ),
         (_, Some(order)) => format!("n = {order} as asked."),
-        (_, None) => "n is a parameter of every hold, so the ν of two holds cannot be compared.".into(),
+        (_, None) => {
+            "n is a parameter of every hold, so the ν of two holds cannot be compared.".into()
+        }
     }
 }
 
@@ -182,12 +184,12 @@ fn strain_plot(hold: &Hold) -> Plot {
     let measured = hold.measured.as_ref();
     let (x, y) = match measured {
         Some(measured) => (measured.time.clone(), measured.smoothed.clone()),
-        None => (0..hold.strain.len()).map(|k| step * k as f64).zip(hold.strain.iter().copied()).unzip(),
+        None => {
+            (0..hold.strain.len()).map(|k| step * k as f64).zip(hold.strain.iter().copied()).unzip()
+        }
     };
-    let (t, fitted): (Vec<f64>, Vec<f64>) = (0..=200)
-        .map(|k| last * f64::from(k) / 200.0)
-        .map(|t| (t, hold.fit.law.strain(t)))
-        .unzip();
+    let (t, fitted): (Vec<f64>, Vec<f64>) =
+        (0..=200).map(|k| last * f64::from(k) / 200.0).map(|t| (t, hold.fit.law.strain(t))).unzip();
     Plot::new(
         format!("Strain in the hold: {}", place(hold)),
         Axis::new("time in the hold", "s"),
@@ -213,7 +215,13 @@ fn rate_plot(hold: &Hold) -> Option<(Plot, String)> {
         Axis::new("strain rate", "1/s"),
     )
     .summary("Measured strain rate over strain, and the fitted power law")
-    .series(Series::points("measured", &measured.smoothed[..], &measured.slope[..]).colour(Colour::MEASURED))
-    .series(Series::line(format!("n = {}", significant(law.order, 3)), strain, rate).colour(Colour::MODEL));
+    .series(
+        Series::points("measured", &measured.smoothed[..], &measured.slope[..])
+            .colour(Colour::MEASURED),
+    )
+    .series(
+        Series::line(format!("n = {}", significant(law.order, 3)), strain, rate)
+            .colour(Colour::MODEL),
+    );
     Some((plot, format!("As in Fig. 7.6. {}", bandwidth_words(measured))))
 }

@@ -28,7 +28,8 @@ pub(super) fn terms_table(holds: &[(&HoldFit, &Terms)], signal: &str) -> Table {
         for row in &terms.rows {
             let number = row.fit.sum.terms.len();
             let constants = row.fit.sum.terms.iter().map(|term| significant(1.0 / term.rate, 4));
-            let error = |value: Option<f64>| value.map_or("–".into(), |value| significant(value, 4));
+            let error =
+                |value: Option<f64>| value.map_or("–".into(), |value| significant(value, 4));
             table = table.row([
                 if number == 1 { place(hold) } else { String::new() },
                 number.to_string(),
@@ -79,7 +80,9 @@ pub(super) fn residual_plot(
         Axis::new("time in the hold", "s"),
         Axis::new(format!("{} less fit", name_of(signal)), unit_of(signal)),
     )
-    .summary("Residuals of fits with one to four exponentials, smoothed over fiftieths of the hold");
+    .summary(
+        "Residuals of fits with one to four exponentials, smoothed over fiftieths of the hold",
+    );
     for row in &terms.rows {
         let number = row.fit.sum.terms.len();
         let residual: Vec<f64> =

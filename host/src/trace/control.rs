@@ -67,9 +67,10 @@ mod tests {
         let ramp = |t: f64| 4.0 * t.min(1.0);
         let steadily = time.iter().map(|&t| ramp(t)).collect();
         let wobble = |k: usize| scatter * ((k * 7919 % 101) as f64 / 50.0 - 1.0);
-        let answer = time.iter().enumerate().map(|(k, &t)| {
-            ramp(t) * (1.0 - 0.2 * (1.0 - (-(t - 1.0).max(0.0)).exp())) + wobble(k)
-        });
+        let answer = time
+            .iter()
+            .enumerate()
+            .map(|(k, &t)| ramp(t) * (1.0 - 0.2 * (1.0 - (-(t - 1.0).max(0.0)).exp())) + wobble(k));
         let answer = answer.collect();
         let mut trace = Trace { time, ..Trace::default() };
         trace.set_column(steady, steadily);
