@@ -1,7 +1,7 @@
 //! palpate: fit viscoelastic contact models to recordings of touch, see where they fail.
 //!
 //! The library behind the `palpate` command. Dependencies between its modules point one way,
-//! [`recording`] ← [`trace`] ← [`model`] ← [`effects`] ← [`fit`] ← [`criticism`] ← [`summary`] ← [`cli`], and nothing
+//! [`recording`] ← [`trace`] ← [`model`] ← [`effects`] ← [`fit`] ← [`analysis`], [`criticism`] ← [`summary`] ← [`cli`], and nothing
 //! below `cli` prints.
 //!
 //! - [`recording`]: what a device says, kept as it comes, and the relation of its clock to the host's.
@@ -9,6 +9,7 @@
 //! - [`model`]: base laws, the chain that runs them with effects over a motion, and the model file.
 //! - [`effects`]: the library of effects, one declaration each, and laws of one's own.
 //! - [`fit`]: exponential sums, whole motions, bounded least squares, uncertainty, noise made white.
+//! - [`analysis`]: regions, relaxation, creep, loading rates and strain rates of any recording.
 //! - [`criticism`]: where a model fails, which effect is missing, how sure that is.
 //! - [`grasp`]: what a soft contact can hold before it slips.
 //! - [`dissertation`]: the figures that the dissertation prints.
@@ -17,6 +18,7 @@
 //! - [`cli`]: one file for each subcommand: parse, call, print.
 #![forbid(unsafe_code)]
 
+pub mod analysis;
 pub mod cli;
 pub mod criticism;
 pub mod decomposition;
@@ -26,6 +28,7 @@ pub mod effects;
 pub mod files;
 pub mod fit;
 pub mod grasp;
+pub mod latency;
 pub mod model;
 pub mod practice;
 pub mod press;

@@ -119,6 +119,11 @@ fn the_page_of_the_base_laws_says_what_the_commands_print() {
 }
 
 #[test]
+fn the_analyses_say_what_the_page_prints() {
+    run_all("docs/analyses.md");
+}
+
+#[test]
 fn the_commands_of_the_format_description_run() {
     run_all("docs/formats.md");
 }

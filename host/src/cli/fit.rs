@@ -97,7 +97,8 @@ enum SeparationArg {
     Bonded,
 }
 
-fn parse_terms(text: &str) -> Result<Terms, String> {
+/// Reads a number of exponentials.
+pub(super) fn parse_terms(text: &str) -> Result<Terms, String> {
     match text.parse() {
         Ok(terms) if (1..=MAX_TERMS).contains(&terms) => Ok(Terms::Fixed(terms)),
         _ if text == "auto" => Ok(Terms::Auto),

@@ -7,6 +7,7 @@ mod add;
 mod compare;
 mod completions;
 mod convert;
+mod creep;
 mod decompose;
 mod demo;
 mod device;
@@ -24,8 +25,13 @@ mod output;
 mod plan;
 mod plot;
 mod progress;
+mod rates;
 mod record;
+mod relaxation;
+mod segment;
 mod simulate;
+mod specimen;
+mod strain_rate;
 
 use std::process::ExitCode;
 
@@ -69,6 +75,16 @@ enum Command {
     Decompose(decompose::Args),
     /// Fit a contact model
     Fit(fit::Args),
+    /// Cut grasps into their six regions, cycle by cycle: points, forces, work, dissipation
+    Segment(segment::Args),
+    /// What holds of a displacement show: eq. 3.4, repeats, number of exponentials, latency model
+    Relaxation(relaxation::Args),
+    /// Creep in holds of a force: eq. 6.2, Type I and II, what is not identified
+    Creep(creep::Args),
+    /// One specimen at several loading rates: stiffness, surface strain, asymptotes, stiffening
+    Rates(rates::Args),
+    /// Strain and strain rate from force, and the power law of every hold
+    StrainRate(strain_rate::Args),
     /// Compare a model with measurements, and see where it fails
     Compare(compare::Args),
     /// Say which physical effect a model lacks, with the evidence
@@ -142,6 +158,11 @@ pub fn run() -> ExitCode {
         Command::Demo(args) => demo::run(args),
         Command::Decompose(args) => decompose::run(args),
         Command::Fit(args) => fit::run(args),
+        Command::Segment(args) => segment::run(args),
+        Command::Relaxation(args) => relaxation::run(args),
+        Command::Creep(args) => creep::run(args),
+        Command::Rates(args) => rates::run(args),
+        Command::StrainRate(args) => strain_rate::run(args),
         Command::Compare(args) => compare::run(args),
         Command::Diagnose(args) => diagnose::run(args),
         Command::Add(args) => add::run(args),

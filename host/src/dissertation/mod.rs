@@ -4,12 +4,18 @@
 //! Chia-Hung Dylan Tsai, *Nonlinear Modeling on Viscoelastic Contact Interface: Theoretical Study and
 //! Experimental Validation* (doctoral dissertation).
 
+mod appendices;
 mod base_laws;
 mod comparison;
+mod creep;
+mod grasp_stability;
 mod latency;
-pub mod grasp_stability;
+mod loading_rates;
+mod relaxation;
 mod relaxation_tables;
 mod segments;
+mod simulated;
+mod strain_rate;
 
 pub use comparison::{Check, Comparison};
 pub use relaxation_tables::{
@@ -32,7 +38,16 @@ pub struct Chapter {
 #[must_use]
 pub fn chapters() -> Vec<Chapter> {
     use rayon::prelude::*;
-    const CHAPTERS: [fn() -> Chapter; 3] =
-        [base_laws::chapter, latency::chapter, segments::chapter];
+    const CHAPTERS: [fn() -> Chapter; 9] = [
+        base_laws::chapter,
+        relaxation::chapter,
+        latency::chapter,
+        loading_rates::chapter,
+        creep::chapter,
+        grasp_stability::chapter,
+        strain_rate::chapter,
+        segments::chapter,
+        appendices::chapter,
+    ];
     CHAPTERS.par_iter().map(|chapter| chapter()).collect()
 }

@@ -1,9 +1,11 @@
 //! Exponential sums, bounded least squares, uncertainty.
 //!
 //! - [`exponentials`]: sums of decaying exponentials, without starting values.
-//! - [`hold`]: the relaxation during the holds of a recording.
+//! - [`hold`]: relaxation and creep during the holds of a recording.
+//! - [`consistency`]: whether repeats differ by more than their standard errors.
 //! - [`whole_motion`]: a law over loading, holds and unloading of every trace together.
 
+pub mod consistency;
 pub mod coordinates;
 pub mod data;
 pub mod elastic_law;

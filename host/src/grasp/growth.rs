@@ -4,7 +4,7 @@
 use super::body::Body;
 use super::contact::{Contact, Shape};
 use super::pressure::PressureLaw;
-use crate::model::{Branch, Memory, Model, Relaxation};
+use crate::model::{Branch, HereditaryState, Model, Relaxation, Response};
 
 /// A held grasp at one time.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,15 +30,11 @@ pub struct Grown {
     pub moment: f64,
 }
 
-/// Elastic response p/(q+1) δ^(q+1) (eq. 3.2) with its relaxation function: what a grasp needs of a model.
+/// A base law with its numbers: what a grasp needs of a model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Material {
-    /// Stiffness p, N/mm^(q+1), above 0.
-    pub stiffness: f64,
-    /// Exponent q, above −1.
-    pub exponent: f64,
-    /// The relaxation function.
-    pub relaxation: Relaxation,
+    /// What makes a force of a compression.
+    pub response: Response,
 }
 
 /// Creep under a constant force: δ(t) = D (1 + Σ ci e^(−vi t)) (eqs 6.1, 6.2). `settled` is D, mm; the shares
@@ -58,10 +54,8 @@ pub fn relaxation(times: &[f64], g: &Relaxation, normal: f64, compression: f64) 
     times.iter().map(|&time| Held { time, compression, normal: normal * g.at(time) }).collect()
 }
 
-/// Largest step of a creep, times the fastest rate: its error is about the square of this, over 12.
-const FINE: f64 = 0.01;
-/// Steps between two times at most.
-const MOST_STEPS: f64 = 10_000.0;
+/// Longest step of a creep, as a part of the time since it began, and the first step, s.
+const STEP: (f64, f64) = (0.004, 1e-3);
 
 impl Material {
     /// Of the base law of a model; effects are left out.
@@ -70,32 +64,29 @@ impl Material {
     /// In words, when the model cannot be run or has no stiffness.
     pub fn of(model: &Model) -> Result<Self, String> {
         let (law, parameters) = model.law()?;
-        let [stiffness, exponent] = [parameters[0], parameters[1]];
-        if stiffness <= 0.0 {
+        let response = law.response(&parameters);
+        if response.p <= 0.0 {
             return Err("the model has no stiffness: nothing is held with it".into());
         }
-        Ok(Self { stiffness, exponent, relaxation: law.relaxation(&parameters) })
+        Ok(Self { response })
     }
 
     /// Creep under a constant force that is there at once, N, at these times, s, the first one 0 or later and
-    /// growing. The elastic response is what keeps the hereditary integral (eq. 2.1) at the force.
+    /// growing: the compression that keeps the law at the force.
     #[must_use]
     pub fn creep(&self, times: &[f64], normal: f64) -> Vec<Held> {
-        let branches = &self.relaxation.branches;
-        let fastest = branches.iter().fold(0.0, |most: f64, branch| most.max(branch.rate));
-        let mut memory = Memory::rested(branches.len());
-        memory.jump(&self.relaxation, normal);
-        let (mut now, mut elastic) = (0.0, normal);
+        let mut state = HereditaryState::default();
+        let mut compression = self.response.sudden_compression(normal);
+        let _ = self.response.begin(&mut state, compression);
+        let mut now = 0.0;
         let at = |&time: &f64| {
-            let passed = time - now;
-            now = time;
-            if passed > 0.0 {
-                let steps = (passed * fastest / FINE).ceil().clamp(1.0, MOST_STEPS);
-                for _ in 0..steps as usize {
-                    elastic = self.keep(&mut memory, normal, passed / steps);
-                }
+            while now < time {
+                let step = (STEP.0 * now).max(STEP.1).min(time - now);
+                compression = self.response.keeping(&state, step, normal, compression);
+                let _ = self.response.advance(&mut state, step, compression);
+                now = if time - now <= step { time } else { now + step };
             }
-            Held { time, compression: self.compression(elastic), normal }
+            Held { time, compression, normal }
         };
         times.iter().map(at).collect()
     }
@@ -103,23 +94,17 @@ impl Material {
     /// Relaxation under a compression that is there at once, mm.
     #[must_use]
     pub fn relaxation(&self, times: &[f64], compression: f64) -> Vec<Held> {
-        let normal = crate::model::elastic_response(self.stiffness, self.exponent, compression);
-        relaxation(times, &self.relaxation, normal, compression)
-    }
-
-    /// The elastic response with which the force is `normal` after the step; it is linear in it.
-    fn keep(&self, memory: &mut Memory, normal: f64, interval: f64) -> f64 {
-        let with = |elastic| memory.clone().step(&self.relaxation, elastic, interval);
-        let without = with(0.0);
-        let elastic = (normal - without) / (with(1.0) - without);
-        memory.step(&self.relaxation, elastic, interval);
-        elastic
-    }
-
-    /// The compression with this elastic response, mm.
-    fn compression(&self, elastic: f64) -> f64 {
-        let power = self.exponent + 1.0;
-        (power * elastic.max(0.0) / self.stiffness).powf(power.recip())
+        let mut state = HereditaryState::default();
+        let mut normal = self.response.begin(&mut state, compression);
+        let mut now = 0.0;
+        let at = |&time: &f64| {
+            if time > now {
+                normal = self.response.advance(&mut state, time - now, compression);
+                now = time;
+            }
+            Held { time, compression, normal }
+        };
+        times.iter().map(at).collect()
     }
 }
 
@@ -147,17 +132,21 @@ pub fn growth(body: &Body, law: PressureLaw, friction: f64, course: &[Held]) -> 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::model::{BaseLaw, Separation};
+
+    fn material(terms: usize, parameters: &[f64]) -> Material {
+        let law = BaseLaw::fung(terms, Separation::Clamp);
+        Material { response: law.response(parameters) }
+    }
 
     fn sushi() -> Material {
-        let relaxation = Relaxation::new(&[0.2472, 0.2676], &[3.981, 0.5325]);
-        Material { stiffness: 0.0687, exponent: 0.9, relaxation }
+        material(2, &[0.0687, 0.9, 0.2472, 0.2676, 3.981, 0.5325])
     }
 
     #[test]
     fn one_exponential_creeps_as_its_closed_form() {
         // c0 u + c1 x = F with x' = −v x + u' has u = F (1 − c1 e^(−c0 v t)) / c0.
-        let relaxation = Relaxation::new(&[0.4], &[2.0]);
-        let linear = Material { stiffness: 0.5, exponent: 0.0, relaxation };
+        let linear = material(1, &[0.5, 0.0, 0.4, 2.0]);
         let times = [0.0, 0.1, 0.7, 3.0, 20.0];
         for held in linear.creep(&times, 1.5) {
             let exact = 1.5 * (1.0 - 0.4 * (-0.6 * 2.0 * held.time).exp()) / 0.6 / 0.5;
@@ -183,7 +172,9 @@ mod tests {
         let times = [0.0, 1.0, 60.0];
         let grown = growth(&block, PressureLaw::HERTZ, 0.7, &sushi().relaxation(&times, 12.0));
         let left = grown[2].force / grown[0].force;
-        assert!((left - sushi().relaxation.at(60.0)).abs() < 1e-12);
+        assert!(
+            (left - Relaxation::new(&[0.2472, 0.2676], &[3.981, 0.5325]).at(60.0)).abs() < 1e-12
+        );
         assert!((grown[2].moment / grown[0].moment - left).abs() < 1e-12);
     }
 

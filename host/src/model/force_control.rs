@@ -179,7 +179,7 @@ impl ForceProfile {
         let response = law.response(parameters);
         let corners = self.corners();
         let omega = TAU * self.bandwidth_hz;
-        let reach = compression_at(&response, self.largest());
+        let reach = response.sudden_compression(self.largest());
         let proportional = omega / response.stiffness(reach).max(f64::MIN_POSITIVE);
         let integral = 0.25 * omega * proportional;
         let interval = 1.0 / self.rate_hz;
@@ -215,21 +215,6 @@ fn force_at(corners: &[(f64, f64)], time: f64) -> f64 {
     let next = corners.iter().position(|(t, _)| *t >= time).unwrap_or(corners.len() - 1).max(1);
     let ((t0, f0), (t1, f1)) = (corners[next - 1], corners[next]);
     if t1 > t0 { f0 + (f1 - f0) * ((time - t0) / (t1 - t0)).clamp(0.0, 1.0) } else { f1 }
-}
-
-/// Compression, mm, at which a sudden press gives this force, N.
-fn compression_at(response: &super::Response, force: f64) -> f64 {
-    let sudden = |x: f64| response.begin(&mut HereditaryState::default(), x);
-    let mut above = 1e-3;
-    while sudden(above) < force && above < 1e6 {
-        above *= 2.0;
-    }
-    let mut below = 0.0;
-    for _ in 0..60 {
-        let middle = 0.5 * (below + above);
-        if sudden(middle) < force { below = middle } else { above = middle }
-    }
-    above
 }
 
 #[cfg(test)]

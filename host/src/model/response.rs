@@ -57,6 +57,19 @@ impl Response {
         if self.hereditary.separation == Separation::Bonded { force } else { force.max(0.0) }
     }
 
+    /// Compression, mm, at which a sudden press of a specimen at rest gives this force, N.
+    #[must_use]
+    pub fn sudden_compression(&self, force: f64) -> f64 {
+        reaching(force, 0.0, |x| self.begin(&mut HereditaryState::default(), x))
+    }
+
+    /// Compression, mm, that keeps the force at this value, N, at the end of an interval, s; it is not
+    /// below `least`, mm.
+    #[must_use]
+    pub fn keeping(&self, state: &HereditaryState, interval: f64, force: f64, least: f64) -> f64 {
+        reaching(force, least, |x| self.advance(&mut state.clone(), interval, x))
+    }
+
     /// Stiffness dF/dx, N/mm, with which a specimen at rest meets a sudden move at a compression, mm.
     #[must_use]
     pub fn stiffness(&self, x: f64) -> f64 {
@@ -100,4 +113,25 @@ impl Response {
             }
         }
     }
+}
+
+/// Largest compression that is searched, mm.
+const FARTHEST: f64 = 1e6;
+
+/// Where a force that grows with the compression x ≥ `least`, mm, reaches a value, N.
+fn reaching(wanted: f64, least: f64, force: impl Fn(f64) -> f64) -> f64 {
+    let mut step = 1e-3 * least.max(1.0);
+    while force(least + step) < wanted && step < FARTHEST {
+        step *= 2.0;
+    }
+    let (mut below, mut above) = (least, least + step);
+    // Halving to the last bit; each law is one evaluation.
+    while above - below > 1e-14 * above {
+        let middle = 0.5 * (below + above);
+        if middle <= below || middle >= above {
+            break;
+        }
+        if force(middle) < wanted { below = middle } else { above = middle }
+    }
+    above
 }

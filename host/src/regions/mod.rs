@@ -1,7 +1,7 @@
 //! The six regions of a grasp (3.4.1) in a recording.
 //!
-//! Where the displacement was recorded the regions follow from it, whatever the sampling
-//! (`motion`). Where only the signal is known they are found by the very code that finds them on
+//! Where the displacement was recorded the regions follow from it, or from the force where that was
+//! controlled, whatever the sampling (`motion`). Where only the signal is known they are found by the very code that finds them on
 //! the device (`signal`).
 
 mod motion;
@@ -12,7 +12,7 @@ use std::ops::Range;
 use shared::phase::{ConfigError, Region, RelaxationType};
 
 use crate::decomposition::Channel;
-use crate::trace::{FORCE, Trace, noise};
+use crate::trace::{Control, FORCE, Trace, control, noise};
 
 /// What happens at each sample of a recording.
 #[derive(Clone, Debug, PartialEq)]
@@ -54,14 +54,18 @@ const SMALLEST: f64 = 0.01;
 /// Finds the regions of a grasp for one decomposed channel of a recording.
 ///
 /// Contact is told from the force where it was recorded, else from the channel. The type of relaxation
-/// is the channel's own.
+/// is the channel's own; under force control it is that of the creep (6.4.2): Type I where the
+/// displacement grows.
 ///
 /// # Errors
 /// When only the signal is known and its sampling is too coarse for any threshold in time.
 pub fn regions(trace: &Trace, channel: &Channel) -> Result<Regions, RegionsError> {
-    match trace.displacement() {
-        Some(displacement) => Ok(motion::regions(trace, displacement, channel)),
-        None => signal::regions(trace, channel)
+    match (trace.displacement(), trace.force()) {
+        (Some(displacement), Some(force)) if control(trace) == Control::Force => {
+            Ok(motion::force_controlled(trace, displacement, force, channel))
+        }
+        (Some(displacement), _) => Ok(motion::regions(trace, displacement, channel)),
+        (None, _) => signal::regions(trace, channel)
             .map_err(|source| RegionsError { trace: trace.label(), source }),
     }
 }

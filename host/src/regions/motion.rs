@@ -6,7 +6,7 @@ use shared::phase::{Region, RelaxationType};
 
 use super::{Regions, SETTLED, SMALLEST, TOUCH, contact, deviation};
 use crate::decomposition::Channel;
-use crate::trace::{Kind, Segment, Trace, segments};
+use crate::trace::{DISPLACEMENT, Kind, Segment, Trace, segments};
 
 /// Samples before and after over which a signal is averaged before it is compared with a level.
 const REACH: usize = 2;
@@ -15,10 +15,41 @@ const STANDING: f64 = 0.01;
 
 /// The regions of a recording whose displacement, mm, is known.
 pub(super) fn regions(trace: &Trace, displacement: &[f64], channel: &Channel) -> Regions {
+    let region = places(trace, displacement, displacement, channel);
+    let settled = SETTLED * deviation(trace, &channel.signal);
+    let relaxation = relaxation(channel, &region, settled);
+    Regions { region, relaxation }
+}
+
+/// The regions of a recording whose force, N, was controlled: holds are those of the force, and creep
+/// is told from the displacement, mm.
+pub(super) fn force_controlled(
+    trace: &Trace,
+    displacement: &[f64],
+    force: &[f64],
+    channel: &Channel,
+) -> Regions {
+    let region = places(trace, displacement, force, channel);
+    let largest = displacement.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+    let band = (SETTLED * deviation(trace, DISPLACEMENT)).max(SMALLEST / 2.0 * largest);
+    let mut relaxation = vec![RelaxationType::None; trace.len()];
+    over_holds(&mut relaxation, &region, &smooth(displacement), |first, last| {
+        type_of(last - first, band)
+    });
+    Regions { region, relaxation }
+}
+
+/// The region of each sample; holds are those of the controlled quantity.
+fn places(
+    trace: &Trace,
+    displacement: &[f64],
+    controlled: &[f64],
+    channel: &Channel,
+) -> Vec<Region> {
     let (name, signal) = contact(trace, channel);
     let noise = deviation(trace, name);
     let touching = touches(&smooth(signal), noise);
-    let moves = segments(&trace.time, displacement);
+    let moves = segments(&trace.time, controlled);
     let mut region = vec![Region::Rest; trace.len()];
     let mut touched = false;
     for (index, segment) in moves.iter().enumerate() {
@@ -38,8 +69,7 @@ pub(super) fn regions(trace: &Trace, displacement: &[f64], channel: &Channel) ->
     }
     let settled = SETTLED * deviation(trace, &channel.signal);
     end_recovery(&mut region, &channel.latent, settled);
-    let relaxation = relaxation(channel, &region, settled);
-    Regions { region, relaxation }
+    region
 }
 
 fn of_sample(kind: Kind, touching: bool, touched: bool) -> Region {
@@ -64,12 +94,15 @@ fn smooth(values: &[f64]) -> Vec<f64> {
         .collect()
 }
 
+/// The largest value by size, with its sign.
+fn largest_of(values: &[f64]) -> f64 {
+    let larger = |most: f64, value: f64| if value.abs() > most.abs() { value } else { most };
+    values.iter().copied().fold(0.0, larger)
+}
+
 /// Contact at each sample: made above a level, lost below half of it.
 fn touches(signal: &[f64], noise: f64) -> Vec<bool> {
-    let largest = signal
-        .iter()
-        .copied()
-        .fold(0.0, |most: f64, value| if value.abs() > most.abs() { value } else { most });
+    let largest = largest_of(signal);
     let level = (TOUCH * noise).max(SMALLEST * largest.abs());
     let mut touching = false;
     signal
@@ -115,27 +148,43 @@ fn last_standing(segment: &Segment, displacement: &[f64]) -> usize {
 fn relaxation(channel: &Channel, region: &[Region], settled: f64) -> Vec<RelaxationType> {
     let largest = channel.input.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
     let band = settled.max(SMALLEST / 2.0 * largest);
-    let of = |excess: f64| match excess {
-        excess if excess > band => RelaxationType::TypeI,
-        excess if excess < -band => RelaxationType::TypeII,
-        _ => RelaxationType::None,
-    };
     // A tension recorded as negative numbers relaxes upwards.
     let latent = channel.latent.iter().zip(&channel.input);
     let mut found: Vec<RelaxationType> =
-        latent.map(|(latent, input)| of(latent * input.signum())).collect();
-    let signal = smooth(&channel.input);
+        latent.map(|(latent, input)| type_of(latent * input.signum(), band)).collect();
+    // In a hold the sign is that of the recording: a force that crosses zero after unloading still rises.
+    let sense = largest_of(&channel.input).signum();
+    over_holds(&mut found, region, &smooth(&channel.input), |first, last| {
+        type_of((first - last) * sense, band)
+    });
+    found
+}
+
+/// The type of what is left to go, or was gone; none within the band.
+fn type_of(excess: f64, band: f64) -> RelaxationType {
+    match excess {
+        excess if excess > band => RelaxationType::TypeI,
+        excess if excess < -band => RelaxationType::TypeII,
+        _ => RelaxationType::None,
+    }
+}
+
+/// Gives every hold one type, from the first and the last value of a signal in it.
+fn over_holds(
+    found: &mut [RelaxationType],
+    region: &[Region],
+    signal: &[f64],
+    of: impl Fn(f64, f64) -> RelaxationType,
+) {
     let mut begin = 0;
     while begin < region.len() {
         let same = |other: &Region| *other != region[begin];
         let end = region[begin..].iter().position(same).map_or(region.len(), |n| begin + n);
         if region[begin] == Region::Relaxation {
-            let fall = signal[begin] - signal[end - 1];
-            found[begin..end].fill(of(fall * signal[begin].signum()));
+            found[begin..end].fill(of(signal[begin], signal[end - 1]));
         }
         begin = end;
     }
-    found
 }
 
 /// A recovery is over when the latent part stays within its band to the end of the stretch.
@@ -159,7 +208,7 @@ mod tests {
     use crate::decomposition::{decompose, default_relaxation};
     use crate::model::{BaseLaw, Motion, Separation};
     use crate::regions;
-    use crate::trace::{Column, DISPLACEMENT, FORCE};
+    use crate::trace::{Column, FORCE};
 
     /// A staircase of three loadings and two partial unloadings, then release, with few and uneven
     /// samples: one a second in the ramps, one in six in the holds.

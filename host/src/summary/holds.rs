@@ -23,7 +23,7 @@ pub fn hold_sections(fits: &[HoldFit], traces: &[Trace], signal: &str) -> Vec<Se
     }
     let spreads = spreads(fits);
     if !spreads.is_empty() {
-        section = section.table(spread_table(&spreads, signal));
+        section = section.table(spread_table(&spreads, signal, "mm"));
     }
     let candidates: Vec<&HoldFit> = fits.iter().filter(|hold| hold.candidates.len() > 1).collect();
     for hold in candidates {
@@ -41,19 +41,8 @@ pub fn hold_sections(fits: &[HoldFit], traces: &[Trace], signal: &str) -> Vec<Se
 #[must_use]
 pub fn hold_json(fits: &[HoldFit], signal: &str) -> Value {
     let holds: Vec<Value> = fits.iter().map(one_json).collect();
-    let spreads: Vec<Value> = spreads(fits)
-        .iter()
-        .map(|spread| {
-            json!({
-                "displacement_mm": spread.displacement,
-                "parameter": spread.parameter.to_string(),
-                "holds": spread.holds,
-                "mean": spread.mean,
-                "standard_deviation": spread.deviation,
-                "expected_from_noise": spread.expected,
-            })
-        })
-        .collect();
+    let spreads: Vec<Value> =
+        spreads(fits).iter().map(|spread| spread_json(spread, "displacement_mm")).collect();
     json!({
         "palpate_fit": 1,
         "law": "relaxation",
@@ -65,7 +54,27 @@ pub fn hold_json(fits: &[HoldFit], signal: &str) -> Value {
     })
 }
 
-fn one_json(hold: &HoldFit) -> Value {
+/// One coefficient over repeats; `level` names what was held, with its unit.
+pub(super) fn spread_json(spread: &Spread, level: &str) -> Value {
+    let mut value = json!({
+        "type": format!("Type {}", numeral(spread.relaxation)),
+        "parameter": spread.parameter.to_string(),
+        "holds": spread.holds,
+        "mean": spread.mean,
+        "standard_deviation": spread.deviation,
+        "expected_from_noise": spread.expected,
+        "weighted_mean": spread.consistency.map(|c| c.mean),
+        "weighted_mean_standard_error": spread.consistency.map(|c| c.standard_error),
+        "chi_square": spread.consistency.map(|c| c.chi_square),
+        "degrees_of_freedom": spread.consistency.map(|c| c.degrees_of_freedom),
+        "p_value": spread.consistency.map(|c| c.p_value),
+    });
+    value[level] = json!(spread.level);
+    value
+}
+
+/// One hold as a JSON object.
+pub(super) fn one_json(hold: &HoldFit) -> Value {
     let fit = &hold.fit;
     let parameters: serde_json::Map<String, Value> = fit
         .parameters()
@@ -98,7 +107,8 @@ fn one_json(hold: &HoldFit) -> Value {
     })
 }
 
-fn coefficient_table(fits: &[HoldFit], signal: &str) -> Table {
+/// The coefficients of every hold.
+pub(super) fn coefficient_table(fits: &[HoldFit], signal: &str) -> Table {
     let most = fits.iter().map(|hold| hold.fit.sum.terms.len()).max().unwrap_or(0);
     let coefficients = std::iter::once(Parameter::Scale)
         .chain((0..=most).map(Parameter::Coefficient))
@@ -131,7 +141,8 @@ fn coefficient_table(fits: &[HoldFit], signal: &str) -> Table {
     table.note(format!("N is the signal at the start of the hold. {CONCISE}"))
 }
 
-fn coefficient_unit(parameter: Parameter, signal: &str) -> &str {
+/// The unit of a coefficient of a signal.
+pub(super) fn coefficient_unit(parameter: Parameter, signal: &str) -> &str {
     match parameter {
         Parameter::Scale => unit_of(signal),
         Parameter::Coefficient(_) => "",
@@ -139,7 +150,8 @@ fn coefficient_unit(parameter: Parameter, signal: &str) -> &str {
     }
 }
 
-fn spread_table(spreads: &[Spread], signal: &str) -> Table {
+/// Mean and scatter over repeats; `unit` is that of what was held.
+pub(super) fn spread_table(spreads: &[Spread], signal: &str, unit: &str) -> Table {
     let columns = vec![
         Column::text("at"),
         Column::text("coefficient"),
@@ -148,22 +160,35 @@ fn spread_table(spreads: &[Spread], signal: &str) -> Table {
         Column::number("standard deviation", ""),
         Column::number("from noise alone", ""),
         Column::text("unit"),
+        Column::number("χ² per degree", ""),
+        Column::text("p"),
     ];
     let mut table = Table::new("Over the repeats (Table 3.4)", columns);
     for spread in spreads {
+        let level = spread.level.map_or("–".into(), |x| format!("{} {unit}", significant(x, 3)));
+        let test = spread.consistency;
         table = table.row([
-            spread.displacement.map_or("–".into(), |x| format!("{} mm", significant(x, 3))),
+            format!("{level}, Type {}", numeral(spread.relaxation)),
             spread.parameter.to_string(),
             spread.holds.to_string(),
             significant(spread.mean, 4),
             significant(spread.deviation, 3),
             spread.expected.map_or("–".into(), |expected| significant(expected, 3)),
             coefficient_unit(spread.parameter, signal).to_owned(),
+            test.map_or("–".into(), |test| {
+                significant(test.chi_square / test.degrees_of_freedom as f64, 3)
+            }),
+            test.map_or("–".into(), |test| chance(test.p_value)),
         ]);
     }
     table.note(
-        "Sample standard deviation (n − 1). Beyond that from noise alone, the specimens differ.",
+        "Sample standard deviation (n − 1). p: the chance of so much scatter from the standard errors alone; below 0.01 the repeats differ by more than noise.",
     )
+}
+
+/// A p value in print.
+pub(super) fn chance(p: f64) -> String {
+    if p < 1e-4 { "< 0.0001".into() } else { significant(p, 2) }
 }
 
 fn candidate_table(hold: &HoldFit, signal: &str) -> Table {
@@ -202,7 +227,7 @@ fn candidate_table(hold: &HoldFit, signal: &str) -> Table {
 }
 
 /// What to beware of, each remark with its hold.
-fn warnings(fits: &[HoldFit]) -> Vec<String> {
+pub(super) fn warnings(fits: &[HoldFit]) -> Vec<String> {
     fits.iter()
         .flat_map(|hold| {
             let place = format!("{} from {:.2} s", hold.trace, hold.from_s);
@@ -211,7 +236,8 @@ fn warnings(fits: &[HoldFit]) -> Vec<String> {
         .collect()
 }
 
-fn plot(hold: &HoldFit, trace: &Trace, signal: &str) -> Plot {
+/// A hold as measured and fitted.
+pub(super) fn plot(hold: &HoldFit, trace: &Trace, signal: &str) -> Plot {
     let time: Vec<f64> =
         trace.time[hold.range.clone()].iter().map(|time| time - hold.from_s).collect();
     let measured =

@@ -2,6 +2,7 @@
 
 mod change;
 mod compare;
+mod creep;
 mod decomposition;
 mod diagnosis;
 mod dissertation;
@@ -13,11 +14,17 @@ mod plan;
 mod practice;
 mod press;
 mod ranking;
+mod rates;
 mod recording;
+mod relaxation;
+mod segment;
+mod strain_rate;
+mod terms;
 mod whole_motion;
 
 pub use change::{change_json, change_sections};
 pub use compare::{compare_json, compare_sections, overlays};
+pub use creep::{Conditioning, creep_json, creep_sections};
 pub use decomposition::{
     decomposed_trace, decomposition_json, decomposition_sections, part_panels, region_spans,
     region_table, shaded,
@@ -39,11 +46,16 @@ pub use plan::plan_section;
 pub use practice::{practice_json, practice_sections, truth_json, truth_sections};
 pub use press::press_sections;
 pub use ranking::{ranking_json, ranking_sections};
+pub use rates::{rates_json, rates_sections};
 pub use recording::{loops, overview, trace_panels};
+pub use relaxation::{relaxation_json, relaxation_sections};
+pub use segment::{segment_json, segment_sections};
+pub use strain_rate::{strain_rate_json, strain_rate_sections};
 pub use whole_motion::FitSummary;
 
 pub use crate::trace::units::printed as unit_of;
 
+use crate::analysis::derivative::Derivative;
 use crate::report::number::{significant, with_error};
 use crate::trace::units;
 
@@ -72,6 +84,19 @@ fn concise(value: f64, standard_error: Option<f64>) -> String {
 
 /// The note below a table of concise values.
 const CONCISE: &str = "In parentheses: the standard error in units of the last digits.";
+
+/// What a derivative in a figure can show.
+fn bandwidth_words(found: &Derivative) -> String {
+    let width = significant(found.half_width_s, 3);
+    let bandwidth = found.bandwidth_hz.map_or("not told by so few samples".into(), |bandwidth| {
+        format!("{} Hz", significant(bandwidth, 3))
+    });
+    let quiet = if found.quiet { "" } else { ", still above 5 % of the fastest rate" };
+    format!(
+        "The derivative is the slope of parabolas fitted within ±{width} s: bandwidth (−3 dB) {bandwidth}; noise of 1 in a sample makes {} /s{quiet}.",
+        significant(found.noise_gain, 2)
+    )
+}
 
 /// A column's name in words: `gauge1_ustrain` is gauge 1.
 #[must_use]

@@ -5,6 +5,7 @@
 //! force. [`recorded`] makes traces of a recording of a device, [`recordable`] a recording of a trace.
 
 mod caught;
+mod control;
 mod error;
 mod gaps;
 mod head;
@@ -29,6 +30,7 @@ mod table;
 pub mod units;
 mod write;
 
+pub use control::control;
 pub use error::{Error, Place, SignalError};
 pub use gaps::{Gap, gaps, runs};
 pub use head::{Control, Head, Setup, Shape, Specimen};

@@ -1,0 +1,22 @@
+//! What the dissertation's chapters ask of holds and rates, of anybody's recordings.
+//!
+//! - [`cycles`]: the six regions of every cycle, their points, work and dissipation (3.4.1, 4.4.3).
+//! - [`relaxation`]: what every hold of a displacement shows (chapters 3 and 4, appendix A).
+//! - [`creep`]: what every hold of a force shows (chapter 6, appendix B).
+//! - [`conditioning`]: the Butterworth filter of 6.3.3.
+//! - [`rates`]: one specimen at several loading rates (chapter 5).
+//! - [`strain_rate`]: strain and strain rate, and the power law of every hold (chapter 7).
+//! - [`geometry`]: area of contact (5.5), (7.7).
+//! - [`terms`]: how many exponentials a hold shows, by criterion and by samples left out.
+//! - [`derivative`]: the derivative of noisy data, with its bandwidth.
+
+pub mod conditioning;
+pub mod controlled;
+pub mod creep;
+pub mod cycles;
+pub mod derivative;
+pub mod geometry;
+pub mod rates;
+pub mod relaxation;
+pub mod strain_rate;
+pub mod terms;

@@ -1,0 +1,604 @@
+//! Strain and strain rate of a specimen from its force, and the power law of the latency model for each
+//! hold: ε̇ = −ν sgn(ε − ε_e) |ε − ε_e|^n (chapter 7).
+//!
+//! What is fitted is the strain itself, with the closed forms (7.4) and (7.5); its derivative is only drawn.
+//! Strain is positive in compression here.
+
+use std::ops::Range;
+
+use nalgebra::DVector;
+use shared::phase::RelaxationType;
+
+use super::controlled::{ForceControlled, displacement_controlled};
+use super::derivative::{Derivative, derivative};
+use super::geometry::{Faces, Geometry, GeometryError};
+use crate::fit::least_squares::{LeastSquares, Normal, minimise};
+use crate::fit::uncertainty;
+use crate::latency::{Power, decay};
+use crate::trace::{DISPLACEMENT, FORCE, SignalError, Trace, holds};
+
+/// The odd orders among which the lowest that fits is looked for.
+pub const ODD_ORDERS: [f64; 6] = [1.0, 3.0, 5.0, 7.0, 9.0, 11.0];
+/// 95 % of χ² with one degree of freedom: what an order may fit worse than the best and still fit.
+const AS_GOOD: f64 = 3.841_458_820_694_124;
+/// Highest order of a free fit.
+const HIGHEST: f64 = 25.0;
+/// Fewest samples of a hold.
+const FEWEST: usize = 8;
+/// Instants at which the strain rate is drawn.
+const INSTANTS: usize = 120;
+
+/// Which order n is fitted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Order {
+    /// This one.
+    Fixed(f64),
+    /// As a parameter of every hold.
+    Free,
+    /// The lowest odd one that fits all holds together as well as the best, within χ² of 95 %.
+    LowestOdd,
+}
+
+/// A value with its standard error, where the data determine it.
+pub type Estimate = (f64, Option<f64>);
+
+/// The power law fitted to one hold.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PowerFit {
+    /// The law.
+    pub law: Power,
+    /// n; without a standard error where it was given.
+    pub order: Estimate,
+    /// ν, 1/s, with the standard error of ln ν: a factor, for ν spans decades.
+    pub rate: Estimate,
+    /// ε_e.
+    pub equilibrium: Estimate,
+    /// ε_0 − ε_e.
+    pub gap: Estimate,
+    /// Correlation of ln ν and n, of a free fit.
+    pub trade_off: Option<f64>,
+    /// Sum of squared residuals.
+    pub rss: f64,
+    /// Standard deviation of the residuals.
+    pub noise: f64,
+    /// Share of the variance about the mean that is explained.
+    pub r_squared: f64,
+    /// Share of the gap that is still open at the end of the hold.
+    pub left: f64,
+    /// What of it the hold does not tell, in words.
+    pub doubts: Vec<String>,
+}
+
+/// One hold.
+#[derive(Clone, Debug)]
+pub struct Hold {
+    /// Name of the trace.
+    pub trace: String,
+    /// Its samples.
+    pub range: Range<usize>,
+    /// When it began, s.
+    pub from_s: f64,
+    /// How long it lasted, s.
+    pub duration_s: f64,
+    /// Displacement, mm.
+    pub displacement_mm: f64,
+    /// Area of contact, mm².
+    pub area_mm2: f64,
+    /// Type I after loading, Type II after unloading.
+    pub relaxation: RelaxationType,
+    /// Strain of the contact, compression positive (7.6), (7.8).
+    pub strain: Vec<f64>,
+    /// The fit.
+    pub fit: PowerFit,
+    /// Lowest and highest odd order that fit this hold as well as the best.
+    pub odd_orders: (f64, f64),
+    /// Strain rate, for drawing.
+    pub measured: Option<Derivative>,
+}
+
+/// The holds of some traces.
+#[derive(Clone, Debug)]
+pub struct Study {
+    /// Geometry of each trace.
+    pub geometry: Vec<Geometry>,
+    /// Modulus E, Pa.
+    pub modulus_pa: f64,
+    /// What was asked of the order.
+    pub asked: Order,
+    /// The order of all holds; none where it was free.
+    pub order: Option<f64>,
+    /// The holds, in order.
+    pub holds: Vec<Hold>,
+}
+
+/// Why strain rates cannot be found.
+#[derive(Debug, thiserror::Error)]
+#[allow(missing_docs)]
+pub enum StrainRateError {
+    #[error(transparent)]
+    Signal(#[from] SignalError),
+    #[error(transparent)]
+    Controlled(#[from] ForceControlled),
+    #[error(transparent)]
+    Geometry(#[from] GeometryError),
+    #[error(
+        "{trace}: the hold from {from_s:.3} s has {samples} samples, {FEWEST} are needed. Record longer or faster."
+    )]
+    Short { trace: String, from_s: f64, samples: usize },
+    #[error(
+        "{trace}: at the hold from {from_s:.3} s the displacement is {displacement_mm} mm: nothing touches, so force is no strain"
+    )]
+    NoContact { trace: String, from_s: f64, displacement_mm: f64 },
+}
+
+/// Fits the power law to every hold of the traces, for a modulus in Pa.
+///
+/// # Errors
+/// When a trace lacks displacement, force or geometry, was force controlled, or has no hold that can be
+/// fitted.
+pub fn strain_rate(
+    traces: &[Trace],
+    modulus_pa: f64,
+    order: Order,
+    faces: Faces,
+) -> Result<Study, StrainRateError> {
+    let mut geometries = Vec::new();
+    let mut prepared = Vec::new();
+    for trace in traces {
+        displacement_controlled(trace)?;
+        let geometry = Geometry::of(&trace.head.specimen, faces, &trace.label())?;
+        let (displacement, force) = (trace.changing(DISPLACEMENT)?, trace.changing(FORCE)?);
+        for range in holds(trace, FORCE)? {
+            prepared.push(Strains::of(trace, displacement, force, range, &geometry, modulus_pa)?);
+        }
+        geometries.push(geometry);
+    }
+    let scans: Vec<Vec<PowerFit>> =
+        prepared.iter().map(|s| ODD_ORDERS.iter().map(|n| s.fit(Some(*n))).collect()).collect();
+    let common = match order {
+        Order::Fixed(n) => Some(n),
+        Order::Free => None,
+        Order::LowestOdd => Some(lowest_of_all(&scans)),
+    };
+    let holds = prepared.into_iter().zip(scans).map(|(s, scan)| s.hold(&scan, common)).collect();
+    Ok(Study { geometry: geometries, modulus_pa, asked: order, order: common, holds })
+}
+
+/// Residual sums over their own variance: each order's, less the least.
+fn excess(scan: &[PowerFit]) -> Vec<f64> {
+    let best = scan.iter().min_by(|a, b| a.rss.total_cmp(&b.rss));
+    let Some(best) = best else { return Vec::new() };
+    let variance = best.noise.powi(2).max(f64::MIN_POSITIVE);
+    scan.iter().map(|fit| (fit.rss - best.rss) / variance).collect()
+}
+
+/// The lowest order whose excess, summed over the holds, is no more than χ² allows.
+fn lowest_of_all(scans: &[Vec<PowerFit>]) -> f64 {
+    let mut sums = vec![0.0; ODD_ORDERS.len()];
+    for scan in scans {
+        for (sum, excess) in sums.iter_mut().zip(excess(scan)) {
+            *sum += excess;
+        }
+    }
+    let least = sums.iter().copied().fold(f64::INFINITY, f64::min);
+    let place = sums.iter().position(|sum| *sum <= least + AS_GOOD).unwrap_or(0);
+    ODD_ORDERS[place]
+}
+
+/// The strain of one hold.
+struct Strains {
+    trace: String,
+    range: Range<usize>,
+    from_s: f64,
+    /// Time since the hold began, s.
+    time: Vec<f64>,
+    strain: Vec<f64>,
+    displacement_mm: f64,
+    area_mm2: f64,
+}
+
+impl Strains {
+    fn of(
+        trace: &Trace,
+        displacement: &[f64],
+        force: &[f64],
+        range: Range<usize>,
+        geometry: &Geometry,
+        modulus_pa: f64,
+    ) -> Result<Self, StrainRateError> {
+        let from_s = trace.time[range.start];
+        let samples = range.len();
+        if samples < FEWEST {
+            return Err(StrainRateError::Short { trace: trace.label(), from_s, samples });
+        }
+        let held = &displacement[range.clone()];
+        let displacement_mm = held.iter().sum::<f64>() / samples as f64;
+        let area_mm2 = geometry.area_mm2(displacement_mm);
+        if displacement_mm <= 0.0 || area_mm2 <= 0.0 {
+            let trace = trace.label();
+            return Err(StrainRateError::NoContact { trace, from_s, displacement_mm });
+        }
+        let strain = force[range.clone()].iter().map(|f| 1e6 * f / area_mm2 / modulus_pa).collect();
+        let time = trace.time[range.clone()].iter().map(|t| t - from_s).collect();
+        Ok(Self { trace: trace.label(), range, from_s, time, strain, displacement_mm, area_mm2 })
+    }
+
+    fn duration(&self) -> f64 {
+        self.time[self.time.len() - 1]
+    }
+
+    fn hold(self, scan: &[PowerFit], order: Option<f64>) -> Hold {
+        let known = order.and_then(|n| scan.iter().find(|fit| fit.law.order == n)).cloned();
+        let mut fit = known.unwrap_or_else(|| self.fit(order));
+        let as_good: Vec<f64> = excess(scan)
+            .into_iter()
+            .zip(ODD_ORDERS)
+            .filter(|(excess, _)| *excess <= AS_GOOD)
+            .map(|(_, order)| order)
+            .collect();
+        let odd_orders = (as_good[0], as_good[as_good.len() - 1]);
+        if odd_orders.0 == ODD_ORDERS[ODD_ORDERS.len() - 1] {
+            fit.doubts.push(format!(
+                "the highest order tried, {}, fits best: no power law describes this hold; several rates may (`palpate relaxation`)",
+                odd_orders.0
+            ));
+        }
+        if odd_orders.0 < odd_orders.1 {
+            fit.doubts.push(format!(
+                "odd orders from {} to {} fit this hold equally well: ν of one order says nothing of another",
+                odd_orders.0, odd_orders.1
+            ));
+        }
+        let relaxation = match fit.gap {
+            (gap, _) if gap > 0.0 => RelaxationType::TypeI,
+            (gap, _) if gap < 0.0 => RelaxationType::TypeII,
+            _ => RelaxationType::None,
+        };
+        Hold {
+            measured: derivative(&self.time, &self.strain, fit.noise, INSTANTS),
+            duration_s: self.duration(),
+            trace: self.trace,
+            range: self.range,
+            from_s: self.from_s,
+            displacement_mm: self.displacement_mm,
+            area_mm2: self.area_mm2,
+            relaxation,
+            strain: self.strain,
+            fit,
+            odd_orders,
+        }
+    }
+
+    /// Fits the law with this order, or with a free one.
+    fn fit(&self, order: Option<f64>) -> PowerFit {
+        let problem = Problem::new(&self.time, &self.strain, order);
+        let solution = minimise(&problem, &problem.start());
+        let (samples, free) = (self.time.len() as f64, solution.point.len() as f64);
+        let rss = solution.normal.cost;
+        let variance = rss / (samples - free).max(1.0);
+        let found = uncertainty(&solution.normal.curvature, &solution.at_bound, variance);
+        let error =
+            |slope: &[f64]| found.variance(&DVector::from_column_slice(slope)).map(f64::sqrt);
+        let point = Point::of(&solution.point, order);
+        // ln ν = ln p − (n − 1) ln |gap|.
+        let k = point.order - 1.0;
+        let log_gap = point.gap.abs().ln();
+        let slope = [0.0, -k / point.gap, 1.0, -log_gap];
+        let dimension = solution.point.len();
+        let unit = |place: usize| (0..dimension).map(|k| f64::from(k == place)).collect::<Vec<_>>();
+        let log_rate = point.log_pace - k * log_gap;
+        let rate_error = error(&slope[..dimension]);
+        let order_error = order.is_none().then(|| error(&unit(3))).flatten();
+        let trade_off = rate_error.zip(order_error).map(|(rate, order)| {
+            let row = found.covariance.column(3);
+            slope.iter().zip(row.iter()).map(|(a, b)| a * b).sum::<f64>() / (rate * order)
+        });
+        let mean = self.strain.iter().sum::<f64>() / samples;
+        let total: f64 = self.strain.iter().map(|strain| (strain - mean).powi(2)).sum();
+        let law = Power {
+            rate: log_rate.exp(),
+            order: point.order,
+            equilibrium: point.equilibrium,
+            initial: point.equilibrium + point.gap,
+        };
+        let mut fit = PowerFit {
+            left: decay(point.log_pace.exp() * self.duration(), point.order),
+            order: (point.order, order_error),
+            rate: (law.rate, rate_error),
+            equilibrium: (point.equilibrium, error(&unit(0))),
+            gap: (point.gap, error(&unit(1))),
+            trade_off,
+            noise: variance.sqrt(),
+            r_squared: 1.0 - rss / total.max(f64::MIN_POSITIVE),
+            rss,
+            law,
+            doubts: Vec::new(),
+        };
+        fit.doubts = doubts(&fit, solution.stop.converged(), &solution.at_bound);
+        fit
+    }
+}
+
+/// What a hold does not tell of a fit.
+fn doubts(fit: &PowerFit, converged: bool, at_bound: &[bool]) -> Vec<String> {
+    let mut found = Vec::new();
+    if !converged {
+        found.push("the fit did not converge".to_owned());
+    }
+    if at_bound[2] {
+        found.push(
+            "the rate is at its limit: the hold is too short or too coarsely sampled for it".into(),
+        );
+    }
+    if fit.gap.1.is_none_or(|error| fit.gap.0.abs() < 2.0 * error) {
+        found.push("the gap is not told from zero: nothing relaxes beyond the noise, or its size trades off with ε_e".into());
+    } else if fit.equilibrium.1.is_none_or(|error| error > 0.5 * fit.gap.0.abs()) {
+        found.push(
+            "ε_e is not identifiable from this hold: its standard error exceeds half the gap"
+                .into(),
+        );
+    } else if fit.left > 0.5 {
+        found.push(format!(
+            "{:.0} % of the gap is still open at the end: ε_e is an extrapolation",
+            100.0 * fit.left
+        ));
+    }
+    if fit.equilibrium.0 * fit.law.initial < 0.0 {
+        found.push("ε_e lies on the other side of zero strain: it is an extrapolation that no specimen reaches".into());
+    }
+    if fit.rate.1.is_none_or(|error| error > 0.7) {
+        found.push("ν is not told within a factor of two".into());
+    }
+    if fit.trade_off.is_some_and(|r| r.abs() > 0.98) {
+        found.push(
+            "ν and n trade off (correlation beyond 0.98): only both together mean something".into(),
+        );
+    }
+    found
+}
+
+/// Coordinates: ε_e, gap, ln of the pace ν |gap|^(n−1), and n where it is free.
+struct Problem<'a> {
+    time: &'a [f64],
+    strain: &'a [f64],
+    order: Option<f64>,
+    bounds: Vec<(f64, f64)>,
+}
+
+struct Point {
+    equilibrium: f64,
+    gap: f64,
+    log_pace: f64,
+    order: f64,
+}
+
+impl Point {
+    fn of(point: &[f64], order: Option<f64>) -> Self {
+        let [equilibrium, gap, log_pace] = [point[0], point[1], point[2]];
+        Self { equilibrium, gap, log_pace, order: order.unwrap_or_else(|| point[3]) }
+    }
+}
+
+impl<'a> Problem<'a> {
+    fn new(time: &'a [f64], strain: &'a [f64], order: Option<f64>) -> Self {
+        let low = strain.iter().copied().fold(f64::INFINITY, f64::min);
+        let high = strain.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let reach = 20.0 * (high - low).max(f64::MIN_POSITIVE);
+        let duration = time[time.len() - 1];
+        let shortest = time.windows(2).map(|pair| pair[1] - pair[0]).fold(duration, f64::min);
+        let mut bounds = vec![
+            (low - reach, high + reach),
+            (-reach, reach),
+            ((1e-3 / duration).ln(), (1e3 / shortest).ln()),
+        ];
+        if order.is_none() {
+            bounds.push((1.0, HIGHEST));
+        }
+        Self { time, strain, order, bounds }
+    }
+
+    /// The best of a grid over pace and order; ε_e and gap are linear.
+    fn start(&self) -> Vec<f64> {
+        let orders = self.order.map_or_else(|| ODD_ORDERS.to_vec(), |order| vec![order]);
+        let (low, high) = self.bounds[2];
+        let step = self.time.len().div_ceil(400).max(1);
+        let mut best = (f64::INFINITY, vec![0.0; self.bounds.len()]);
+        for order in orders {
+            for k in 0..=60 {
+                let log_pace = low + (high - low) * f64::from(k) / 60.0;
+                let Some((cost, equilibrium, gap)) = self.linear(log_pace, order, step) else {
+                    continue;
+                };
+                if cost < best.0 {
+                    let mut point = vec![equilibrium, gap, log_pace];
+                    if self.order.is_none() {
+                        point.push(order);
+                    }
+                    best = (cost, point);
+                }
+            }
+        }
+        best.1
+    }
+
+    /// Least squares for ε_e and gap, every `step`th sample: cost, ε_e, gap.
+    fn linear(&self, log_pace: f64, order: f64, step: usize) -> Option<(f64, f64, f64)> {
+        let pace = log_pace.exp();
+        let samples = || self.time.iter().zip(self.strain).step_by(step);
+        let shape = |t: f64| decay(pace * t, order);
+        let (mut n, mut s, mut ss, mut y, mut sy) = (0.0, 0.0, 0.0, 0.0, 0.0);
+        for (t, strain) in samples() {
+            let d = shape(*t);
+            (n, s, ss, y, sy) = (n + 1.0, s + d, ss + d * d, y + strain, sy + d * strain);
+        }
+        let determinant = n * ss - s * s;
+        if determinant <= 1e-12 * n * ss {
+            return None;
+        }
+        let gap = (n * sy - s * y) / determinant;
+        let equilibrium = (y - gap * s) / n;
+        let cost = samples().map(|(t, strain)| (equilibrium + gap * shape(*t) - strain).powi(2));
+        Some((cost.sum(), equilibrium, gap))
+    }
+}
+
+impl LeastSquares for Problem<'_> {
+    fn bounds(&self) -> &[(f64, f64)] {
+        &self.bounds
+    }
+
+    fn cost(&self, point: &[f64]) -> f64 {
+        let Point { equilibrium, gap, log_pace, order } = Point::of(point, self.order);
+        let pace = log_pace.exp();
+        let residual = |(t, strain): (&f64, &f64)| {
+            (equilibrium + gap * decay(pace * t, order) - strain).powi(2)
+        };
+        self.time.iter().zip(self.strain).map(residual).sum()
+    }
+
+    fn normal(&self, point: &[f64]) -> Normal {
+        let Point { equilibrium, gap, log_pace, order } = Point::of(point, self.order);
+        let (pace, k) = (log_pace.exp(), order - 1.0);
+        let mut normal = Normal::zeros(point.len());
+        for (t, strain) in self.time.iter().zip(self.strain) {
+            let x = pace * t;
+            let d = decay(x, order);
+            let residual = equilibrium + gap * d - strain;
+            // d = (1 + k x)^(−1/k).
+            let row = [1.0, d, -gap * d * x / (1.0 + k * x), gap * d * order_slope(x, k)];
+            let row = DVector::from_column_slice(&row[..point.len()]);
+            normal.cost += residual * residual;
+            normal.gradient += &row * residual;
+            normal.curvature += &row * row.transpose();
+        }
+        normal
+    }
+}
+
+/// d ln d / dn for d = (1 + k x)^(−1/k), k = n − 1.
+fn order_slope(x: f64, k: f64) -> f64 {
+    // Near k = 0 the two parts cancel; the series is x²/2 − 2kx³/3.
+    if k * x < 1e-4 {
+        return x * x * (0.5 - 2.0 * k * x / 3.0);
+    }
+    (k * x).ln_1p() / (k * k) - x / (k * (1.0 + k * x))
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, Normal};
+
+    use super::*;
+    use crate::trace::Shape;
+
+    const MODULUS: f64 = 2.8e4;
+
+    /// A ball of 35 mm pressed to 10 mm, held for 10 s; strain by the law.
+    fn ball(law: Power, noise_n: f64, seed: u64) -> Trace {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let normal = Normal::new(0.0, noise_n).unwrap();
+        let geometry = Geometry::Ball { radius_mm: 35.0, faces: Faces::One };
+        let time: Vec<f64> = (0..1200).map(|k| 0.01 * f64::from(k)).collect();
+        let x: Vec<f64> = time.iter().map(|t| (10.0 * t).min(10.0)).collect();
+        let force = time.iter().zip(&x).map(|(&t, &x)| {
+            let strain = if t < 1.0 { law.initial * t } else { law.strain(t - 1.0) };
+            MODULUS * strain * geometry.area_mm2(x) * 1e-6 + normal.sample(&mut random)
+        });
+        let force = force.collect();
+        let mut trace = Trace { time, ..Trace::default() };
+        trace.head.specimen.shape = Some(Shape::Sphere);
+        trace.head.specimen.radius_mm = Some(35.0);
+        trace.set_column(DISPLACEMENT, x);
+        trace.set_column(FORCE, force);
+        trace
+    }
+
+    const LAW: Power = Power { rate: 2.6e4, order: 5.0, equilibrium: 0.2193, initial: 0.3193 };
+
+    #[test]
+    fn the_law_of_a_ball_comes_back_from_its_force() {
+        for law in [LAW, Power { initial: 0.15, rate: 7e4, ..LAW }] {
+            let trace = ball(law, 0.0, 1);
+            let study =
+                strain_rate(std::slice::from_ref(&trace), MODULUS, Order::Fixed(5.0), Faces::One);
+            let hold = &study.unwrap().holds[0];
+            assert!((hold.fit.law.rate / law.rate - 1.0).abs() < 1e-3, "{:?}", hold.fit);
+            assert!((hold.fit.law.equilibrium - law.equilibrium).abs() < 1e-5);
+            let expected = if law.initial > law.equilibrium {
+                RelaxationType::TypeI
+            } else {
+                RelaxationType::TypeII
+            };
+            assert_eq!(hold.relaxation, expected);
+        }
+    }
+
+    #[test]
+    fn the_errors_are_those_of_repeats_and_the_order_is_found() {
+        let mut deviations = Vec::new();
+        for seed in 0..20 {
+            let trace = ball(LAW, 0.005, seed);
+            let traces = std::slice::from_ref(&trace);
+            let hold = strain_rate(traces, MODULUS, Order::Fixed(5.0), Faces::One)
+                .unwrap()
+                .holds
+                .remove(0);
+            deviations.push((hold.fit.law.rate / LAW.rate).ln() / hold.fit.rate.1.unwrap());
+            deviations
+                .push((hold.fit.equilibrium.0 - LAW.equilibrium) / hold.fit.equilibrium.1.unwrap());
+            assert!(hold.odd_orders.0 <= 5.0 && 5.0 <= hold.odd_orders.1);
+        }
+        let square = deviations.iter().map(|d| d * d).sum::<f64>() / deviations.len() as f64;
+        assert!((0.5..1.7).contains(&square), "{square}");
+    }
+
+    #[test]
+    fn the_lowest_odd_order_that_fits_is_the_one_it_was_made_with() {
+        for order in [1.0, 3.0, 5.0] {
+            let gap: f64 = 0.1;
+            let law = Power { rate: 2.6 / gap.powf(order - 1.0), order, ..LAW };
+            let traces = [ball(law, 0.002, 1), ball(law, 0.002, 2)];
+            let study = strain_rate(&traces, MODULUS, Order::LowestOdd, Faces::One).unwrap();
+            assert_eq!(study.order, Some(order));
+        }
+    }
+
+    #[test]
+    fn a_free_order_says_that_it_trades_off_with_the_rate() {
+        let trace = ball(LAW, 0.01, 3);
+        let study =
+            strain_rate(std::slice::from_ref(&trace), MODULUS, Order::Free, Faces::One).unwrap();
+        let fit = &study.holds[0].fit;
+        assert!((fit.order.0 - 5.0).abs() < 4.0 * fit.order.1.unwrap(), "{fit:?}");
+        assert!(fit.trade_off.unwrap().abs() > 0.9, "{fit:?}");
+    }
+
+    #[test]
+    fn half_the_displacement_on_each_face_is_another_strain() {
+        let trace = ball(LAW, 0.0, 1);
+        let traces = std::slice::from_ref(&trace);
+        let of =
+            |faces| strain_rate(traces, MODULUS, Order::Fixed(5.0), faces).unwrap().holds.remove(0);
+        let (one, each) = (of(Faces::One), of(Faces::Each));
+        assert!(
+            (each.fit.law.equilibrium / one.fit.law.equilibrium - one.area_mm2 / each.area_mm2)
+                .abs()
+                < 1e-3
+        );
+    }
+
+    proptest! {
+        #[test]
+        fn slopes_are_those_of_the_law(x in 0.0f64..50.0, order in 1.0f64..12.0) {
+            let h = 1e-5;
+            let slope = order_slope(x, order - 1.0);
+            // One-sided at n = 1.
+            let numeric = (decay(x, order + 2.0 * h).ln() - decay(x, order).ln()) / (2.0 * h);
+            let curvature = (order_slope(x, order - 1.0 + 2.0 * h) - slope).abs();
+            prop_assert!((slope - numeric).abs() <= 1e-4 * slope.abs() + curvature + 1e-6, "{slope} {numeric}");
+        }
+    }
+}

@@ -1,0 +1,52 @@
+//! `palpate segment`.
+
+use std::path::PathBuf;
+
+use serde_json::json;
+
+use super::Failure;
+use super::output::{Output, print_json, print_sections, write_report};
+use crate::analysis::cycles::segment;
+use crate::summary::{segment_json, segment_sections};
+use crate::trace::{Trace, read_set};
+
+/// Cut grasps into their six regions, cycle by cycle: points, forces, work, dissipation.
+#[derive(clap::Args)]
+#[command(after_help = "\
+Regions are those of Fig. 3.10: OA preloading, AB loading, BC transition, CD relaxation (or creep),
+DE unloading, EF recovery. They follow from the displacement, or from the force where that was
+controlled: the head says so (`control = \"force\"`), else the data do.
+
+Examples:
+  palpate segment press.csv                        points, regions and work
+  palpate segment cycles.csv --report loops.html   the loops, with their points
+  palpate segment traces/ --json | jq '.traces[].cycles[].dissipated_mJ'")]
+pub struct Args {
+    /// Traces, or folders of traces
+    #[arg(required = true, value_name = "TRACE")]
+    traces: Vec<PathBuf>,
+    #[command(flatten)]
+    result: Output,
+}
+
+/// Segments and prints.
+pub fn run(args: &Args) -> Result<(), Failure> {
+    let traces = read_set(&args.traces).map_err(Failure::input)?;
+    let found = traces
+        .iter()
+        .map(|trace| Ok((trace, segment(trace).map_err(Failure::input)?)))
+        .collect::<Result<Vec<_>, Failure>>()?;
+    let sections: Vec<_> =
+        found.iter().flat_map(|(trace, found)| segment_sections(trace, found)).collect();
+    if let Some(path) = &args.result.report {
+        let names = traces.iter().map(Trace::label).collect();
+        write_report(path, "The regions of a grasp", "", names, sections.clone())?;
+    }
+    if args.result.json {
+        let traces: Vec<_> =
+            found.iter().map(|(trace, found)| segment_json(trace, found)).collect();
+        print_json(&json!({"palpate_segment": 1, "traces": traces}))
+    } else {
+        print_sections(&sections)
+    }
+}

@@ -1,0 +1,61 @@
+//! `palpate strain-rate`.
+
+use std::path::PathBuf;
+
+use super::Failure;
+use super::output::{Output, print_json, print_sections, write_report};
+use super::specimen::{SpecimenArgs, positive};
+use crate::analysis::strain_rate::{Order, strain_rate};
+use crate::summary::{strain_rate_json, strain_rate_sections};
+use crate::trace::{Trace, read_set};
+
+/// Strain and strain rate from force, and the power law ε̇ = −ν (ε − ε_e)^n of every hold.
+#[derive(clap::Args)]
+#[command(after_help = "\
+Chapter 7: strain of a ball, cylinder or block from its force, its area of contact and a modulus; for
+each hold ν, n and ε_e. The strain is fitted with the closed forms (7.4, 7.5), not its derivative; that
+is drawn, with its bandwidth. Strain is positive in compression.
+
+Examples:
+  palpate strain-rate ball.csv --modulus 2.8e4 --order 5
+  palpate strain-rate ball.csv --modulus 2.8e4               the lowest odd order that fits
+  palpate strain-rate ball.csv --modulus 2.8e4 --order free  n as a parameter
+  palpate strain-rate steps.csv --modulus 2.8e4 --shape sphere --radius 35 --report rate.html")]
+pub struct Args {
+    /// Traces, or folders of traces
+    #[arg(required = true, value_name = "TRACE")]
+    traces: Vec<PathBuf>,
+    /// Young's modulus E (7.6)
+    #[arg(long, value_name = "PA", value_parser = positive)]
+    modulus: f64,
+    /// n: a number from 1 to 25, free, or odd: the lowest odd one that fits all holds as well as the best
+    #[arg(long, default_value = "odd", value_parser = parse_order)]
+    order: Order,
+    #[command(flatten)]
+    specimen: SpecimenArgs,
+    #[command(flatten)]
+    result: Output,
+}
+
+fn parse_order(text: &str) -> Result<Order, String> {
+    match (text, text.parse::<f64>()) {
+        ("free", _) => Ok(Order::Free),
+        ("odd", _) => Ok(Order::LowestOdd),
+        (_, Ok(order)) if (1.0..=25.0).contains(&order) => Ok(Order::Fixed(order)),
+        _ => Err("give a number from 1 to 25, free or odd".into()),
+    }
+}
+
+/// Fits and prints.
+pub fn run(args: &Args) -> Result<(), Failure> {
+    let mut traces = read_set(&args.traces).map_err(Failure::input)?;
+    args.specimen.apply(&mut traces);
+    let study = strain_rate(&traces, args.modulus, args.order, args.specimen.faces())
+        .map_err(Failure::input)?;
+    let sections = strain_rate_sections(&study);
+    if let Some(path) = &args.result.report {
+        let names = traces.iter().map(Trace::label).collect();
+        write_report(path, "Strain and strain rate", "", names, sections.clone())?;
+    }
+    if args.result.json { print_json(&strain_rate_json(&study)) } else { print_sections(&sections) }
+}

@@ -1,0 +1,207 @@
+//! The analyses of holds and rates, on the bundled recordings and on files that are made here.
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use palpate::latency::Power;
+use palpate_tests::{bundled, palpate};
+use serde_json::Value;
+
+/// The JSON that a command prints.
+fn answer(arguments: &[&str], traces: &[PathBuf]) -> Value {
+    let output = palpate().args(arguments).arg("--json").args(traces).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).expect("one JSON object")
+}
+
+/// What a command says when it refuses, with exit status 2 and nothing on standard output.
+fn refusal(arguments: &[&str], traces: &[PathBuf]) -> String {
+    let output = palpate().args(arguments).args(traces).output().unwrap();
+    assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+    assert!(output.stdout.is_empty());
+    String::from_utf8(output.stderr).unwrap()
+}
+
+/// Writes a trace.
+fn write(folder: &Path, name: &str, head: &str, rows: impl Iterator<Item = [f64; 3]>) -> PathBuf {
+    let mut text = format!("{head}time_s,displacement_mm,force_N\n");
+    for [t, x, force] in rows {
+        writeln!(text, "{t},{x},{force}").unwrap();
+    }
+    let path = folder.join(name);
+    std::fs::write(&path, text).unwrap();
+    path
+}
+
+const SILICONE: &str = "# [specimen]\n# shape = \"cylinder\"\n# radius_mm = 25\n# height_mm = 30\n# poisson_ratio = 0.48\n";
+
+/// A press of a cylinder to 6 mm at a rate; the surface runs ahead of the equilibrium and comes back
+/// at 0.5/s, k_s = 35 kPa. The last digits wobble, in place of noise.
+fn pressed(folder: &Path, rate: f64, head: &str) -> PathBuf {
+    let mut ahead = 0.0;
+    let mut before = 0.0;
+    let rows = (0..4000).map(move |k| {
+        let t = 0.0025 * f64::from(k);
+        let x = (rate * (t - 0.1)).clamp(0.0, 6.0);
+        ahead = ahead * (-0.5f64 * 0.0025).exp() + 0.3 * (x - before) / 30.0;
+        before = x;
+        let area = 625e-6 * std::f64::consts::PI * (1.0 + 0.48 * x / 30.0).powi(2);
+        let wobble = 0.02 * (f64::from(k * 7919 % 101) / 50.0 - 1.0);
+        [t, x, 3.5e4 * (x / 30.0 + ahead) * area + wobble]
+    });
+    write(folder, &format!("{rate}.csv"), head, rows)
+}
+
+#[test]
+fn the_regions_of_the_bundled_press_are_found_with_their_work() {
+    let found = answer(&["segment"], &[bundled("press.csv")]);
+    assert_eq!(found["palpate_segment"], 1);
+    let cycle = &found["traces"][0]["cycles"][0];
+    let points: Vec<&str> =
+        cycle["points"].as_array().unwrap().iter().map(|p| p["point"].as_str().unwrap()).collect();
+    assert_eq!(points, ["O", "A", "B", "C", "D", "C2", "D2", "E", "F"]);
+    let types: Vec<&str> =
+        cycle["regions"].as_array().unwrap().iter().filter_map(|r| r["type"].as_str()).collect();
+    assert_eq!(types, ["Type I", "Type II"]);
+    assert_eq!(cycle["direction"], "clockwise");
+    let number = |key: &str| cycle[key].as_f64().unwrap();
+    let lost = number("work_in_mJ") - number("work_out_mJ");
+    assert!((number("dissipated_mJ") - lost).abs() < 1e-9 && lost > 0.0);
+}
+
+#[test]
+fn the_gripper_of_chapter_3_accelerates_as_printed() {
+    let found = answer(&["segment"], &[bundled("table-3.1-row-05.csv")]);
+    let inertia = &found["traces"][0]["inertia"];
+    assert_eq!(inertia["mass_g"], 14.0);
+    // 3.3.4 prints 0.699 m/s² and 9.786 mN.
+    assert!((inertia["force_N"].as_f64().unwrap() - 9.8e-3).abs() < 1e-4, "{inertia}");
+}
+
+#[test]
+fn repeats_are_told_apart_from_noise_and_two_exponentials_are_chosen() {
+    let rows: Vec<PathBuf> =
+        (1..=10).map(|k| bundled(&format!("table-3.1-row-{k:02}.csv"))).collect();
+    let found = answer(&["relaxation"], &rows);
+    let spread = found["spread"].as_array().unwrap();
+    let c0 = spread.iter().find(|line| line["parameter"] == "c0").unwrap();
+    assert!((c0["mean"].as_f64().unwrap() - 0.4845).abs() < 2e-3, "Table 3.4");
+    assert!(c0["p_value"].as_f64().unwrap() < 1e-4, "ten sushi are not one sushi");
+    let holds = found["holds"].as_array().unwrap();
+    assert_eq!(holds.len(), 10);
+    assert!(holds.iter().all(|hold| hold["terms"]["decided"] == 2));
+    for hold in holds {
+        let latency = &hold["latency"];
+        let (v1, slope) = (&latency["v1_per_s"], &latency["strain_rate_slope_per_s"]);
+        assert_eq!(v1.as_f64().unwrap(), -slope.as_f64().unwrap());
+    }
+}
+
+#[test]
+fn relaxation_and_fit_hold_only_give_the_same_coefficients() {
+    let trace = [bundled("table-3.2-row-03.csv")];
+    let (new, old) =
+        (answer(&["relaxation"], &trace), answer(&["fit", "fung", "--hold-only"], &trace));
+    assert_eq!(new["holds"][0]["parameters"], old["holds"][0]["parameters"]);
+}
+
+#[test]
+fn creep_is_found_without_a_head_and_a_relaxation_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut z = 0.0;
+    let mut before = 0.0;
+    let rows = (0..3000).map(move |k| {
+        let t = 0.005 * f64::from(k);
+        let force = (2.0 * (t - 0.5)).clamp(0.0, 2.0);
+        z = z * (-0.6f64 * 0.005).exp() + force - before;
+        before = force;
+        let wobble = 1e-3 * (f64::from(k * 7919 % 101) / 50.0 - 1.0);
+        [t, 3.24 * (force - 0.105 * z) + wobble, force]
+    });
+    let held = [write(folder.path(), "held.csv", "", rows)];
+    let found = answer(&["creep", "--terms", "1", "--signs"], &held);
+    let hold = &found["holds"][0];
+    assert_eq!(hold["type"], "Type I");
+    let value = |name: &str| hold["parameters"][name]["value"].as_f64().unwrap();
+    assert!((value("N") - 6.48).abs() < 2e-3 && (value("v1") - 0.6).abs() < 0.02, "{hold}");
+    assert_eq!(value("c0"), 1.0);
+    assert_eq!(hold["not_identified"].as_array().unwrap().len(), 0);
+    let three = answer(&["creep", "--terms", "3"], &held);
+    assert_ne!(three["holds"][0]["not_identified"].as_array().unwrap().len(), 0);
+    let filtered = answer(&["creep", "--terms", "1", "--cutoff", "20"], &held);
+    assert!(filtered["conditioning"]["minus_3_dB_Hz"].as_f64().unwrap() < 20.0);
+    assert!(refusal(&["relaxation"], &held).contains("palpate creep"));
+    assert!(refusal(&["creep"], &[bundled("press.csv")]).contains("palpate relaxation"));
+    assert!(refusal(&["creep", "--cutoff", "150"], &held).contains("half the sampling rate"));
+}
+
+#[test]
+fn loading_rates_give_one_stiffness_and_asymptotes_that_agree() {
+    let folder = tempfile::tempdir().unwrap();
+    let runs: Vec<PathBuf> =
+        [20.0, 40.0, 60.0, 80.0, 100.0].map(|rate| pressed(folder.path(), rate, SILICONE)).into();
+    let found = answer(&["rates"], &runs);
+    let number = |key: &str| found[key].as_f64().unwrap();
+    assert!((number("specific_stiffness_Pa") / 3.5e4 - 1.0).abs() < 2e-3, "{found}");
+    assert!((number("v1_per_s") - 0.5).abs() < 5e-3);
+    let group = &found["groups"][0];
+    assert!(group["asymptotes_agree_p_value"].as_f64().unwrap() > 1e-3);
+    assert!(group["peak_trend"]["slope_N_per_decade"].as_f64().unwrap() > 0.0);
+}
+
+#[test]
+fn what_is_missing_of_the_geometry_is_asked_for_and_options_supply_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let bare = [pressed(folder.path(), 50.0, "")];
+    assert!(refusal(&["rates"], &bare).contains("--shape"));
+    assert!(
+        refusal(&["rates", "--shape", "cylinder", "--radius", "25", "--height", "30"], &bare)
+            .contains("--poisson")
+    );
+    let told =
+        ["rates", "--shape", "cylinder", "--radius", "25", "--height", "30", "--poisson", "0.48"];
+    let found = answer(&told, &bare);
+    assert!((found["specific_stiffness_Pa"].as_f64().unwrap() / 3.5e4 - 1.0).abs() < 5e-3);
+    assert!(refusal(&["strain-rate", "--modulus", "-3"], &bare).contains("above 0"));
+}
+
+#[test]
+fn the_power_law_of_a_ball_comes_back_from_its_force() {
+    let folder = tempfile::tempdir().unwrap();
+    let law = Power { rate: 2.6e4, order: 5.0, equilibrium: 0.2193, initial: 0.3193 };
+    let area = std::f64::consts::PI * (35.0f64.powi(2) - 25.0f64.powi(2)) * 1e-6;
+    let rows = (0..1200).map(|k| {
+        let t = 0.01 * f64::from(k);
+        let x = (10.0 * t).min(10.0);
+        let strain = if t < 1.0 { law.initial * t * t } else { law.strain(t - 1.0) };
+        [t, x, 2.8e4 * strain * area]
+    });
+    let head = "# [specimen]\n# shape = \"sphere\"\n# radius_mm = 35\n";
+    let ball = [write(folder.path(), "ball.csv", head, rows)];
+    let found = answer(&["strain-rate", "--modulus", "2.8e4"], &ball);
+    assert_eq!(found["order"], 5.0);
+    let hold = &found["holds"][0];
+    let number = |hold: &Value, key: &str| hold[key].as_f64().unwrap();
+    assert!((number(hold, "rate_per_s") / 2.6e4 - 1.0).abs() < 1e-2, "{hold}");
+    assert!((number(hold, "equilibrium_strain") - 0.2193).abs() < 1e-4);
+    assert_eq!(hold["type"], "Type I");
+    assert!(number(&hold["derivative"], "bandwidth_Hz") > 0.0);
+    let each = answer(&["strain-rate", "--modulus", "2.8e4", "--faces", "each"], &ball);
+    assert!(number(&each["holds"][0], "equilibrium_strain") > 1.5 * 0.2193);
+}
+
+#[test]
+fn every_analysis_writes_a_report() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = pressed(folder.path(), 50.0, SILICONE);
+    for arguments in
+        [&["segment"][..], &["relaxation"], &["rates"], &["strain-rate", "--modulus", "3.5e4"]]
+    {
+        let report = folder.path().join("report.html");
+        let output =
+            palpate().args(arguments).arg(&run).arg("--report").arg(&report).output().unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let page = std::fs::read_to_string(&report).unwrap();
+        assert!(page.contains("<svg") && page.contains("<table"), "{arguments:?}");
+    }
+}
