@@ -10,6 +10,8 @@
 //! - [`effects`]: the library of effects, one declaration each, and laws of one's own.
 //! - [`fit`]: exponential sums, whole motions, bounded least squares, uncertainty, noise made white.
 //! - [`criticism`]: where a model fails, which effect is missing, how sure that is.
+//! - [`contact`]: a round tip on an elastic body, and the stress below it.
+//! - [`sensor`]: a simulated fingertip.
 //! - [`dissertation`]: the figures that the dissertation prints.
 //! - [`practice`]: data sets with a hidden effect.
 //! - [`report`]: vector plots and self-contained HTML.
@@ -17,6 +19,7 @@
 #![forbid(unsafe_code)]
 
 pub mod cli;
+pub mod contact;
 pub mod criticism;
 pub mod decomposition;
 pub mod device;
@@ -30,5 +33,6 @@ pub mod press;
 pub mod recording;
 pub mod regions;
 pub mod report;
+pub mod sensor;
 pub mod summary;
 pub mod trace;

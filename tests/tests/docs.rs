@@ -124,6 +124,11 @@ fn the_walk_from_the_first_comparison_to_the_last_rung_runs_as_printed() {
 }
 
 #[test]
+fn the_walk_through_the_simulated_fingertip_says_what_the_commands_print() {
+    run_all("docs/sensor.md");
+}
+
+#[test]
 fn every_link_to_a_file_leads_somewhere() {
     for document in [
         "README.md",

@@ -23,6 +23,7 @@ mod plan;
 mod plot;
 mod progress;
 mod record;
+mod sensor;
 mod simulate;
 
 use std::process::ExitCode;
@@ -82,6 +83,8 @@ enum Command {
     Hide(hide::Args),
     /// Predict the force of a motion
     Simulate(simulate::Args),
+    /// Simulate a fingertip that is pressed, shaken or slid over
+    Sensor(sensor::Args),
     /// Turn a foreign recording into a trace
     Import(import::Args),
     /// Turn recordings of a device into traces (CSV, Parquet), and back
@@ -143,6 +146,7 @@ pub fn run() -> ExitCode {
         Command::Effects(args) => effects::run(args),
         Command::Hide(args) => hide::run(args),
         Command::Simulate(args) => simulate::run(args),
+        Command::Sensor(args) => sensor::run(args),
         Command::Import(args) => import::run(args),
         Command::Convert(args) => convert::run(args),
         Command::Plot(args) => plot::run(args),

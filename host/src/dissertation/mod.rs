@@ -6,6 +6,7 @@
 
 mod comparison;
 mod relaxation_tables;
+pub mod tactile_sensor;
 
 pub use comparison::{Check, Comparison};
 pub use relaxation_tables::{

@@ -11,6 +11,7 @@ mod plan;
 mod practice;
 mod press;
 mod recording;
+mod sensor;
 mod whole_motion;
 
 pub use change::{change_json, change_sections};
@@ -29,6 +30,11 @@ pub use plan::plan_section;
 pub use practice::{practice_json, practice_sections, truth_json, truth_sections};
 pub use press::press_sections;
 pub use recording::{loops, overview, trace_panels};
+pub use sensor::{
+    sensor_press_json, sensor_press_sections, sensor_slide_json, sensor_slide_sections,
+    sensor_tones_json, sensor_tones_sections,
+};
+pub(crate) use sensor::{spectrum_figure, tones_figure};
 pub use whole_motion::FitSummary;
 
 pub use crate::trace::units::printed as unit_of;
