@@ -12,6 +12,7 @@
 //! - [`criticism`]: where a model fails, which effect is missing, how sure that is.
 //! - [`contact`]: a round tip on an elastic body, and the stress below it.
 //! - [`sensor`]: a simulated fingertip.
+//! - [`grasp`]: what a soft contact can hold before it slips.
 //! - [`dissertation`]: the figures that the dissertation prints.
 //! - [`practice`]: data sets with a hidden effect.
 //! - [`report`]: vector plots and self-contained HTML.
@@ -27,6 +28,7 @@ pub mod dissertation;
 pub mod effects;
 pub mod files;
 pub mod fit;
+pub mod grasp;
 pub mod model;
 pub mod practice;
 pub mod press;

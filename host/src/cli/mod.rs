@@ -15,6 +15,7 @@ mod drop;
 mod effects;
 mod explore;
 mod fit;
+mod grasp;
 mod hide;
 pub mod import;
 mod interrupt;
@@ -85,6 +86,8 @@ enum Command {
     Simulate(simulate::Args),
     /// Simulate a fingertip that is pressed, shaken or slid over
     Sensor(sensor::Args),
+    /// What a soft contact carries before it slips
+    Grasp(grasp::Args),
     /// Turn a foreign recording into a trace
     Import(import::Args),
     /// Turn recordings of a device into traces (CSV, Parquet), and back
@@ -147,6 +150,7 @@ pub fn run() -> ExitCode {
         Command::Hide(args) => hide::run(args),
         Command::Simulate(args) => simulate::run(args),
         Command::Sensor(args) => sensor::run(args),
+        Command::Grasp(args) => grasp::run(args),
         Command::Import(args) => import::run(args),
         Command::Convert(args) => convert::run(args),
         Command::Plot(args) => plot::run(args),

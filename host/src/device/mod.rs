@@ -13,6 +13,7 @@
 //! - [`replay`]: rows put into a device as if its converter had given them.
 //! - [`change`]: settings, checked before they are sent.
 //! - [`measure`]: short streams, to read zero and to average.
+//! - [`mod@watch`]: rows as they come.
 //! - [`calibrate`]: gain and offset of a gauge.
 //! - [`log`]: the device's log in words.
 //! - [`describe`]: everything else in words.
@@ -35,6 +36,7 @@ pub mod session;
 #[cfg(unix)]
 pub mod simulate;
 pub mod stream;
+pub mod watch;
 
 mod handshake;
 

@@ -5,6 +5,7 @@ mod compare;
 mod decomposition;
 mod diagnosis;
 mod effects;
+mod grasp;
 mod holds;
 mod ladder;
 mod plan;
@@ -23,6 +24,10 @@ pub use decomposition::{
 pub use diagnosis::{DiagnosisSummary, NextCommand};
 pub use effects::{
     effect_figures, effect_json, effect_pages, effect_section, library_json, library_section,
+};
+pub use grasp::{
+    SurfaceSummary, growth_json, growth_sections, histories_json, history_csv, history_sections,
+    pressure_plot, reading_json, reading_line, surface_csv,
 };
 pub use holds::{hold_json, hold_sections};
 pub use ladder::ladder;

@@ -1,0 +1,118 @@
+//! `palpate grasp growth`.
+
+use std::path::PathBuf;
+
+use super::{Pressing, body, number, positive};
+use crate::cli::Failure;
+use crate::cli::output::{Output, print_json, print_sections, write_report};
+use crate::grasp::growth::{creep, growth, relaxation};
+use crate::grasp::{Body, Held, Material};
+use crate::model::{Branch, Model, Relaxation};
+use crate::summary::{growth_json, growth_sections};
+
+/// How the limit surface grows under creep or shrinks under relaxation.
+#[derive(clap::Args)]
+#[command(after_help = "\
+With a constant force the body creeps: its contact grows, and with it the moment that it carries.
+With a constant compression the force relaxes, and all that it carries shrinks with it.
+
+  --model M --force N                        creep that the model foretells
+  --model M --compression MM                 relaxation that the model foretells
+  --creep D --shares c1,… --rates v1,… --force N        D (1 + Σ ci e^(−vi t)), eqs 6.1 and 6.2
+  --shares c1,… --rates v1,… --force N --compression MM   N (c0 + Σ ci e^(−vi t)), eq. 3.4
+
+Examples:
+  palpate grasp growth --contact block:40x25x50:0.48 --exponent 4 --friction 0.7 --force 2 \\
+      --creep 8.1 --shares=-0.0738,-0.214 --rates 0.8229,0.007805
+  palpate grasp growth --contact sphere:35 --friction 0.7 --compression 5 --model model.toml")]
+pub struct Args {
+    /// The body, sizes in mm: block:40x25x50:0.48, cylinder:25x30:0.48, sphere:35; or a fixed contact
+    #[arg(long, value_name = "CONTACT", value_parser = body)]
+    contact: Body,
+    #[command(flatten)]
+    pressing: Pressing,
+    /// Normal force, N: constant under creep, at the start of a relaxation
+    #[arg(long, value_name = "N", value_parser = positive)]
+    force: Option<f64>,
+    /// Constant compression, mm
+    #[arg(long, value_name = "MM", value_parser = positive)]
+    compression: Option<f64>,
+    /// Take elastic response and relaxation from this model
+    #[arg(long, value_name = "MODEL.toml", conflicts_with_all = ["shares", "rates", "creep"])]
+    model: Option<PathBuf>,
+    /// Compression once the creep has settled, mm
+    #[arg(long, value_name = "MM", value_parser = positive, requires_all = ["shares", "force"], conflicts_with = "compression")]
+    creep: Option<f64>,
+    /// Shares c1,c2,…
+    #[arg(long, value_delimiter = ',', value_parser = number, requires = "rates", allow_hyphen_values = true)]
+    shares: Vec<f64>,
+    /// Rates v1,v2,… 1/s
+    #[arg(long, value_delimiter = ',', value_parser = positive, requires = "shares")]
+    rates: Vec<f64>,
+    /// Length of the hold, s
+    #[arg(long, value_name = "S", default_value = "10", value_parser = positive)]
+    duration: f64,
+    /// Times at which it is computed
+    #[arg(long, default_value_t = 101, value_parser = clap::value_parser!(u16).range(2..))]
+    points: u16,
+    #[command(flatten)]
+    result: Output,
+}
+
+/// Computes and prints.
+pub fn run(args: &Args) -> Result<(), Failure> {
+    let course = course(args)?;
+    let Pressing { friction, exponent } = args.pressing;
+    let grown = growth(&args.contact, exponent, friction, &course);
+    if grown.is_empty() {
+        return Err(Failure::Input(miette::miette!(
+            "the body is never pressed, so nothing is held"
+        )));
+    }
+    if let Some(path) = &args.result.report {
+        let inputs = args.model.iter().map(|path| path.display().to_string()).collect();
+        write_report(path, "A limit surface over time", "", inputs, growth_sections(&grown))?;
+    }
+    if args.result.json {
+        print_json(&growth_json(&grown))
+    } else {
+        print_sections(&growth_sections(&grown))
+    }
+}
+
+/// Compression and normal force over the hold.
+fn course(args: &Args) -> Result<Vec<Held>, Failure> {
+    let wrong = |what: &str| Failure::Input(miette::miette!("{what}"));
+    let last = f64::from(args.points - 1);
+    let times: Vec<f64> = (0..args.points).map(|k| args.duration * f64::from(k) / last).collect();
+    if let Some(path) = &args.model {
+        let model = Model::read(path).map_err(Failure::input)?;
+        if !model.effects.is_empty() {
+            eprintln!("! the effects of the model are left out: only its base law is followed");
+        }
+        let material = Material::of(&model).map_err(|what| wrong(&what))?;
+        return match (args.force, args.compression) {
+            (Some(force), None) => Ok(material.creep(&times, force)),
+            (None, Some(compression)) => Ok(material.relaxation(&times, compression)),
+            _ => Err(wrong(
+                "with --model give either --force, for creep, or --compression, for relaxation",
+            )),
+        };
+    }
+    if args.shares.is_empty() || args.shares.len() != args.rates.len() {
+        return Err(wrong("give --model, or as many --shares as --rates"));
+    }
+    let force = args.force.ok_or_else(|| wrong("give the normal force with --force N"))?;
+    let relaxing = Relaxation::new(&args.shares, &args.rates);
+    if let Some(settled) = args.creep {
+        return Ok(creep(&times, settled, &relaxing.branches, force));
+    }
+    let shares: Vec<f64> = relaxing.branches.iter().map(|Branch { share, .. }| *share).collect();
+    if relaxing.equilibrium() < 0.0 || shares.iter().any(|share| *share < 0.0) {
+        return Err(wrong("shares of a relaxation are 0 or more, and no more than 1 together"));
+    }
+    if args.contact.grows() && args.compression.is_none() {
+        return Err(wrong("give the constant compression with --compression MM, or --creep MM"));
+    }
+    Ok(relaxation(&times, &relaxing, force, args.compression.unwrap_or_default()))
+}

@@ -1,0 +1,136 @@
+//! `palpate grasp margin`.
+
+use std::path::PathBuf;
+
+use super::{Pressing, body, number};
+use crate::cli::Failure;
+use crate::cli::output::{Output, print_json, print_sections, write_file, write_report};
+use crate::decomposition::{decompose, relaxation_of};
+use crate::grasp::history::{MOMENT, history};
+use crate::grasp::{Body, Grip, History, Source, Sources};
+use crate::model::Model;
+use crate::summary::{histories_json, history_csv, history_sections};
+use crate::trace::{FORCE, TANGENTIAL, Trace, read_set};
+
+/// The margin over a recording, and when it first slips.
+#[derive(clap::Args)]
+#[command(after_help = "\
+The margin is the factor by which the load, tangential force and moment together, could grow until
+the contact slips; its inverse is the share of the grip in use. A load is a column or a number.
+Without --contact the body is that of the trace's [specimen]; a ball or a block with Poisson's
+ratio grows with displacement_mm.
+
+With --model the filter of the device says at every sample where the normal force will settle if
+the grasp is held as it is, and with it the margin that will be left.
+
+Examples:
+  palpate grasp margin pull.csv --contact circle:5 --friction 0.7
+  palpate grasp margin press.csv --friction 0.7 --tangential 0.8 --moment 3
+  palpate grasp margin pull.csv --contact sphere:35 --friction 0.7 --model model.toml -o margin.csv")]
+pub struct Args {
+    /// Traces, or folders of traces
+    #[arg(required = true, value_name = "TRACE")]
+    traces: Vec<PathBuf>,
+    /// The contact, sizes in mm: circle:5, ellipse:6x4, rectangle:42x26, sphere:35, block:40x25x50:0.48
+    #[arg(long, value_name = "CONTACT", value_parser = body)]
+    contact: Option<Body>,
+    #[command(flatten)]
+    pressing: Pressing,
+    /// Column of the normal force, N
+    #[arg(long, default_value = FORCE, value_name = "COLUMN")]
+    normal: String,
+    /// Tangential force along x: a column, or N
+    #[arg(long, default_value = TANGENTIAL, value_name = "COLUMN|N", value_parser = source, allow_hyphen_values = true)]
+    tangential: Source,
+    /// Tangential force along y: a column, or N
+    #[arg(long, default_value = "0", value_name = "COLUMN|N", value_parser = source, allow_hyphen_values = true)]
+    across: Source,
+    /// Moment about the normal: a column, or N mm; without it moment_Nmm where there is one, else none
+    #[arg(long, value_name = "COLUMN|NMM", value_parser = source, allow_hyphen_values = true)]
+    moment: Option<Source>,
+    /// There is contact where the normal force is above this, N; without it, five times its noise
+    #[arg(long, value_name = "N", value_parser = number)]
+    contact_above: Option<f64>,
+    /// Also tell the margin once settled, by the relaxation function of this model
+    #[arg(long, value_name = "MODEL.toml")]
+    model: Option<PathBuf>,
+    /// Write the share in use at every sample of the one trace as CSV
+    #[arg(short, long, value_name = "FILE.csv")]
+    output: Option<PathBuf>,
+    #[command(flatten)]
+    result: Output,
+}
+
+fn source(text: &str) -> Result<Source, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value.is_finite() => Ok(Source::Constant(value)),
+        Ok(_) => Err("give the name of a column, or a number".into()),
+        Err(_) => Ok(Source::Column(text.into())),
+    }
+}
+
+/// Follows the margin and prints it.
+pub fn run(args: &Args) -> Result<(), Failure> {
+    let traces = read_set(&args.traces).map_err(Failure::input)?;
+    if args.output.is_some() && traces.len() > 1 {
+        return Err(Failure::Input(miette::miette!(
+            "-o takes one trace; {} were given",
+            traces.len()
+        )));
+    }
+    let relaxation = args.model.as_deref().map(|path| {
+        let model = Model::read(path).map_err(Failure::input)?;
+        relaxation_of(&model).map_err(Failure::input)
+    });
+    let relaxation = relaxation.transpose()?;
+    let mut histories: Vec<(&Trace, History)> = Vec::new();
+    for trace in &traces {
+        let settled = relaxation.as_ref().map(|relaxation| {
+            let channel = decompose(trace, &args.normal, relaxation, || {});
+            channel.map(|channel| channel.equilibrium).map_err(Failure::input)
+        });
+        let settled = settled.transpose()?;
+        let found = history(
+            trace,
+            &grip(args, trace)?,
+            &sources(args, trace),
+            settled.as_deref(),
+            args.contact_above,
+        );
+        histories.push((trace, found.map_err(Failure::input)?));
+    }
+    if let (Some(path), [(trace, history)]) = (&args.output, &histories[..]) {
+        write_file(path, history_csv(trace, history).as_bytes())?;
+    }
+    let sections = history_sections(&histories);
+    if let Some(path) = &args.result.report {
+        let names = traces.iter().map(Trace::label).collect();
+        write_report(path, "Margin until slip", "", names, sections.clone())?;
+    }
+    if args.result.json {
+        print_json(&histories_json(&histories))
+    } else {
+        print_sections(&sections)
+    }
+}
+
+fn grip(args: &Args, trace: &Trace) -> Result<Grip, Failure> {
+    let body = match args.contact {
+        Some(body) => body,
+        None => Body::of(&trace.head.specimen).map_err(Failure::input)?,
+    };
+    Ok(Grip { body, law: args.pressing.exponent, friction: args.pressing.friction })
+}
+
+fn sources(args: &Args, trace: &Trace) -> Sources {
+    let moment = args.moment.clone().unwrap_or_else(|| match trace.column(MOMENT) {
+        Some(_) => Source::Column(MOMENT.into()),
+        None => Source::Constant(0.0),
+    });
+    Sources {
+        normal: args.normal.clone(),
+        tangential: args.tangential.clone(),
+        across: args.across.clone(),
+        moment,
+    }
+}

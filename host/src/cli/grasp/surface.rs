@@ -1,0 +1,82 @@
+//! `palpate grasp surface`.
+
+use std::path::PathBuf;
+
+use super::{Pressing, body, contact_of, number, positive};
+use crate::cli::Failure;
+use crate::cli::output::{Output, print_json, print_sections, write_file, write_report};
+use crate::grasp::{Body, Load, limit_surface, margin};
+use crate::summary::{SurfaceSummary, surface_csv};
+
+/// The limit surface of a contact, and the margin of a load.
+#[derive(clap::Args)]
+#[command(after_help = "\
+The centre of rotation is scanned over the whole plane: outwards from the middle in --directions
+directions, in --steps steps up to infinity, where the contact slips without a turn. -o writes a
+row for each; the half of the surface with the opposite turn is its mirror image.
+
+Examples:
+  palpate grasp surface --contact rectangle:42.22x26.38 --exponent 4 --friction 0.7 --force 2
+  palpate grasp surface --contact sphere:35 --compression 5 --friction 0.7 --force 2 -o surface.csv
+  palpate grasp surface --contact ellipse:6x4 --friction 0.5 --force 3 --tangential 0.8 --moment 2")]
+pub struct Args {
+    /// The contact, sizes in mm: circle:5, ellipse:6x4, rectangle:42x26, sphere:35, block:40x25x50:0.48
+    #[arg(long, value_name = "CONTACT", value_parser = body)]
+    contact: Body,
+    /// Compression of a contact that grows with it, mm
+    #[arg(long, value_name = "MM", value_parser = number)]
+    compression: Option<f64>,
+    #[command(flatten)]
+    pressing: Pressing,
+    /// Normal force, N
+    #[arg(long, value_name = "N", value_parser = positive)]
+    force: f64,
+    /// Tangential force along x whose margin is asked for, N
+    #[arg(long, value_name = "N", value_parser = number, allow_hyphen_values = true)]
+    tangential: Option<f64>,
+    /// Tangential force along y, N
+    #[arg(long, value_name = "N", value_parser = number, allow_hyphen_values = true)]
+    across: Option<f64>,
+    /// Moment about the normal, N mm
+    #[arg(long, value_name = "NMM", value_parser = number, allow_hyphen_values = true)]
+    moment: Option<f64>,
+    /// Directions in which the centre of rotation goes outwards
+    #[arg(long, default_value_t = 20, value_parser = clap::value_parser!(u16).range(1..))]
+    directions: u16,
+    /// Steps from the middle to infinity
+    #[arg(long, default_value_t = 10, value_parser = clap::value_parser!(u16).range(1..))]
+    steps: u16,
+    /// Write the surface as CSV
+    #[arg(short, long, value_name = "FILE.csv")]
+    output: Option<PathBuf>,
+    #[command(flatten)]
+    result: Output,
+}
+
+/// Scans and prints.
+pub fn run(args: &Args) -> Result<(), Failure> {
+    let contact = contact_of(&args.contact, args.compression, args.pressing.exponent)?;
+    let limit = args.pressing.friction * args.force;
+    let surface = limit_surface(&contact, limit, args.directions.into(), args.steps.into());
+    let parts = [args.tangential, args.across, args.moment];
+    let load = parts.iter().any(Option::is_some).then(|| {
+        let [x, y, moment] = parts.map(Option::unwrap_or_default);
+        let load = Load { force: [x, y], moment };
+        (load, margin(&contact, limit, &load))
+    });
+    let summary = SurfaceSummary {
+        contact: &contact,
+        friction: args.pressing.friction,
+        normal: args.force,
+        surface: &surface,
+        load,
+    };
+    if let Some(path) = &args.output {
+        write_file(path, surface_csv(&surface).as_bytes())?;
+        eprintln!("{} points in {}", surface.len(), path.display());
+    }
+    if let Some(path) = &args.result.report {
+        write_report(path, "What a contact carries", "", Vec::new(), summary.sections())?;
+    }
+    if args.result.json { print_json(&summary.json()) } else { print_sections(&summary.sections()) }
+}

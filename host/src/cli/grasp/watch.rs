@@ -1,0 +1,217 @@
+//! `palpate grasp watch`.
+
+use std::io::{self, Write};
+use std::ops::ControlFlow::{self, Break, Continue};
+use std::path::PathBuf;
+
+use shared::pipeline::GAUGES;
+use shared::wire::Row;
+
+use super::{Pressing, body, contact_of, number, positive};
+use crate::cli::device::At;
+use crate::cli::{Failure, interrupt};
+use crate::decomposition::{decompose, default_relaxation, relaxation_of};
+use crate::device::watch::watch;
+use crate::grasp::Body;
+use crate::grasp::live::{Felt, Fingertip, Weights, mean_strain};
+use crate::model::Model;
+use crate::summary::{reading_json, reading_line};
+use crate::trace::{self, Trace, read_set};
+
+/// The margin as a fingertip feels it, while it grasps.
+#[derive(clap::Args)]
+#[command(after_help = "\
+Forces come from the gauges by weights, in N per µε, that a calibration against known loads gives.
+The fingertip's filter says where each gauge will settle, so every line has the margin now and the
+margin once settled. Ctrl-C ends it.
+
+With --recording the same is said of a recording of a fingertip, or of any trace with gauges.
+
+Examples:
+  palpate grasp watch --contact circle:5 --friction 0.7 --normal 0.001 --tangential 0.4
+  palpate grasp watch --port /dev/ttyUSB0 --contact circle:5 --friction 0.7 \\
+      --normal 0.001,0.001,0,0 --tangential-gauges 0,0,0.002,-0.002 --rest 1
+  palpate grasp watch --recording press.palpate --contact circle:5 --friction 0.7 --normal 0.001 \\
+      --tangential 0.4 --json")]
+pub struct Args {
+    #[command(flatten)]
+    at: At,
+    /// Follow a recording instead of a device
+    #[arg(long, value_name = "FILE", conflicts_with = "port")]
+    recording: Option<PathBuf>,
+    /// Relaxation function for gauges of a recording without equilibria; without it, that of eq. 3.6
+    #[arg(long, value_name = "MODEL.toml", requires = "recording")]
+    model: Option<PathBuf>,
+    /// The contact, sizes in mm: circle:5, ellipse:6x4, rectangle:42x26
+    #[arg(long, value_name = "CONTACT", value_parser = body)]
+    contact: Body,
+    /// Compression of a contact that grows with it, mm
+    #[arg(long, value_name = "MM", value_parser = number)]
+    compression: Option<f64>,
+    #[command(flatten)]
+    pressing: Pressing,
+    /// Normal force, N per µε: one number for all gauges, or four
+    #[arg(long, value_name = "WEIGHTS", value_parser = weights, allow_hyphen_values = true)]
+    normal: [f64; GAUGES],
+    /// Tangential force that is always there, N
+    #[arg(long, value_name = "N", default_value = "0", value_parser = number, allow_hyphen_values = true)]
+    tangential: f64,
+    /// Tangential force, N per µε of each gauge
+    #[arg(long, value_name = "WEIGHTS", default_value = "0", value_parser = weights, allow_hyphen_values = true)]
+    tangential_gauges: [f64; GAUGES],
+    /// Moment about the normal that is always there, N mm
+    #[arg(long, value_name = "NMM", default_value = "0", value_parser = number, allow_hyphen_values = true)]
+    moment: f64,
+    /// Moment about the normal, N mm per µε of each gauge
+    #[arg(long, value_name = "WEIGHTS", default_value = "0", value_parser = weights, allow_hyphen_values = true)]
+    moment_gauges: [f64; GAUGES],
+    /// Something is held where the normal force is above this, N
+    #[arg(long, value_name = "N", default_value = "0.05", value_parser = number)]
+    contact_above: f64,
+    /// The strain over the first so many seconds, without a grasp, is zero
+    #[arg(long, value_name = "S", value_parser = positive)]
+    rest: Option<f64>,
+    /// Time between two lines, s
+    #[arg(long, value_name = "S", default_value = "0.2", value_parser = positive)]
+    every: f64,
+    /// End after so many seconds
+    #[arg(long, value_name = "S", value_parser = positive)]
+    duration: Option<f64>,
+    /// Print one JSON object a line
+    #[arg(long)]
+    json: bool,
+}
+
+fn weights(text: &str) -> Result<[f64; GAUGES], String> {
+    let values = text.split(',').map(number).collect::<Result<Vec<f64>, _>>()?;
+    match values[..] {
+        [one] => Ok([one; GAUGES]),
+        [a, b, c, d] => Ok([a, b, c, d]),
+        _ => Err("give one number, or four with commas".into()),
+    }
+}
+
+/// Prints a line from time to time.
+pub fn run(args: &Args) -> Result<(), Failure> {
+    let mut watcher = Watcher::new(args)?;
+    match &args.recording {
+        Some(path) => {
+            for trace in &read_set(&[path]).map_err(Failure::input)? {
+                watcher.begin();
+                let _ = felt(trace, args)?.iter().try_for_each(|felt| watcher.take(felt));
+            }
+        }
+        None => {
+            let ended = interrupt::handle()?;
+            let (_, mut session) = args.at.open()?;
+            let each = |row: &Row| Felt::of(row).map_or(Continue(()), |felt| watcher.take(&felt));
+            let tally = watch(&mut session, ended, each).map_err(Failure::work)?;
+            eprintln!("{} rows, {} lost", tally.rows, tally.rows_lost);
+        }
+    }
+    watcher.written.map_err(Failure::work)
+}
+
+/// Turns samples into lines.
+struct Watcher<'a> {
+    args: &'a Args,
+    fingertip: Fingertip,
+    /// Samples of the rest, until it is over.
+    rest: Vec<Felt>,
+    /// Times of the first sample and of the next line, s.
+    times: Option<(f64, f64)>,
+    /// Whether all lines could be written.
+    written: io::Result<()>,
+}
+
+impl<'a> Watcher<'a> {
+    fn new(args: &'a Args) -> Result<Self, Failure> {
+        let contact = contact_of(&args.contact, args.compression, args.pressing.exponent)?;
+        let weights = |gauges, constant| Weights { gauges, constant };
+        let fingertip = Fingertip {
+            contact,
+            friction: args.pressing.friction,
+            normal: weights(args.normal, 0.0),
+            tangential: weights(args.tangential_gauges, args.tangential),
+            moment: weights(args.moment_gauges, args.moment),
+            threshold: args.contact_above,
+            zero: [0.0; GAUGES],
+        };
+        Ok(Self { args, fingertip, rest: Vec::new(), times: None, written: Ok(()) })
+    }
+
+    /// A stream begins.
+    fn begin(&mut self) {
+        self.rest.clear();
+        self.times = None;
+    }
+
+    /// Takes a sample; breaks after the last one that is wanted.
+    fn take(&mut self, felt: &Felt) -> ControlFlow<()> {
+        let rest = self.args.rest.unwrap_or_default();
+        let (began, next) = *self.times.get_or_insert((felt.time, felt.time + rest));
+        let passed = felt.time - began;
+        if passed < rest {
+            self.rest.push(*felt);
+            return Continue(());
+        }
+        if !self.rest.is_empty() {
+            self.fingertip.zero = mean_strain(&self.rest);
+            self.rest.clear();
+        }
+        if felt.time >= next {
+            let late = ((felt.time - next) / self.args.every).floor();
+            self.times = Some((began, next + self.args.every * (late + 1.0)));
+            return self.say(felt);
+        }
+        if self.args.duration.is_some_and(|most| passed >= most) { Break(()) } else { Continue(()) }
+    }
+
+    /// Writes a line; breaks where nobody reads any more.
+    fn say(&mut self, felt: &Felt) -> ControlFlow<()> {
+        let reading = self.fingertip.read(felt);
+        let line = if self.args.json {
+            reading_json(&reading).to_string()
+        } else {
+            reading_line(&reading)
+        };
+        let mut out = io::stdout().lock();
+        match writeln!(out, "{line}").and_then(|()| out.flush()) {
+            Ok(()) => Continue(()),
+            Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Break(()),
+            Err(error) => {
+                self.written = Err(error);
+                Break(())
+            }
+        }
+    }
+}
+
+/// The samples of a trace with gauges. Where their equilibria were not recorded, the filter of the device says
+/// them.
+fn felt(trace: &Trace, args: &Args) -> Result<Vec<Felt>, Failure> {
+    let relaxation = match &args.model {
+        Some(path) => {
+            let model = Model::read(path).map_err(Failure::input)?;
+            relaxation_of(&model).map_err(Failure::input)?
+        }
+        None => default_relaxation(),
+    };
+    let mut gauges: Vec<(Vec<f64>, Vec<f64>)> = Vec::new();
+    for name in trace::GAUGES {
+        let recorded = name.replace("_ustrain", "_equilibrium_ustrain");
+        gauges.push(match (trace.column(name), trace.column(&recorded)) {
+            (Some(strain), Some(equilibrium)) => (strain.to_vec(), equilibrium.to_vec()),
+            _ => {
+                let channel = decompose(trace, name, &relaxation, || {}).map_err(Failure::input)?;
+                (channel.input, channel.equilibrium)
+            }
+        });
+    }
+    let at = |(k, &time): (usize, &f64)| Felt {
+        time,
+        strain: std::array::from_fn(|gauge| gauges[gauge].0[k]),
+        equilibrium: std::array::from_fn(|gauge| gauges[gauge].1[k]),
+    };
+    Ok(trace.time.iter().enumerate().map(at).collect())
+}

@@ -1,0 +1,30 @@
+//! Stability of a grasp with soft contacts (6.4.5): what a contact carries before it slips.
+//!
+//! - [`pressure`]: how the normal force spreads over the contact.
+//! - [`contact`]: tangential force and moment of a contact that slips with a given motion.
+//! - [`surface`]: all of them: the limit surface.
+//! - [`mod@margin`]: how far a load is from it.
+//! - [`body`]: what is pressed, and how its contact grows with the compression.
+//! - [`mod@growth`]: the limit surface of a grasp that creeps or relaxes.
+//! - [`mod@history`]: the margin over a recording.
+//! - [`live`]: the margin as a fingertip feels it.
+
+pub mod body;
+pub mod contact;
+mod ellipse;
+pub mod growth;
+pub mod history;
+pub mod live;
+pub mod margin;
+pub mod pressure;
+mod quadrature;
+mod rectangle;
+pub mod surface;
+
+pub use body::{Body, BodyError};
+pub use contact::{Contact, Load, Motion, Shape, SizeError};
+pub use growth::{Grown, Held, Material, growth};
+pub use history::{Grip, History, HistoryError, Source, Sources, history};
+pub use margin::{Margin, margin};
+pub use pressure::{ExponentError, PressureLaw};
+pub use surface::{SurfacePoint, limit_curve, limit_surface};

@@ -1,0 +1,137 @@
+//! The margin over a recording.
+
+use serde_json::{Value, json};
+
+use super::{finite, margin_words};
+use crate::grasp::History;
+use crate::report::number::{percent, significant};
+use crate::report::{Axis, Callout, Colour, Column, Plot, Section, Series, Table};
+use crate::trace::Trace;
+
+/// Share above which the plot is cut off: far beyond slip.
+const DRAWN: f64 = 3.0;
+
+/// First slip and smallest margin of every trace, and the share used over time.
+#[must_use]
+pub fn history_sections(histories: &[(&Trace, History)]) -> Vec<Section> {
+    let columns = vec![
+        Column::text("trace"),
+        Column::number("first slip", "s"),
+        Column::number("smallest margin", ""),
+        Column::number("at", "s"),
+        Column::number("slips for", "% of contact"),
+        Column::number("contact above", "N"),
+    ];
+    let mut table = Table::new("Margin until slip", columns);
+    for (trace, history) in histories {
+        table = table.row([
+            trace.label(),
+            history.first_slip.map_or("–".into(), |time| format!("{time:.4}")),
+            margin_words(history.smallest_margin()),
+            format!("{:.4}", history.most_used.1),
+            significant(100.0 * history.slipping, 3),
+            significant(history.threshold, 3),
+        ]);
+    }
+    let mut section = Section::new("Margin until slip").table(
+        table.note("The load could have been so many times as large; at 1 the contact slips."),
+    );
+    for (trace, history) in histories {
+        section = match history.first_slip {
+            Some(time) => section.callout(
+                Callout::Warning,
+                "Slip",
+                format!(
+                    "{} slips first at {time:.4} s, and for {} of the contact.",
+                    trace.label(),
+                    percent(history.slipping, 2)
+                ),
+            ),
+            None => section.callout(
+                Callout::Finding,
+                "No slip",
+                format!(
+                    "{} never slips: its load could always have been {} times as large.",
+                    trace.label(),
+                    margin_words(history.smallest_margin())
+                ),
+            ),
+        };
+        section = section.figure(plot(trace, history), "");
+    }
+    vec![section]
+}
+
+fn plot(trace: &Trace, history: &History) -> Plot {
+    let cut = |used: &[f64]| used.iter().map(|used| used.min(DRAWN)).collect::<Vec<_>>();
+    let drawn = |used: &[f64]| -> Vec<f64> {
+        // `min` would take the number where there is none.
+        used.iter()
+            .zip(cut(used))
+            .map(|(&used, cut)| if used.is_nan() { used } else { cut })
+            .collect()
+    };
+    let mut plot = Plot::new(
+        trace.label(),
+        Axis::new("time", "s"),
+        Axis::new("share of the grip in use, 1/margin", ""),
+    )
+    .level(1.0, "slip");
+    if let Some(settled) = &history.settled {
+        let series = Series::line("once settled", &trace.time[..], drawn(settled));
+        plot = plot.series(series.colour(Colour::Muted));
+    }
+    plot = plot.series(
+        Series::line("now", &trace.time[..], drawn(&history.used)).colour(Colour::MEASURED),
+    );
+    if let Some(time) = history.first_slip {
+        plot = plot.mark(time, "first slip");
+    }
+    plot.summary(format!(
+        "At most {} of the grip is in use, at {} s",
+        percent(history.most_used.0, 3),
+        significant(history.most_used.1, 4)
+    ))
+}
+
+/// The margins of all traces as a JSON object.
+#[must_use]
+pub fn histories_json(histories: &[(&Trace, History)]) -> Value {
+    let traces: Vec<Value> = histories
+        .iter()
+        .map(|(trace, history)| {
+            let shares = |used: &[f64]| used.iter().map(|&used| finite(used)).collect::<Vec<_>>();
+            json!({
+                "trace": trace.label(),
+                "first_slip_s": history.first_slip,
+                "smallest_margin": finite(history.smallest_margin()),
+                "smallest_margin_at_s": history.most_used.1,
+                "slipping_share": history.slipping,
+                "contact_above_N": history.threshold,
+                "time_s": trace.time,
+                "used": shares(&history.used),
+                "used_once_settled": history.settled.as_deref().map(shares),
+            })
+        })
+        .collect();
+    json!({"palpate_grasp_margin": 1, "traces": traces})
+}
+
+/// Time and share used of every sample as CSV; empty where there is no contact.
+#[must_use]
+pub fn history_csv(trace: &Trace, history: &History) -> String {
+    let mut text = String::from("time_s,used");
+    if history.settled.is_some() {
+        text += ",used_once_settled";
+    }
+    text.push('\n');
+    let cell = |used: f64| if used.is_nan() { String::new() } else { used.to_string() };
+    for (k, time) in trace.time.iter().enumerate() {
+        text += &format!("{time},{}", cell(history.used[k]));
+        if let Some(settled) = &history.settled {
+            text += &format!(",{}", cell(settled[k]));
+        }
+        text.push('\n');
+    }
+    text
+}

@@ -1,0 +1,46 @@
+//! What a contact carries before it slips, in words, tables and plots.
+
+mod growth;
+mod history;
+mod live;
+mod surface;
+
+pub use growth::{growth_json, growth_sections};
+pub use history::{histories_json, history_csv, history_sections};
+pub use live::{reading_json, reading_line};
+pub use surface::{SurfaceSummary, pressure_plot, surface_csv};
+
+use crate::grasp::Shape;
+use crate::report::number::significant;
+
+/// A shape in words.
+fn shape_words(shape: &Shape) -> String {
+    match *shape {
+        Shape::Rectangle { length, width } => {
+            format!("rectangle {} × {} mm", significant(length, 5), significant(width, 5))
+        }
+        Shape::Circle { radius } => format!("circle of radius {} mm", significant(radius, 5)),
+        Shape::Ellipse { x, y } => {
+            format!("ellipse of semi-axes {} and {} mm", significant(x, 5), significant(y, 5))
+        }
+    }
+}
+
+/// An exponent k in words.
+fn exponent_words(exponent: f64) -> String {
+    match exponent {
+        2.0 => "k = 2 (Hertz)".into(),
+        _ if exponent.is_infinite() => "k = ∞ (uniform)".into(),
+        _ => format!("k = {}", significant(exponent, 4)),
+    }
+}
+
+/// A margin in words; without a load there is none.
+fn margin_words(margin: f64) -> String {
+    if margin.is_infinite() { "∞".into() } else { significant(margin, 4) }
+}
+
+/// A number, or nothing where it is none: JSON has no infinity.
+fn finite(value: f64) -> Option<f64> {
+    value.is_finite().then_some(value)
+}
