@@ -12,6 +12,7 @@
 //! - [`criticism`]: where a model fails, which effect is missing, how sure that is.
 //! - [`contact`]: a round tip on an elastic body, and the stress below it.
 //! - [`sensor`]: a simulated fingertip.
+//! - [`afm`]: force curves of a tip.
 //! - [`grasp`]: what a soft contact can hold before it slips.
 //! - [`dissertation`]: the figures that the dissertation prints.
 //! - [`practice`]: data sets with a hidden effect.
@@ -19,6 +20,7 @@
 //! - [`cli`]: one file for each subcommand: parse, call, print.
 #![forbid(unsafe_code)]
 
+pub mod afm;
 pub mod cli;
 pub mod contact;
 pub mod criticism;

@@ -4,6 +4,7 @@
 //! work failed, 2 when the input or the call was wrong.
 
 mod add;
+mod afm;
 mod compare;
 mod completions;
 mod convert;
@@ -88,6 +89,8 @@ enum Command {
     Sensor(sensor::Args),
     /// What a soft contact carries before it slips
     Grasp(grasp::Args),
+    /// Analyse force curves of a tip
+    Afm(afm::Args),
     /// Turn a foreign recording into a trace
     Import(import::Args),
     /// Turn recordings of a device into traces (CSV, Parquet), and back
@@ -151,6 +154,7 @@ pub fn run() -> ExitCode {
         Command::Simulate(args) => simulate::run(args),
         Command::Sensor(args) => sensor::run(args),
         Command::Grasp(args) => grasp::run(args),
+        Command::Afm(args) => afm::run(args),
         Command::Import(args) => import::run(args),
         Command::Convert(args) => convert::run(args),
         Command::Plot(args) => plot::run(args),

@@ -5,6 +5,7 @@
 //! Experimental Validation* (doctoral dissertation).
 
 mod comparison;
+pub mod contact_mechanics;
 pub mod grasp_stability;
 mod relaxation_tables;
 pub mod tactile_sensor;

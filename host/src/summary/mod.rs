@@ -1,5 +1,6 @@
 //! Results in words, tables and plots: the same sections go to the terminal and into a report.
 
+mod afm;
 mod change;
 mod compare;
 mod decomposition;
@@ -15,6 +16,8 @@ mod recording;
 mod sensor;
 mod whole_motion;
 
+pub(crate) use afm::hold_figure;
+pub use afm::{FittedCurve, afm_json, afm_sections, rough_json, rough_sections};
 pub use change::{change_json, change_sections};
 pub use compare::{compare_json, compare_sections, overlays};
 pub use decomposition::{
