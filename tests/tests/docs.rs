@@ -129,6 +129,11 @@ fn the_walk_through_the_simulated_fingertip_says_what_the_commands_print() {
 }
 
 #[test]
+fn the_walk_through_force_curves_says_what_the_commands_print() {
+    run_all("docs/afm.md");
+}
+
+#[test]
 fn every_link_to_a_file_leads_somewhere() {
     for document in [
         "README.md",

@@ -42,7 +42,7 @@ pub fn surface(law: PressureLaw, rho: f64) -> f64 {
     let ray = |angle: f64| {
         let (sin, cos) = angle.sin_cos();
         // Where the ray leaves the circle; on it the pressure is highest nearest to the middle.
-        let to_edge = -rho * cos + (1.0 - (rho * sin).powi(2)).max(0.0).sqrt();
+        let to_edge = ((1.0 - (rho * sin).powi(2)).max(0.0).sqrt() - rho * cos).max(0.0);
         let nearest = (-rho * cos).clamp(0.0, to_edge);
         let part = |from, to| -> f64 {
             let pressure = |s: f64| law.circular((rho * rho + s * s + 2.0 * rho * s * cos).sqrt());
