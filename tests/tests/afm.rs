@@ -147,7 +147,7 @@ fn nonsense_is_refused_with_what_to_do() {
         (&[&cone[..], &["--pressure-exponent", "4"]].concat(), "round tip"),
         (&["gel.csv", "--tip-radius-nm", "20", "--pressure-exponent", "0.5"], "1 or more"),
         (&["gel.csv", "--tip-radius-nm", "20", "--poisson", "0.7"], "Poisson"),
-        (&["gel.csv", "--tip-radius-nm", "-1"], "tip-radius-nm"),
+        (&["gel.csv", "--tip-radius-nm", "0"], "the tip's radius"),
         (&["flat.csv", "--tip-radius-nm", "20"], "samples"),
         (&["missing.csv", "--tip-radius-nm", "20"], "missing.csv"),
         (&["simulate", "--relaxation", "0.5", "-o", "a.csv"], "pairs"),
