@@ -354,8 +354,8 @@ fn reason(modulus: &Estimate, slope_over_spring: Option<f64>) -> Option<String> 
         ));
     }
     let vague = modulus.standard_error / modulus.value;
-    // Not a number is vague, too.
-    (!(vague <= VAGUE)).then(|| "its standard error is above half of it: press deeper".into())
+    let told = vague.is_finite() && vague <= VAGUE;
+    (!told).then(|| "its standard error is above half of it: press deeper".into())
 }
 
 /// Median of the size of a normal deviate to its standard deviation.

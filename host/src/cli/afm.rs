@@ -281,7 +281,7 @@ fn simulate(args: &SimulateArgs) -> Result<(), Failure> {
 fn relaxation(numbers: &[f64]) -> Result<Relaxation, Failure> {
     let (shares, rates): (Vec<f64>, Vec<f64>) =
         numbers.chunks_exact(2).map(|pair| (pair[0], pair[1])).unzip();
-    let good = numbers.len() % 2 == 0
+    let good = numbers.len().is_multiple_of(2)
         && shares.iter().all(|share| (0.0..1.0).contains(share))
         && shares.iter().sum::<f64>() < 1.0
         && rates.iter().all(|rate| *rate > 0.0 && rate.is_finite());
