@@ -400,3 +400,53 @@ fn a_recording_goes_on_over_the_death_of_the_device_and_ends_in_order_when_told(
     let marks: Vec<_> = gaps.iter().filter(|gap| !matches!(gap, Gap::RowsLost(_))).collect();
     assert_eq!(marks, [&Gap::LinkLost, &Gap::LinkBack, &Gap::Reset]);
 }
+
+#[test]
+fn the_margin_of_a_grasp_is_told_while_it_is_held() {
+    let simulated = Simulated::begin();
+    let watch =
+        ["grasp", "watch", "--contact", "circle:5", "--friction", "0.7", "--normal", "0.001"];
+    let load = ["--tangential", "0.3", "--every", "0.1", "--duration", "7.5", "--json"];
+    let (status, out, error) = simulated.call(&[&watch[..], &load].concat());
+    assert_eq!(status, 0, "{error}");
+    let lines: Vec<Value> = out.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    assert!(lines.len() > 60, "{} lines", lines.len());
+    let of = |state: &str| lines.iter().filter(|line| line["state"] == state).count();
+    // A grasp is pressed, held for three seconds and released, over and over.
+    assert!(of("holds") > 10 && of("holds") + of("will-slip") < 60, "{out}");
+    let pressed = lines.iter().max_by(|a, b| {
+        let normal = |line: &Value| line["now"]["normal_N"].as_f64().unwrap();
+        normal(a).total_cmp(&normal(b))
+    });
+    let (now, settled) = (&pressed.unwrap()["now"], &pressed.unwrap()["settled"]);
+    assert!(settled["margin"].as_f64().unwrap() < 0.9 * now["margin"].as_f64().unwrap());
+    assert!(error.contains(" 0 lost"), "{error}");
+}
+
+#[test]
+fn a_watch_ends_in_order_when_told_and_leaves_the_port_free() {
+    let simulated = Simulated::begin();
+    let mut process = program()
+        .args([
+            "grasp",
+            "watch",
+            "--port",
+            "fingertip",
+            "--contact",
+            "circle:5",
+            "--friction",
+            "0.7",
+        ])
+        .args(["--normal", "0.001"])
+        .current_dir(simulated.folder.path())
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut line = String::new();
+    BufReader::new(process.stdout.as_mut().unwrap()).read_line(&mut line).unwrap();
+    assert!(line.contains("margin"), "{line}");
+    let told = Command::new("kill").args(["-INT", &process.id().to_string()]).status().unwrap();
+    assert!(told.success());
+    assert!(process.wait().unwrap().success());
+    simulated.json(&["device", "self-test"]);
+}

@@ -134,6 +134,11 @@ fn the_walk_through_force_curves_says_what_the_commands_print() {
 }
 
 #[test]
+fn the_page_on_grasps_says_what_the_commands_print() {
+    run_all("docs/grasp.md");
+}
+
+#[test]
 fn every_link_to_a_file_leads_somewhere() {
     for document in [
         "README.md",
@@ -142,6 +147,7 @@ fn every_link_to_a_file_leads_somewhere() {
         "docs/measured.md",
         "docs/effects/README.md",
         "docs/missing-effect.md",
+        "docs/grasp.md",
     ] {
         let path = workspace().join(document);
         let text = fs::read_to_string(&path).unwrap();

@@ -57,6 +57,7 @@ Examples:
   palpate effects mullins                          one effect of the library, in depth
   palpate hide -o practice/                        an exercise: which effect is in it?
   palpate simulate model.toml --motion press.csv   what the model says of another motion
+  palpate grasp margin pull.csv --friction 0.7     when a grasp slips
   palpate import lab.txt --map lab.map.toml        a foreign recording
   palpate device list                              the fingertips that are plugged in
   palpate record -o press.palpate                  a recording of one";

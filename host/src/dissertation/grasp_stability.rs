@@ -4,7 +4,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use super::{Chapter, Check, Comparison};
 use crate::grasp::growth::{creep, growth};
-use crate::grasp::{Body, Contact, Grown, Load, PressureLaw, Shape, SurfacePoint, limit_curve};
+use crate::grasp::{Body, Contact, Grown, Motion, PressureLaw, Shape, SurfacePoint, limit_curve};
 use crate::model::Branch;
 use crate::report::number::{percent, significant};
 use crate::report::{Axis, Callout, Colour, Plot, Section, Series};
@@ -162,7 +162,6 @@ fn surfaces(before: &Contact, after: &Contact) -> Plot {
 }
 
 fn gains(before: &Contact, after: &Contact) -> Plot {
-    // The same motion of a contact of the same proportions meets the same force, so the moments compare.
     let pairs = limit_curve(before, limit(), FRAC_PI_2, DRAWN);
     let (force, gain): (Vec<f64>, Vec<f64>) = pairs
         .iter()
@@ -177,27 +176,20 @@ fn gains(before: &Contact, after: &Contact) -> Plot {
         .summary("The gain of the moment is largest without a tangential force and vanishes at the largest")
 }
 
-/// The moment that holds beside a tangential force along y, N mm.
+/// The moment that holds beside a tangential force along y, N mm: along the curve the force falls as the turn
+/// grows, so bisection finds its motion.
 fn moment_at(contact: &Contact, force: f64) -> f64 {
-    let upright = Load { force: [0.0, force], moment: 0.0 };
-    // On the curve the moment falls as the slope does: bisection.
     let at = |slope: f64| {
-        let motion = crate::grasp::Motion {
-            velocity: [0.0, slope.cos()],
-            turn: slope.sin() / contact.arm(),
-        };
-        contact.slipping(&motion).times(limit())
+        let turn = slope.sin() / contact.arm();
+        contact.slipping(&Motion { velocity: [0.0, slope.cos()], turn }).times(limit())
     };
     let (mut translation, mut turn) = (0.0, FRAC_PI_2);
     for _ in 0..60 {
         let middle = 0.5 * (translation + turn);
-        if at(middle).tangential() > upright.tangential() {
-            translation = middle
-        } else {
-            turn = middle
-        }
+        let side = if at(middle).tangential() > force { &mut translation } else { &mut turn };
+        *side = middle;
     }
-    at(0.5 * (translation + turn)).moment
+    at(turn).moment
 }
 
 fn columns(curve: &[SurfacePoint]) -> (Vec<f64>, Vec<f64>) {

@@ -118,15 +118,10 @@ impl FromStr for Body {
         let wrong = || BodyError::Text(text.into());
         let mut parts = text.split(':');
         let kind = parts.next().unwrap_or_default();
-        let sizes: Option<Vec<f64>> = parts.next().map(|sizes| {
-            let size = |size: &str| size.parse().ok().filter(|&mm: &f64| mm > 0.0 && mm < 1e9);
-            sizes.split('x').map_while(size).collect()
-        });
+        let size = |size: &str| size.parse().ok().filter(|&mm: &f64| mm > 0.0 && mm < 1e9);
+        let sizes: Option<Vec<f64>> =
+            parts.next().and_then(|all| all.split('x').map(size).collect());
         let sizes = sizes.ok_or_else(wrong)?;
-        // What is not a number ends the sizes early.
-        if text.split(':').nth(1).map(|sizes| sizes.split('x').count()) != Some(sizes.len()) {
-            return Err(wrong());
-        }
         let poisson = parts.next().map(|ratio| {
             ratio
                 .parse()

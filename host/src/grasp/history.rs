@@ -1,5 +1,7 @@
 //! The margin of a load history: when does a recorded grasp begin to slip?
 
+use std::ops::Range;
+
 use rayon::prelude::*;
 
 use super::body::Body;
@@ -44,6 +46,17 @@ pub struct Grip {
     pub friction: f64,
 }
 
+/// A stretch of time over which the contact slips.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Slip {
+    /// When it begins, s: between the samples before and after.
+    pub from: f64,
+    /// When it ends, by holding again or by losing contact, s.
+    pub to: f64,
+    /// Whether the contact had not held before: the load was there at the touch.
+    pub from_touch: bool,
+}
+
 /// The margin over a recording.
 #[derive(Clone, Debug, PartialEq)]
 pub struct History {
@@ -54,8 +67,8 @@ pub struct History {
     pub settled: Option<Vec<f64>>,
     /// Normal force above which there is contact, N.
     pub threshold: f64,
-    /// When it first slips, s, between the samples before and after.
-    pub first_slip: Option<f64>,
+    /// Where it slips, in order.
+    pub slips: Vec<Slip>,
     /// The most that was used, and when, s.
     pub most_used: (f64, f64),
     /// Part of the time in contact at which it slips.
@@ -67,6 +80,12 @@ impl History {
     #[must_use]
     pub fn smallest_margin(&self) -> f64 {
         self.most_used.0.recip()
+    }
+
+    /// When a grasp that held first gives way, s.
+    #[must_use]
+    pub fn first_slip(&self) -> Option<f64> {
+        self.slips.iter().find(|slip| !slip.from_touch).map(|slip| slip.from)
     }
 }
 
@@ -102,18 +121,19 @@ pub fn history(
         let noise = noise(trace, &sources.normal);
         noise.map_or(0.0, |noise| OVER_NOISE * noise.standard_deviation)
     });
-    let model = contact_at(grip, compression.as_deref(), None, 0);
+    // Any size will do for one whose tables serve all samples.
+    let shape = grip.body.contact(1.0);
+    let model = shape.and_then(|shape| Contact::new(shape, grip.law).ok());
+    let contact = |k: usize| {
+        let shape = grip.body.contact(compression.map_or(0.0, |compression| compression[k]))?;
+        model.as_ref()?.reshaped(shape).ok()
+    };
     let used = |normal: &[f64]| -> Vec<f64> {
         let at = |k: usize| {
-            if normal[k] <= threshold {
-                return f64::NAN;
-            }
-            let contact = contact_at(grip, compression.as_deref(), model.as_ref(), k);
-            contact.map_or(f64::NAN, |contact| {
-                margin(&contact, grip.friction * normal[k], &loads[k]).factor.recip()
-            })
+            let contact = contact(k).filter(|_| normal[k] > threshold)?;
+            Some(margin(&contact, grip.friction * normal[k], &loads[k]).factor.recip())
         };
-        (0..trace.len()).into_par_iter().map(at).collect()
+        (0..trace.len()).into_par_iter().map(|k| at(k).unwrap_or(f64::NAN)).collect()
     };
     let settled = settled.map(used);
     let used = used(normal);
@@ -125,10 +145,13 @@ pub fn history(
         .max_by(|a, b| a.0.total_cmp(&b.0))
         .ok_or_else(|| HistoryError::NoContact { trace: trace.label(), threshold })?;
     let in_contact = used.iter().filter(|used| !used.is_nan()).count();
-    let slips = used.iter().filter(|used| **used >= 1.0).count();
+    let slipping = used.iter().filter(|used| **used >= 1.0).count();
     Ok(History {
-        first_slip: first_slip(&trace.time, &used),
-        slipping: slips as f64 / in_contact as f64,
+        slips: runs(&trace.time)
+            .into_iter()
+            .flat_map(|run| slips(&trace.time, &used, run))
+            .collect(),
+        slipping: slipping as f64 / in_contact as f64,
         used,
         settled,
         threshold,
@@ -136,33 +159,13 @@ pub fn history(
     })
 }
 
-/// The contact at a sample; `model` is one of the same law, whose tables serve again.
-fn contact_at(
-    grip: &Grip,
-    compression: Option<&[f64]>,
-    model: Option<&Contact>,
-    sample: usize,
-) -> Option<Contact> {
-    // Any size will do for a model.
-    let compression = match (model, compression) {
-        (None, _) => 1.0,
-        (Some(_), Some(compression)) => compression[sample],
-        (Some(_), None) => 0.0,
-    };
-    let shape = grip.body.contact(compression)?;
-    match model {
-        Some(model) => model.reshaped(shape).ok(),
-        None => Contact::new(shape, grip.law).ok(),
-    }
-}
-
 /// The compression, where the contact depends on it.
-fn compression(trace: &Trace, body: &Body) -> Result<Option<Vec<f64>>, HistoryError> {
+fn compression<'t>(trace: &'t Trace, body: &Body) -> Result<Option<&'t [f64]>, HistoryError> {
     if !body.grows() {
         return Ok(None);
     }
     let advice = "the contact grows with it; give one of a fixed size with --contact";
-    column(trace, DISPLACEMENT, advice).map(|values| Some(values.to_vec()))
+    column(trace, DISPLACEMENT, advice).map(Some)
 }
 
 fn loads(trace: &Trace, sources: &Sources) -> Result<Vec<Load>, HistoryError> {
@@ -190,19 +193,32 @@ fn column<'t>(
     })
 }
 
-/// When the used share first passes 1, between the samples before and after; nothing is assumed across a gap
-/// or before contact.
-fn first_slip(time: &[f64], used: &[f64]) -> Option<f64> {
-    runs(time).into_iter().find_map(|run| {
-        let index = run.clone().find(|&k| used[k] >= 1.0)?;
-        let before = index.checked_sub(1).filter(|before| run.contains(before));
-        // Not a number is no contact: then it slips from the touch on.
-        let between = before.filter(|&before| used[before] < 1.0 && used[index].is_finite());
-        Some(between.map_or(time[index], |before| {
-            let share = (1.0 - used[before]) / (used[index] - used[before]);
-            time[before] + share * (time[index] - time[before])
-        }))
-    })
+/// Where the used share is 1 and more within samples that lie together; between samples it runs straight.
+fn slips(time: &[f64], used: &[f64], run: Range<usize>) -> Vec<Slip> {
+    let crossing = |before: usize, after: usize| {
+        let share = (1.0 - used[before]) / (used[after] - used[before]);
+        time[before] + share * (time[after] - time[before])
+    };
+    let mut found: Vec<Slip> = Vec::new();
+    // Since when it slips, and whether from the touch on.
+    let mut open: Option<(f64, bool)> = None;
+    let mut last = run.start;
+    for k in run {
+        let (slips, slipped) = (used[k] >= 1.0, open.is_some());
+        if slips && !slipped {
+            // Without a number before there was no contact, and without a finite one nothing held.
+            let held = k > last && used[last] < 1.0;
+            let from = if held && used[k].is_finite() { crossing(last, k) } else { time[k] };
+            open = Some((from, !held));
+        } else if !slips && let Some((from, from_touch)) = open.take() {
+            let holds = used[k] < 1.0 && used[last].is_finite();
+            let to = if holds { crossing(last, k) } else { time[last] };
+            found.push(Slip { from, to, from_touch });
+        }
+        last = k;
+    }
+    found.extend(open.map(|(from, from_touch)| Slip { from, to: time[last], from_touch }));
+    found
 }
 
 #[cfg(test)]
@@ -240,7 +256,7 @@ mod tests {
     #[test]
     fn a_pull_slips_when_it_reaches_the_friction() {
         let found = history(&pulled(), &grip(PAD), &sources(), None, Some(0.1)).unwrap();
-        assert!((found.first_slip.unwrap() - 4.8).abs() < 1e-9, "{:?}", found.first_slip);
+        assert!((found.first_slip().unwrap() - 4.8).abs() < 1e-9, "{:?}", found.slips);
         assert!(found.used[99].is_nan() && found.used[150] == 0.0);
         assert!((found.smallest_margin() - 1.4 / (0.5 * 3.99)).abs() < 1e-9);
         assert!((found.slipping - 120.0 / 500.0).abs() < 0.01);
@@ -253,7 +269,7 @@ mod tests {
         let relaxed = vec![1.2; 600];
         let trace = pulled();
         let found = history(&trace, &grip(PAD), &twisted, Some(&relaxed), Some(0.1)).unwrap();
-        assert!(found.first_slip.unwrap() < 4.7);
+        assert!(found.first_slip().unwrap() < 4.7);
         let settled = found.settled.unwrap();
         assert!(settled[450] > found.used[450] * 1.5);
     }
@@ -263,7 +279,21 @@ mod tests {
         let mut loaded = sources();
         loaded.tangential = Source::Constant(-9.0);
         let found = history(&pulled(), &grip(PAD), &loaded, None, Some(0.1)).unwrap();
-        assert_eq!(found.first_slip, Some(1.0));
+        assert_eq!(found.first_slip(), None);
+        assert_eq!(found.slips, [Slip { from: 1.0, to: 5.99, from_touch: true }]);
+    }
+
+    #[test]
+    fn a_grasp_that_slips_while_it_forms_and_again_later_has_two_slips() {
+        let mut trace = pulled();
+        let time = trace.time.clone();
+        let pull = time.iter().map(|t| 2.0 - (t - 3.0).abs()).map(|pull| 1.8 - pull).collect();
+        trace.set_column(TANGENTIAL, pull);
+        let found = history(&trace, &grip(PAD), &sources(), None, Some(0.1)).unwrap();
+        let [touch, later] = found.slips[..] else { panic!("{:?}", found.slips) };
+        assert!(touch.from_touch && touch.from == 1.0 && (touch.to - 1.4).abs() < 1e-9);
+        assert!(!later.from_touch && (later.from - 4.6).abs() < 1e-9);
+        assert_eq!(found.first_slip(), Some(later.from));
     }
 
     #[test]

@@ -24,7 +24,7 @@ pub mod surface;
 pub use body::{Body, BodyError};
 pub use contact::{Contact, Load, Motion, Shape, SizeError};
 pub use growth::{Grown, Held, Material, growth};
-pub use history::{Grip, History, HistoryError, Source, Sources, history};
+pub use history::{Grip, History, HistoryError, Slip, Source, Sources, history};
 pub use margin::{Margin, margin};
 pub use pressure::{ExponentError, PressureLaw};
 pub use surface::{SurfacePoint, limit_curve, limit_surface};

@@ -41,7 +41,7 @@ mod tests {
         let rule = Rule::flat_ended(const { NonZeroUsize::new(48).unwrap() });
         let integral =
             |f: fn(f64) -> f64| -> f64 { rule.on(0.0, 2.0).map(|(x, w)| w * f(x)).sum() };
-        assert!((integral(|x| x.sqrt()) - 2f64.powf(1.5) / 1.5).abs() < 1e-12);
+        assert!((integral(f64::sqrt) - 2f64.powf(1.5) / 1.5).abs() < 1e-12);
         assert!((integral(|x| (2.0 - x).cbrt()) - 0.75 * 2f64.powf(4.0 / 3.0)).abs() < 1e-11);
         assert!((integral(|x| x * x.ln()) - (2.0 * 2f64.ln() - 1.0)).abs() < 1e-12);
     }

@@ -7,7 +7,7 @@ use crate::cli::Failure;
 use crate::cli::output::{Output, print_json, print_sections, write_report};
 use crate::grasp::growth::{creep, growth, relaxation};
 use crate::grasp::{Body, Held, Material};
-use crate::model::{Branch, Model, Relaxation};
+use crate::model::{Model, Relaxation};
 use crate::summary::{growth_json, growth_sections};
 
 /// How the limit surface grows under creep or shrinks under relaxation.
@@ -107,8 +107,7 @@ fn course(args: &Args) -> Result<Vec<Held>, Failure> {
     if let Some(settled) = args.creep {
         return Ok(creep(&times, settled, &relaxing.branches, force));
     }
-    let shares: Vec<f64> = relaxing.branches.iter().map(|Branch { share, .. }| *share).collect();
-    if relaxing.equilibrium() < 0.0 || shares.iter().any(|share| *share < 0.0) {
+    if relaxing.equilibrium() < 0.0 || args.shares.iter().any(|share| *share < 0.0) {
         return Err(wrong("shares of a relaxation are 0 or more, and no more than 1 together"));
     }
     if args.contact.grows() && args.compression.is_none() {

@@ -2,8 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::shape_words;
-use crate::grasp::Grown;
+use crate::grasp::{Grown, Shape};
 use crate::report::number::{percent, significant};
 use crate::report::{Axis, Callout, Colour, Column, Panels, Plot, Section, Series, Table};
 
@@ -20,20 +19,20 @@ pub fn growth_sections(grown: &[Grown]) -> Vec<Section> {
             Column::number("time", "s"),
             Column::number("compression", "mm"),
             Column::number("normal force", "N"),
-            Column::text("contact"),
+            Column::text("contact (mm)"),
             Column::number("force", "N"),
             Column::number("moment", "N mm"),
         ],
     );
     let step = grown.len().div_ceil(ROWS).max(1);
-    let shown =
-        grown.iter().step_by(step).chain(Some(last).filter(|_| (grown.len() - 1) % step != 0));
+    let last_is_shown = (grown.len() - 1).is_multiple_of(step);
+    let shown = grown.iter().step_by(step).chain(Some(last).filter(|_| !last_is_shown));
     for moment in shown {
         table = table.row([
             significant(moment.held.time, 4),
             significant(moment.held.compression, 4),
             significant(moment.held.normal, 4),
-            shape_words(&moment.shape),
+            sizes(&moment.shape),
             significant(moment.force, 4),
             significant(moment.moment, 4),
         ]);
@@ -56,6 +55,16 @@ pub fn growth_sections(grown: &[Grown]) -> Vec<Section> {
         .table(table)
         .figure(panels(grown), "");
     vec![section]
+}
+
+/// The sizes of a contact: a radius, or two sides.
+fn sizes(shape: &Shape) -> String {
+    let both = |a: f64, b: f64| format!("{} × {}", significant(a, 5), significant(b, 5));
+    match *shape {
+        Shape::Rectangle { length, width } => both(length, width),
+        Shape::Circle { radius } => format!("radius {}", significant(radius, 5)),
+        Shape::Ellipse { x, y } => both(x, y),
+    }
 }
 
 fn panels(grown: &[Grown]) -> Panels {

@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use super::{finite, margin_words};
-use crate::grasp::History;
+use crate::grasp::{History, Slip};
 use crate::report::number::{percent, significant};
 use crate::report::{Axis, Callout, Colour, Column, Plot, Section, Series, Table};
 use crate::trace::Trace;
@@ -11,12 +11,14 @@ use crate::trace::Trace;
 /// Share above which the plot is cut off: far beyond slip.
 const DRAWN: f64 = 3.0;
 
-/// First slip and smallest margin of every trace, and the share used over time.
+/// Slips shown of one trace at most.
+const SHOWN: usize = 10;
+
+/// Smallest margin and slips of every trace, and the share used over time.
 #[must_use]
 pub fn history_sections(histories: &[(&Trace, History)]) -> Vec<Section> {
     let columns = vec![
         Column::text("trace"),
-        Column::number("first slip", "s"),
         Column::number("smallest margin", ""),
         Column::number("at", "s"),
         Column::number("slips for", "% of contact"),
@@ -26,40 +28,66 @@ pub fn history_sections(histories: &[(&Trace, History)]) -> Vec<Section> {
     for (trace, history) in histories {
         table = table.row([
             trace.label(),
-            history.first_slip.map_or("–".into(), |time| format!("{time:.4}")),
             margin_words(history.smallest_margin()),
             format!("{:.4}", history.most_used.1),
             significant(100.0 * history.slipping, 3),
             significant(history.threshold, 3),
         ]);
     }
-    let mut section = Section::new("Margin until slip").table(
-        table.note("The load could have been so many times as large; at 1 the contact slips."),
-    );
+    let table =
+        table.note("The load could have been so many times as large; at 1 the contact slips.");
+    let mut section = Section::new("Margin until slip").table(table);
     for (trace, history) in histories {
-        section = match history.first_slip {
-            Some(time) => section.callout(
-                Callout::Warning,
-                "Slip",
-                format!(
-                    "{} slips first at {time:.4} s, and for {} of the contact.",
-                    trace.label(),
-                    percent(history.slipping, 2)
-                ),
-            ),
-            None => section.callout(
-                Callout::Finding,
-                "No slip",
-                format!(
-                    "{} never slips: its load could always have been {} times as large.",
-                    trace.label(),
-                    margin_words(history.smallest_margin())
-                ),
-            ),
-        };
+        let kind = if history.slips.is_empty() { Callout::Finding } else { Callout::Warning };
+        section = section.callout(kind, "Slip", slip_sentence(trace, history));
+        if !history.slips.is_empty() {
+            section = section.table(slip_table(trace, history));
+        }
         section = section.figure(plot(trace, history), "");
     }
     vec![section]
+}
+
+fn slip_sentence(trace: &Trace, history: &History) -> String {
+    let name = trace.label();
+    let at_touch = history.slips.iter().any(|slip| slip.from_touch);
+    match (history.first_slip(), at_touch) {
+        (None, false) => format!(
+            "{name} never slips: its load could always have been {} times as large.",
+            margin_words(history.smallest_margin())
+        ),
+        (None, true) => {
+            format!("{name} slips from the touch on; once it holds, it does not give way.")
+        }
+        (Some(first), false) => format!("{name} slips first at {first:.4} s."),
+        (Some(first), true) => {
+            format!(
+                "{name} slips from the touch on; once it holds, it slips first at {first:.4} s."
+            )
+        }
+    }
+}
+
+fn slip_table(trace: &Trace, history: &History) -> Table {
+    let columns = vec![
+        Column::text(""),
+        Column::number("from", "s"),
+        Column::number("to", "s"),
+        Column::text("before"),
+    ];
+    let mut table = Table::new(format!("Slips of {}", trace.label()), columns);
+    for (index, slip) in history.slips.iter().take(SHOWN).enumerate() {
+        table = table.row([
+            (index + 1).to_string(),
+            format!("{:.4}", slip.from),
+            format!("{:.4}", slip.to),
+            if slip.from_touch { "no contact" } else { "held" }.to_owned(),
+        ]);
+    }
+    match history.slips.len().saturating_sub(SHOWN) {
+        0 => table,
+        more => table.note(format!("{more} more")),
+    }
 }
 
 fn plot(trace: &Trace, history: &History) -> Plot {
@@ -84,7 +112,7 @@ fn plot(trace: &Trace, history: &History) -> Plot {
     plot = plot.series(
         Series::line("now", &trace.time[..], drawn(&history.used)).colour(Colour::MEASURED),
     );
-    if let Some(time) = history.first_slip {
+    if let Some(time) = history.first_slip() {
         plot = plot.mark(time, "first slip");
     }
     plot.summary(format!(
@@ -103,7 +131,8 @@ pub fn histories_json(histories: &[(&Trace, History)]) -> Value {
             let shares = |used: &[f64]| used.iter().map(|&used| finite(used)).collect::<Vec<_>>();
             json!({
                 "trace": trace.label(),
-                "first_slip_s": history.first_slip,
+                "first_slip_s": history.first_slip(),
+                "slips": history.slips.iter().map(slip_json).collect::<Vec<_>>(),
                 "smallest_margin": finite(history.smallest_margin()),
                 "smallest_margin_at_s": history.most_used.1,
                 "slipping_share": history.slipping,
@@ -115,6 +144,10 @@ pub fn histories_json(histories: &[(&Trace, History)]) -> Value {
         })
         .collect();
     json!({"palpate_grasp_margin": 1, "traces": traces})
+}
+
+fn slip_json(slip: &Slip) -> Value {
+    json!({"from_s": slip.from, "to_s": slip.to, "from_touch": slip.from_touch})
 }
 
 /// Time and share used of every sample as CSV; empty where there is no contact.

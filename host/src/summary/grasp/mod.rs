@@ -31,7 +31,7 @@ fn exponent_words(exponent: f64) -> String {
     match exponent {
         2.0 => "k = 2 (Hertz)".into(),
         _ if exponent.is_infinite() => "k = ∞ (uniform)".into(),
-        _ => format!("k = {}", significant(exponent, 4)),
+        _ => format!("k = {exponent}"),
     }
 }
 

@@ -83,8 +83,8 @@ impl SurfaceSummary<'_> {
             "{}, {}, μ = {}, N = {} N",
             shape_words(&shape),
             exponent_words(self.contact.law().exponent()),
-            significant(self.friction, 4),
-            significant(self.normal, 4)
+            self.friction,
+            self.normal,
         );
         Table::new(caption, columns)
             .row(row("largest tangential force, in every direction", limit, "N"))
@@ -143,7 +143,12 @@ fn margin_sentence(load: &Load, margin: &Margin) -> String {
     let factor = margin_words(margin.factor);
     let how = match margin.motion.map(|motion| motion.centre()) {
         Some(Some([x, y])) if x.hypot(y) < 1e6 => {
-            format!(", turning about ({}, {}) mm", significant(x, 3), significant(y, 3))
+            // What is next to nothing beside the other comes from rounding.
+            let place = |value: f64| {
+                let nothing = value.abs() < 1e-9 * x.hypot(y);
+                significant(if nothing { 0.0 } else { value }, 3)
+            };
+            format!(", turning about ({}, {}) mm", place(x), place(y))
         }
         Some(_) => ", without a turn".into(),
         None => String::new(),
