@@ -11,6 +11,9 @@
 //! - [`fit`]: exponential sums, whole motions, bounded least squares, uncertainty, noise made white.
 //! - [`analysis`]: regions, relaxation, creep, loading rates and strain rates of any recording.
 //! - [`criticism`]: where a model fails, which effect is missing, how sure that is.
+//! - [`contact`]: a round tip on an elastic body, and the stress below it.
+//! - [`sensor`]: a simulated fingertip.
+//! - [`afm`]: force curves of a tip.
 //! - [`grasp`]: what a soft contact can hold before it slips.
 //! - [`dissertation`]: the figures that the dissertation prints.
 //! - [`practice`]: data sets with a hidden effect.
@@ -18,8 +21,10 @@
 //! - [`cli`]: one file for each subcommand: parse, call, print.
 #![forbid(unsafe_code)]
 
+pub mod afm;
 pub mod analysis;
 pub mod cli;
+pub mod contact;
 pub mod criticism;
 pub mod decomposition;
 pub mod device;
@@ -35,5 +40,6 @@ pub mod press;
 pub mod recording;
 pub mod regions;
 pub mod report;
+pub mod sensor;
 pub mod summary;
 pub mod trace;

@@ -134,6 +134,16 @@ fn the_walk_from_the_first_comparison_to_the_last_rung_runs_as_printed() {
 }
 
 #[test]
+fn the_walk_through_the_simulated_fingertip_says_what_the_commands_print() {
+    run_all("docs/sensor.md");
+}
+
+#[test]
+fn the_walk_through_force_curves_says_what_the_commands_print() {
+    run_all("docs/afm.md");
+}
+
+#[test]
 fn the_page_on_grasps_says_what_the_commands_print() {
     run_all("docs/grasp.md");
 }

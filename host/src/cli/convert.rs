@@ -78,13 +78,13 @@ pub fn run(args: &Args) -> Result<(), Failure> {
 
 /// What can be written.
 #[derive(Clone, Copy)]
-enum Form {
+pub(super) enum Form {
     Trace,
     Recording,
 }
 
 impl Form {
-    fn of(path: &Path) -> Result<Self, Failure> {
+    pub(super) fn of(path: &Path) -> Result<Self, Failure> {
         let extension = path.extension().map(OsStr::to_ascii_lowercase);
         match extension.as_ref().and_then(|ending| ending.to_str()) {
             Some("csv" | "parquet") => Ok(Self::Trace),
@@ -96,7 +96,7 @@ impl Form {
         }
     }
 
-    fn write(self, path: &Path, trace: &Trace) -> Result<(), Failure> {
+    pub(super) fn write(self, path: &Path, trace: &Trace) -> Result<(), Failure> {
         match self {
             Self::Trace => trace::write(path, trace).map_err(Failure::work),
             Self::Recording => {

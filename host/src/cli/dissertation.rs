@@ -37,6 +37,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let wait = progress::spinner("recomputing every chapter");
     let chapters = chapters();
     wait.finish_and_clear();
+    let chapters = chapters.map_err(Failure::work)?;
     write_file(&args.output.join("comparisons.csv"), comparisons_csv(&chapters).as_bytes())?;
     write_report(
         &args.output.join("report.html"),

@@ -4,6 +4,7 @@
 //! work failed, 2 when the input or the call was wrong.
 
 mod add;
+mod afm;
 mod compare;
 mod completions;
 mod convert;
@@ -29,6 +30,7 @@ mod rates;
 mod record;
 mod relaxation;
 mod segment;
+mod sensor;
 mod simulate;
 mod specimen;
 mod strain_rate;
@@ -101,8 +103,12 @@ enum Command {
     Hide(hide::Args),
     /// Predict the force of a motion
     Simulate(simulate::Args),
+    /// Simulate a fingertip that is pressed, shaken or slid over
+    Sensor(sensor::Args),
     /// What a soft contact carries before it slips
     Grasp(grasp::Args),
+    /// Analyse force curves of a tip
+    Afm(afm::Args),
     /// Turn a foreign recording into a trace
     Import(import::Args),
     /// Turn recordings of a device into traces (CSV, Parquet), and back
@@ -171,7 +177,9 @@ pub fn run() -> ExitCode {
         Command::Effects(args) => effects::run(args),
         Command::Hide(args) => hide::run(args),
         Command::Simulate(args) => simulate::run(args),
+        Command::Sensor(args) => sensor::run(args),
         Command::Grasp(args) => grasp::run(args),
+        Command::Afm(args) => afm::run(args),
         Command::Import(args) => import::run(args),
         Command::Convert(args) => convert::run(args),
         Command::Plot(args) => plot::run(args),

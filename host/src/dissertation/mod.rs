@@ -7,6 +7,7 @@
 mod appendices;
 mod base_laws;
 mod comparison;
+mod contact_mechanics;
 mod creep;
 mod grasp_stability;
 mod latency;
@@ -16,6 +17,7 @@ mod relaxation_tables;
 mod segments;
 mod simulated;
 mod strain_rate;
+mod tactile_sensor;
 
 pub use comparison::{Check, Comparison};
 pub use relaxation_tables::{
@@ -23,7 +25,10 @@ pub use relaxation_tables::{
     TABLE_3_4,
 };
 
+use rayon::prelude::*;
+
 use crate::report::Section;
+use crate::sensor::SensorError;
 
 /// One chapter of the report: what a reader sees of it.
 #[derive(Clone, Debug)]
@@ -35,19 +40,22 @@ pub struct Chapter {
 }
 
 /// Every chapter, in the order of the text; computed side by side.
-#[must_use]
-pub fn chapters() -> Vec<Chapter> {
-    use rayon::prelude::*;
-    const CHAPTERS: [fn() -> Chapter; 9] = [
-        base_laws::chapter,
-        relaxation::chapter,
-        latency::chapter,
-        loading_rates::chapter,
-        creep::chapter,
-        grasp_stability::chapter,
-        strain_rate::chapter,
-        segments::chapter,
-        appendices::chapter,
+///
+/// # Errors
+/// When a specimen of 8.2.1 cannot be simulated, which would be a fault of this program.
+pub fn chapters() -> Result<Vec<Chapter>, SensorError> {
+    const CHAPTERS: [fn() -> Result<Chapter, SensorError>; 11] = [
+        || Ok(base_laws::chapter()),
+        || Ok(relaxation::chapter()),
+        || Ok(latency::chapter()),
+        || Ok(loading_rates::chapter()),
+        || Ok(creep::chapter()),
+        || Ok(grasp_stability::chapter()),
+        || Ok(strain_rate::chapter()),
+        || Ok(segments::chapter()),
+        tactile_sensor::chapter,
+        || Ok(contact_mechanics::chapter()),
+        || Ok(appendices::chapter()),
     ];
     CHAPTERS.par_iter().map(|chapter| chapter()).collect()
 }

@@ -17,7 +17,7 @@ pub mod history;
 pub mod live;
 pub mod margin;
 pub mod pressure;
-mod quadrature;
+pub(crate) mod quadrature;
 mod rectangle;
 pub mod surface;
 

@@ -6,18 +6,18 @@ use gauss_quad::GaussLegendre;
 
 /// Nodes and weights on the stretch from 0 to 1.
 #[derive(Clone, Debug)]
-pub(super) struct Rule(Vec<(f64, f64)>);
+pub(crate) struct Rule(Vec<(f64, f64)>);
 
 impl Rule {
     /// For what is smooth from end to end.
-    pub(super) fn smooth(nodes: NonZeroUsize) -> Self {
+    pub(crate) fn smooth(nodes: NonZeroUsize) -> Self {
         let pairs = GaussLegendre::new(nodes);
         Self(pairs.iter().map(|(x, weight)| (0.5 * (1.0 + x), 0.5 * weight)).collect())
     }
 
     /// For what may end in a root or a logarithm at either end, or have a pole close behind it: the
     /// substitution x = t⁴ (35 − 84 t + 70 t² − 20 t³) is flat there and draws the nodes to the ends.
-    pub(super) fn flat_ended(nodes: NonZeroUsize) -> Self {
+    pub(crate) fn flat_ended(nodes: NonZeroUsize) -> Self {
         let bent = |(t, weight): (f64, f64)| {
             let x = t.powi(4) * (35.0 + t * (-84.0 + t * (70.0 - 20.0 * t)));
             (x, weight * 140.0 * (t * (1.0 - t)).powi(3))
@@ -26,7 +26,7 @@ impl Rule {
     }
 
     /// Nodes and weights on the stretch from `from` to `to`.
-    pub(super) fn on(&self, from: f64, to: f64) -> impl Iterator<Item = (f64, f64)> + '_ {
+    pub(crate) fn on(&self, from: f64, to: f64) -> impl Iterator<Item = (f64, f64)> + '_ {
         let length = to - from;
         self.0.iter().map(move |(x, weight)| (from + length * x, length * weight))
     }

@@ -1,5 +1,6 @@
 //! Results in words, tables and plots: the same sections go to the terminal and into a report.
 
+mod afm;
 mod change;
 mod compare;
 mod creep;
@@ -18,10 +19,13 @@ mod rates;
 mod recording;
 mod relaxation;
 mod segment;
+mod sensor;
 mod strain_rate;
 mod terms;
 mod whole_motion;
 
+pub(crate) use afm::hold_figure;
+pub use afm::{FittedCurve, afm_json, afm_sections, rough_json, rough_sections};
 pub use change::{change_json, change_sections};
 pub use compare::{compare_json, compare_sections, overlays};
 pub use creep::{Conditioning, creep_json, creep_sections};
@@ -50,6 +54,11 @@ pub use rates::{rates_json, rates_sections};
 pub use recording::{loops, overview, trace_panels};
 pub use relaxation::{relaxation_json, relaxation_sections};
 pub use segment::{segment_json, segment_sections};
+pub use sensor::{
+    sensor_press_json, sensor_press_sections, sensor_slide_json, sensor_slide_sections,
+    sensor_tones_json, sensor_tones_sections,
+};
+pub(crate) use sensor::{spectrum_figure, tones_figure};
 pub use strain_rate::{strain_rate_json, strain_rate_sections};
 pub use whole_motion::FitSummary;
 

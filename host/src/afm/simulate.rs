@@ -1,0 +1,176 @@
+//! Practice curves of a known specimen.
+
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, Normal};
+
+use super::curve::SPRING;
+use super::law::Law;
+use super::{AfmError, within};
+use crate::contact::{Elastic, Tip};
+use crate::model::{Memory, Relaxation};
+use crate::trace::{Control, DISPLACEMENT, FORCE, Head, Trace};
+
+/// A force curve to be made.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Practice {
+    /// The specimen.
+    pub specimen: Elastic,
+    /// Its relaxation (eq. 3.3); no exponentials for one without memory.
+    pub relaxation: Relaxation,
+    /// The tip.
+    pub tip: Tip,
+    /// Spring constant, N/m.
+    pub spring_n_per_m: f64,
+    /// How far off the piezo starts, m.
+    pub off_m: f64,
+    /// How far it goes beyond the touch, m.
+    pub beyond_m: f64,
+    /// Its speed, m/s.
+    pub speed_m_per_s: f64,
+    /// How long it stays, s; 0 for no hold.
+    pub hold_s: f64,
+    /// Pull of adhesion, N, both ways.
+    pub pull_n: f64,
+    /// Force out of contact, N, and its tilt, N per m of way.
+    pub baseline: [f64; 2],
+    /// Standard deviation of the force, N.
+    pub noise_n: f64,
+    /// Samples per second.
+    pub rate_hz: f64,
+}
+
+/// Most samples.
+const MOST: f64 = 1e6;
+
+impl Practice {
+    /// A gel of 5 kPa under a ball of 2.5 µm on a cantilever of 0.05 N/m: 1 µm off, 1 µm beyond, 4 µm/s, noise of 20 pN.
+    #[must_use]
+    pub fn gel() -> Self {
+        Self {
+            specimen: Elastic { modulus_pa: 5e3, poisson_ratio: 0.5 },
+            relaxation: Relaxation::new(&[], &[]),
+            tip: Tip::Paraboloid { radius_m: 2.5e-6 },
+            spring_n_per_m: 0.05,
+            off_m: 1e-6,
+            beyond_m: 1e-6,
+            speed_m_per_s: 4e-6,
+            hold_s: 0.0,
+            pull_n: 0.0,
+            baseline: [0.0, 0.0],
+            noise_n: 2e-11,
+            rate_hz: 1000.0,
+        }
+    }
+
+    /// The curve as a trace, with the noise of a seed: way of the piezo, 0 at the touch, and force.
+    ///
+    /// # Errors
+    /// [`AfmError::Range`] for what cannot be.
+    pub fn curve(&self, seed: u64) -> Result<Trace, AfmError> {
+        self.check()?;
+        let (time, z) = self.motion();
+        let law = Law {
+            tip: self.tip,
+            reduced_modulus: self.specimen.reduced_modulus(),
+            adhesion_n: self.pull_n,
+        };
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let noise = Normal::new(0.0, self.noise_n).ok();
+        let mut contact = Relaxing::new(&law, &self.relaxation, self.spring_n_per_m);
+        let force = z.iter().map(|&z| {
+            let [offset, tilt] = self.baseline;
+            let noise = noise.map_or(0.0, |normal| normal.sample(&mut random));
+            contact.follow(z, 1.0 / self.rate_hz) + offset + tilt * z + noise
+        });
+        let force = force.collect();
+        let mut head = Head {
+            version: Some(1),
+            name: Some("a simulated force curve".into()),
+            control: Some(Control::Displacement),
+            ..Head::default()
+        };
+        let seed = toml::Value::Integer(i64::try_from(seed).unwrap_or(i64::MAX));
+        head.setup.other.insert(SPRING.into(), self.spring_n_per_m.into());
+        head.setup.other.insert("simulated".into(), true.into());
+        head.setup.other.insert("seed".into(), seed);
+        let mut trace = Trace { head, time, ..Trace::default() };
+        trace.set_column(DISPLACEMENT, z.iter().map(|z| z * 1e3).collect());
+        trace.set_column(FORCE, force);
+        Ok(trace)
+    }
+
+    fn check(&self) -> Result<(), AfmError> {
+        within("the modulus (Pa)", self.specimen.modulus_pa, 1e-3, 1e13)?;
+        within("Poisson's ratio", self.specimen.poisson_ratio, -0.99, 0.5)?;
+        within("the spring constant (N/m)", self.spring_n_per_m, 1e-6, 1e6)?;
+        within("the way off the specimen (nm)", self.off_m * 1e9, 0.1, 1e9)?;
+        within("the way beyond the touch (nm)", self.beyond_m * 1e9, 0.1, 1e9)?;
+        within("the speed (um/s)", self.speed_m_per_s * 1e6, 1e-6, 1e6)?;
+        within("the hold (s)", self.hold_s, 0.0, 1e5)?;
+        within("the pull (pN)", self.pull_n * 1e12, 0.0, 1e12)?;
+        within("the noise (pN)", self.noise_n * 1e12, 0.0, 1e12)?;
+        let duration = 2.0 * (self.off_m + self.beyond_m) / self.speed_m_per_s + self.hold_s;
+        within("the number of samples", duration * self.rate_hz, 10.0, MOST)
+    }
+
+    /// Time, s, and way of the piezo, m.
+    fn motion(&self) -> (Vec<f64>, Vec<f64>) {
+        let there = (self.off_m + self.beyond_m) / self.speed_m_per_s;
+        let end = 2.0 * there + self.hold_s;
+        let way = |t: f64| {
+            let down = self.speed_m_per_s * t.min(there);
+            let up = self.speed_m_per_s * (t - there - self.hold_s).max(0.0);
+            down - up - self.off_m
+        };
+        let time = (0..=(end * self.rate_hz).round() as usize).map(|k| k as f64 / self.rate_hz);
+        let time: Vec<f64> = time.collect();
+        let z = time.iter().map(|t| way(*t)).collect();
+        (time, z)
+    }
+}
+
+/// A contact that remembers, in series with the cantilever.
+struct Relaxing<'a> {
+    law: &'a Law,
+    relaxation: &'a Relaxation,
+    spring: f64,
+    memory: Memory,
+}
+
+impl<'a> Relaxing<'a> {
+    fn new(law: &'a Law, relaxation: &'a Relaxation, spring: f64) -> Self {
+        let memory = Memory::rested(relaxation.branches.len());
+        Self { law, relaxation, spring, memory }
+    }
+
+    /// Force, N, with the piezo at `z`, m, an interval after the last sample. The force of the memory is linear in the elastic
+    /// response at the end of the interval: two trials tell the line.
+    fn follow(&mut self, z: f64, interval: f64) -> f64 {
+        if self.relaxation.branches.is_empty() {
+            return self.law.force(z, Some(self.spring));
+        }
+        let trial = |elastic| self.memory.clone().step(self.relaxation, elastic, interval);
+        let held = trial(0.0);
+        let stiffness = trial(1.0) - held;
+        // Elastic response, and force of the contact without adhesion, at a depth.
+        let (law, k) = (self.law, self.spring);
+        let elastic = |depth: f64| law.tip.force(law.reduced_modulus, depth);
+        let free = (-held / stiffness).max(0.0);
+        let excess =
+            |depth: f64| held + stiffness * elastic(depth) - law.adhesion_n - k * (z - depth);
+        let (mut low, mut high) = (0.0, (z + law.adhesion_n / k).max(0.0));
+        // Parted: the surface is free of force, and the cantilever straight.
+        if high == 0.0 || elastic(high) < free {
+            self.memory.step(self.relaxation, free, interval);
+            return 0.0;
+        }
+        for _ in 0..100 {
+            let middle = 0.5 * (low + high);
+            if excess(middle) > 0.0 { high = middle } else { low = middle }
+        }
+        let depth = 0.5 * (low + high);
+        self.memory.step(self.relaxation, elastic(depth), interval);
+        k * (z - depth)
+    }
+}
