@@ -39,12 +39,22 @@ pub struct Chapter {
     pub sections: Vec<Section>,
 }
 
+/// Why a chapter could not be computed: a fault of this program.
+#[derive(Debug, thiserror::Error)]
+#[allow(missing_docs)]
+pub enum ChapterError {
+    #[error("8.2.1: {0}")]
+    Sensor(#[from] SensorError),
+    #[error("8.2.2: {0}")]
+    Contact(#[from] contact_mechanics::ContactError),
+}
+
 /// Every chapter, in the order of the text; computed side by side.
 ///
 /// # Errors
-/// When a specimen of 8.2.1 cannot be simulated, which would be a fault of this program.
-pub fn chapters() -> Result<Vec<Chapter>, SensorError> {
-    const CHAPTERS: [fn() -> Result<Chapter, SensorError>; 11] = [
+/// When a specimen cannot be simulated.
+pub fn chapters() -> Result<Vec<Chapter>, ChapterError> {
+    const CHAPTERS: [fn() -> Result<Chapter, ChapterError>; 11] = [
         || Ok(base_laws::chapter()),
         || Ok(relaxation::chapter()),
         || Ok(latency::chapter()),
@@ -53,8 +63,8 @@ pub fn chapters() -> Result<Vec<Chapter>, SensorError> {
         || Ok(grasp_stability::chapter()),
         || Ok(strain_rate::chapter()),
         || Ok(segments::chapter()),
-        tactile_sensor::chapter,
-        || Ok(contact_mechanics::chapter()),
+        || Ok(tactile_sensor::chapter()?),
+        || Ok(contact_mechanics::chapter()?),
         || Ok(appendices::chapter()),
     ];
     CHAPTERS.par_iter().map(|chapter| chapter()).collect()
