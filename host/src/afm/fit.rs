@@ -88,6 +88,8 @@ pub struct Retreat {
 const LEAST: usize = 30;
 /// Above this slope over spring constant the specimen bends less than a ninth of what the cantilever does.
 const RIGID: f64 = 0.9;
+/// No contact is stiffer than the cantilever alone, whose slope is 1; beyond this it is no error of the reading.
+const IMPOSSIBLE: f64 = 1.05;
 /// Relative standard error above which a modulus is not told.
 const VAGUE: f64 = 0.5;
 /// Part of the way, from the far end, that is certainly baseline for a start.
@@ -349,9 +351,14 @@ impl Approach {
 /// Why a modulus is not told, if it is not.
 fn reason(modulus: &Estimate, slope_over_spring: Option<f64>) -> Option<String> {
     if let Some(slope) = slope_over_spring.filter(|slope| *slope > RIGID) {
-        return Some(format!(
+        let mut words = format!(
             "the force grows with {slope:.2} times the spring constant: the cantilever bends as far as the piezo moves, and the specimen hardly at all; take a stiffer cantilever"
-        ));
+        );
+        if slope > IMPOSSIBLE {
+            words +=
+                ". Above 1 it cannot be: sensitivity, spring constant or height are not calibrated";
+        }
+        return Some(words);
     }
     let vague = modulus.standard_error / modulus.value;
     let told = vague.is_finite() && vague <= VAGUE;

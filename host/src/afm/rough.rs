@@ -210,7 +210,8 @@ mod tests {
     fn many_low_asperities_are_a_smooth_surface() {
         let dense = Rough { density_per_m2: 4e15, asperity_m: 1e-6, trials: 4, ..gel(1e-10) };
         let ratio = spread(&dense.run(1).unwrap(), |t| t.modulus_ratio);
-        assert!((0.97..1.0).contains(&ratio.mean), "{ratio:?}");
+        // The series of layer and whole closes slowly, with the power −2/5 of the density.
+        assert!((0.96..1.0).contains(&ratio.mean), "{ratio:?}");
     }
 
     #[test]

@@ -247,8 +247,10 @@ fn roughness() -> Result<Section, ContactError> {
         )
         .table(table)
         .paragraph(
-            "Roughness brings the contact point forward by about what the highest asperities stand out, makes the specimen seem \
-             softer, and scatters both from place to place: a scatter of the modulus over a map is not yet one of the material.",
+            "Even asperities of nearly equal height give in by themselves: the specimen seems softer, and the contact to begin \
+             later than at the mean surface. The more their heights scatter, the earlier the first one is met, the softer the \
+             specimen seems, and the more both change from place to place. So a scatter of the modulus over a map is not yet one \
+             of the material.",
         ))
 }
 
