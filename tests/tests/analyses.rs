@@ -191,6 +191,41 @@ fn the_power_law_of_a_ball_comes_back_from_its_force() {
 }
 
 #[test]
+fn odd_recordings_are_refused_or_analysed_but_never_break_a_command() {
+    let folder = tempfile::tempdir().unwrap();
+    let shapes: [(&str, fn(f64) -> [f64; 2]); 7] = [
+        ("nothing-moves", |_| [0.0, 0.0]),
+        ("huge", |t| [(t * 3.0).min(5.0), 1e300 * t]),
+        ("tiny", |t| [(t * 3.0).min(5.0) * 1e-300, 1e-300 * t]),
+        ("backwards", |t| [-(t * 3.0).min(5.0), -2.0 + t]),
+        ("steps", |t| [t.floor(), t.floor()]),
+        ("still-hold", |t| [(t * 3.0).min(5.0), (t * 3.0).min(5.0)]),
+        ("sine", |t| [1.0 + (3.0 * t).sin(), (3.1 * t).sin()]),
+    ];
+    for (name, shape) in shapes {
+        let rows = (0..400).map(|k| 0.025 * f64::from(k)).map(|t| {
+            let [x, force] = shape(t);
+            [t, x, force]
+        });
+        let path = write(folder.path(), &format!("{name}.csv"), SILICONE, rows);
+        for arguments in [
+            &["segment"][..],
+            &["relaxation"],
+            &["creep"],
+            &["creep", "--cutoff", "3"],
+            &["rates"],
+            &["strain-rate", "--modulus", "1e4"],
+            &["strain-rate", "--modulus", "1e4", "--order", "free"],
+        ] {
+            let output = palpate().args(arguments).arg(&path).output().unwrap();
+            let said = String::from_utf8_lossy(&output.stderr);
+            assert!(matches!(output.status.code(), Some(0 | 2)), "{name} {arguments:?}: {said}");
+            assert!(!said.contains("panicked"), "{name} {arguments:?}: {said}");
+        }
+    }
+}
+
+#[test]
 fn every_analysis_writes_a_report() {
     let folder = tempfile::tempdir().unwrap();
     let run = pressed(folder.path(), 50.0, SILICONE);

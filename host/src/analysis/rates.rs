@@ -260,7 +260,8 @@ fn trend(x: &[f64], y: &[f64]) -> Option<Trend> {
     let (mx, my) = (x.iter().sum::<f64>() / count, y.iter().sum::<f64>() / count);
     let square: f64 = x.iter().map(|x| (x - mx).powi(2)).sum();
     // Rates within one per cent of each other are one rate.
-    if x.len() < 3 || square < count * 0.004f64.powi(2) {
+    let finite = x.iter().chain(y).all(|value| value.is_finite());
+    if x.len() < 3 || !finite || square < count * 0.004f64.powi(2) {
         return None;
     }
     let slope = x.iter().zip(y).map(|(x, y)| (x - mx) * (y - my)).sum::<f64>() / square;
