@@ -130,7 +130,7 @@ fn json_is_one_object_of_its_version() {
     let press = press();
     let model = folder.path().join("m.toml").display().to_string();
     assert_eq!(call(folder.path(), &["fit", "fung", &press, "-o", "m.toml"]).0, 0);
-    let calls: [(&[&str], &str); 5] = [
+    let calls: [(&[&str], &str); 7] = [
         (&["compare", &model, &press, "--json"], "palpate_comparison"),
         (&["fit", "fung", &press, "--json"], "palpate_fit"),
         (&["fit", "fung", &press, "--hold-only", "--json"], "palpate_fit"),
