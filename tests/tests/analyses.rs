@@ -193,7 +193,8 @@ fn the_power_law_of_a_ball_comes_back_from_its_force() {
 #[test]
 fn odd_recordings_are_refused_or_analysed_but_never_break_a_command() {
     let folder = tempfile::tempdir().unwrap();
-    let shapes: [(&str, fn(f64) -> [f64; 2]); 7] = [
+    type Shape = fn(f64) -> [f64; 2];
+    let shapes: [(&str, Shape); 7] = [
         ("nothing-moves", |_| [0.0, 0.0]),
         ("huge", |t| [(t * 3.0).min(5.0), 1e300 * t]),
         ("tiny", |t| [(t * 3.0).min(5.0) * 1e-300, 1e-300 * t]),

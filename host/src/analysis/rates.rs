@@ -34,6 +34,8 @@ pub struct Run {
     pub displacement_mm: f64,
     /// Largest force of the loading, N: mean of five samples.
     pub peak_n: Estimate,
+    /// Standard deviation of the noise of the force, N, where it can be told.
+    pub noise_n: Option<f64>,
     /// F(t) in the hold; its scale is the asymptote (5.3).
     pub fit: Fit,
     /// v1, 1/s.
@@ -183,6 +185,7 @@ fn run(
             peak(&force[loading.start..(hold.start + 2 * REACH + 1).min(hold.end)]),
             noise.map(|noise| noise / ((2 * REACH + 1) as f64).sqrt()),
         ),
+        noise_n: noise,
         v1: estimate(Parameter::Rate(1)),
         asymptote_n,
         area_mm2,
