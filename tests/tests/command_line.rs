@@ -130,11 +130,13 @@ fn json_is_one_object_of_its_version() {
     let press = press();
     let model = folder.path().join("m.toml").display().to_string();
     assert_eq!(call(folder.path(), &["fit", "fung", &press, "-o", "m.toml"]).0, 0);
-    let calls: [(&[&str], &str); 5] = [
+    let calls: [(&[&str], &str); 7] = [
         (&["compare", &model, &press, "--json"], "palpate_comparison"),
         (&["fit", "fung", &press, "--json"], "palpate_fit"),
         (&["fit", "fung", &press, "--hold-only", "--json"], "palpate_fit"),
         (&["decompose", &press, "--json"], "palpate_decomposition"),
+        (&["segment", &press, "--json"], "palpate_segment"),
+        (&["relaxation", &press, "--json"], "palpate_relaxation"),
         (&["plan", "--noise", "0.01", "--json"], "palpate_plan"),
     ];
     for (arguments, version) in calls {
@@ -152,6 +154,11 @@ fn every_subcommand_has_help_with_examples() {
     let commands = [
         "demo",
         "decompose",
+        "segment",
+        "relaxation",
+        "creep",
+        "rates",
+        "strain-rate",
         "fit",
         "compare",
         "simulate",

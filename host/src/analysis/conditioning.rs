@@ -4,7 +4,7 @@ use std::f64::consts::{PI, SQRT_2};
 
 use biquad::{Biquad, Coefficients, DirectForm2Transposed, Type};
 
-use crate::trace::{Trace, sampling};
+use crate::trace::{Sampling, Trace, sampling};
 
 /// Highest order.
 pub const HIGHEST_ORDER: usize = 8;
@@ -45,10 +45,8 @@ impl Butterworth {
     /// When sampling is uneven, or the cut-off or the order cannot be.
     pub fn filter(&self, trace: &Trace, values: &[f64]) -> Result<Vec<f64>, ConditioningError> {
         let uneven = || ConditioningError::Uneven { trace: trace.label() };
-        let rate_hz = sampling(&trace.time)
-            .filter(|sampling| sampling.is_uniform())
-            .ok_or_else(uneven)?
-            .rate_hz();
+        let rate_hz =
+            sampling(&trace.time).filter(Sampling::is_uniform).ok_or_else(uneven)?.rate_hz();
         if !(1..=HIGHEST_ORDER).contains(&self.order) {
             return Err(ConditioningError::Order(self.order));
         }

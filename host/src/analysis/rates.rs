@@ -34,6 +34,8 @@ pub struct Run {
     pub displacement_mm: f64,
     /// Largest force of the loading, N: mean of five samples.
     pub peak_n: Estimate,
+    /// Standard deviation of the noise of the force, N, where it can be told.
+    pub noise_n: Option<f64>,
     /// F(t) in the hold; its scale is the asymptote (5.3).
     pub fit: Fit,
     /// v1, 1/s.
@@ -183,6 +185,7 @@ fn run(
             peak(&force[loading.start..(hold.start + 2 * REACH + 1).min(hold.end)]),
             noise.map(|noise| noise / ((2 * REACH + 1) as f64).sqrt()),
         ),
+        noise_n: noise,
         v1: estimate(Parameter::Rate(1)),
         asymptote_n,
         area_mm2,
@@ -260,7 +263,8 @@ fn trend(x: &[f64], y: &[f64]) -> Option<Trend> {
     let (mx, my) = (x.iter().sum::<f64>() / count, y.iter().sum::<f64>() / count);
     let square: f64 = x.iter().map(|x| (x - mx).powi(2)).sum();
     // Rates within one per cent of each other are one rate.
-    if x.len() < 3 || square < count * 0.004f64.powi(2) {
+    let finite = x.iter().chain(y).all(|value| value.is_finite());
+    if x.len() < 3 || !finite || square < count * 0.004f64.powi(2) {
         return None;
     }
     let slope = x.iter().zip(y).map(|(x, y)| (x - mx) * (y - my)).sum::<f64>() / square;

@@ -236,7 +236,12 @@ impl Strains {
             .filter(|(excess, _)| *excess <= AS_GOOD)
             .map(|(_, order)| order)
             .collect();
-        let odd_orders = (as_good[0], as_good[as_good.len() - 1]);
+        let odd_orders = match as_good[..] {
+            [first, .., last] => (first, last),
+            [only] => (only, only),
+            // Only numbers beyond all measure have no order that fits best.
+            [] => (fit.law.order, fit.law.order),
+        };
         if odd_orders.0 == ODD_ORDERS[ODD_ORDERS.len() - 1] {
             fit.doubts.push(format!(
                 "the highest order tried, {}, fits best: no power law describes this hold; several rates may (`palpate relaxation`)",

@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use super::holds::{chance, coefficient_table, one_json, plot, spread_json, spread_table};
-use super::terms::{place, residual_plot, terms_json, terms_table};
+use super::terms::{place, residual_plot, terms_json, terms_tables};
 use super::unit_of;
 use crate::analysis::conditioning::Butterworth;
 use crate::analysis::creep::Hold;
@@ -53,7 +53,10 @@ pub fn creep_sections(
         first = first.callout(Callout::Finding, "Asymptote", words);
     }
     let pairs: Vec<_> = holds.iter().map(|hold| (&hold.fit, &hold.terms)).collect();
-    let mut number = Section::new("Number of exponentials").table(terms_table(&pairs, signal));
+    let mut number = Section::new("Number of exponentials");
+    for table in terms_tables(&pairs, signal) {
+        number = number.table(table);
+    }
     for hold in holds.iter().take(MOST_DRAWN) {
         let trace = traces.iter().find(|trace| trace.label() == hold.fit.trace);
         if let Some((trace, values)) = trace.and_then(|trace| Some((trace, trace.column(signal)?)))

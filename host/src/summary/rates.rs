@@ -13,6 +13,8 @@ use crate::trace::Trace;
 
 /// Seconds around the end of the loading in the close-up.
 const CLOSE_UP: f64 = 0.5;
+/// Residuals over noise from which on a hold counts as not described.
+const MISFIT: f64 = 1.3;
 /// Chance below which a test says that something differs.
 const UNLIKELY: f64 = 0.01;
 
@@ -270,15 +272,18 @@ fn warnings(study: &Study) -> Vec<String> {
     alone.into_iter().chain(stiffness).chain(misfit_words(study)).collect()
 }
 
-/// Where one exponential does not describe the holds.
+/// Where the exponentials leave more than noise in a hold.
 fn misfit_words(study: &Study) -> Option<String> {
-    let worst = study.runs.iter().min_by(|a, b| a.fit.r_squared.total_cmp(&b.fit.r_squared))?;
-    (worst.fit.r_squared < 0.99).then(|| {
+    let over =
+        |run: &Run| run.noise_n.filter(|noise| *noise > 0.0).map(|noise| run.fit.noise / noise);
+    let worst = study.runs.iter().filter_map(|run| Some((run, over(run)?)));
+    let (run, over) = worst.max_by(|a, b| a.1.total_cmp(&b.1))?;
+    (over > MISFIT).then(|| {
+        let terms = run.fit.sum.terms.len();
         format!(
-            "{} exponential(s) explain only {:.2} % of the hold of {}: the asymptote and v1 then depend on how long the hold lasted, and standard errors are too small. Try --terms 2.",
-            worst.fit.sum.terms.len(),
-            100.0 * worst.fit.r_squared,
-            worst.trace
+            "{terms} exponential(s) leave {} times the noise in the hold of {}: the asymptote and v1 then depend on how long the hold lasted, and standard errors are too small. `--terms` takes up to four.",
+            significant(over, 2),
+            run.trace
         )
     })
 }

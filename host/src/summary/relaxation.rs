@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use super::holds::{coefficient_table, one_json, plot, spread_json, spread_table, warnings};
-use super::terms::{place, residual_plot, terms_json, terms_table};
+use super::terms::{place, residual_plot, terms_json, terms_tables};
 use super::{CONCISE, concise, unit_of};
 use crate::analysis::relaxation::{Hold, Latency, StrainScale};
 use crate::fit::exponentials::Parameter;
@@ -30,7 +30,10 @@ pub fn relaxation_sections(holds: &[Hold], traces: &[Trace], signal: &str) -> Ve
         first = first.table(spread_table(&spreads, signal, "mm"));
     }
     let pairs: Vec<_> = holds.iter().map(|hold| (&hold.fit, &hold.terms)).collect();
-    let mut number = Section::new("Number of exponentials").table(terms_table(&pairs, signal));
+    let mut number = Section::new("Number of exponentials");
+    for table in terms_tables(&pairs, signal) {
+        number = number.table(table);
+    }
     number = number.callout(Callout::Finding, "Number of exponentials", tally(holds));
     let mut latency = Section::new("Latency model").table(latency_table(holds, signal));
     for hold in holds.iter().filter(|hold| hold.latency.is_none()) {
@@ -129,9 +132,8 @@ fn latency_table(holds: &[Hold], signal: &str) -> Table {
         Column::number("v1", "1/s"),
         Column::number("c0", ""),
         Column::number("settles at", unit_of(signal)),
-        Column::number("half time", "s"),
-        Column::number("99 % over at", "s"),
-        Column::number("ε at first", ""),
+        Column::number("half", "s"),
+        Column::number("99 %", "s"),
         Column::number("ε_e", ""),
         Column::number("R²", ""),
     ];
@@ -150,13 +152,12 @@ fn latency_table(holds: &[Hold], signal: &str) -> Table {
             concise(latency.settles.0, latency.settles.1),
             time(0.5),
             time(1.0 - OVER),
-            significant(latency.law.strain(0.0), 4),
             significant(latency.law.equilibrium(), 4),
             format!("{:.4}", latency.fit.r_squared),
         ]);
     }
     let table = table.note(format!(
-        "One exponential, so its R² beside that of more says how straight the line of Fig. 4.3 is. {CONCISE}"
+        "Half and 99 % of the way to where it settles. One exponential, so its R² beside that of more says how straight the line of Fig. 4.3 is. {CONCISE}"
     ));
     if relative {
         table.note("Without displacement and height_mm in the head, strain is in units of the equilibrium strain.")

@@ -8,44 +8,74 @@ use crate::fit::hold::HoldFit;
 use crate::report::number::significant;
 use crate::report::{Axis, Colour, Column, Plot, Series, Table};
 
-/// A row for each hold and number of exponentials.
-pub(super) fn terms_table(holds: &[(&HoldFit, &Terms)], signal: &str) -> Table {
-    let unit = unit_of(signal);
+/// Most holds whose numbers of exponentials are compared row by row; JSON has them all.
+const MOST_COMPARED: usize = 3;
+
+/// The number of exponentials of every hold, and how it came about for the first of them.
+pub(super) fn terms_tables(holds: &[(&HoldFit, &Terms)], signal: &str) -> Vec<Table> {
+    let mut tables = vec![chosen_table(holds)];
+    tables.extend(
+        holds.iter().take(MOST_COMPARED).map(|(hold, terms)| comparison_table(hold, terms, signal)),
+    );
+    let last = tables.pop().unwrap_or_default();
+    tables.push(last.note(
+        "BIC: Bayesian information criterion. Left out: every other of 14 inner blocks predicted from the rest; forecast: the last third from the first two. Told: no term at a limit, none vanishes or coincides, every share at least two standard errors from 0. R² never falls with more terms and decides nothing; used is the lesser of the least BIC among those told and the least number whose left-out error is the best within one standard error.",
+    ));
+    tables
+}
+
+fn chosen_table(holds: &[(&HoldFit, &Terms)]) -> Table {
     let columns = vec![
         Column::text("hold"),
-        Column::whole("exponentials"),
+        Column::whole("used"),
+        Column::whole("by BIC"),
+        Column::whole("by left-out"),
+        Column::text("told"),
+    ];
+    let mut table = Table::new("How many exponentials (appendices A and B)", columns);
+    for (hold, terms) in holds {
+        table = table.row([
+            place(hold),
+            terms.decided().to_string(),
+            terms.by_criterion.to_string(),
+            terms.by_held_out.map_or("–".into(), |number| number.to_string()),
+            if terms.best().identified { "yes" } else { "no" }.to_owned(),
+        ]);
+    }
+    table
+}
+
+/// A row for each number of exponentials.
+fn comparison_table(hold: &HoldFit, terms: &Terms, signal: &str) -> Table {
+    let unit = unit_of(signal);
+    let columns = vec![
+        Column::whole("n"),
         Column::number("R²", ""),
         Column::number("BIC over the best", ""),
-        Column::number("left-out error", unit),
-        Column::number("forecast error", unit),
+        Column::number("left out", unit),
+        Column::number("forecast", unit),
         Column::text("time constants, s"),
         Column::text("told"),
         Column::text(""),
     ];
-    let mut table = Table::new("How many exponentials (appendices A and B)", columns);
-    for (hold, terms) in holds {
-        let best = terms.rows.iter().map(|row| row.bic).fold(f64::INFINITY, f64::min);
-        for row in &terms.rows {
-            let number = row.fit.sum.terms.len();
-            let constants = row.fit.sum.terms.iter().map(|term| significant(1.0 / term.rate, 4));
-            let error =
-                |value: Option<f64>| value.map_or("–".into(), |value| significant(value, 4));
-            table = table.row([
-                if number == 1 { place(hold) } else { String::new() },
-                number.to_string(),
-                format!("{:.5}", row.fit.r_squared),
-                format!("{:.1}", row.bic - best),
-                error(row.held_out_rms),
-                error(row.forecast_rms),
-                constants.collect::<Vec<_>>().join(", "),
-                if row.identified { "yes" } else { "no" }.to_owned(),
-                marks(terms, number),
-            ]);
-        }
+    let mut table = Table::new(format!("One to four exponentials: {}", place(hold)), columns);
+    let best = terms.rows.iter().map(|row| row.bic).fold(f64::INFINITY, f64::min);
+    for row in &terms.rows {
+        let number = row.fit.sum.terms.len();
+        let constants = row.fit.sum.terms.iter().map(|term| significant(1.0 / term.rate, 3));
+        let error = |value: Option<f64>| value.map_or("–".into(), |value| significant(value, 3));
+        table = table.row([
+            number.to_string(),
+            format!("{:.5}", row.fit.r_squared),
+            format!("{:.1}", row.bic - best),
+            error(row.held_out_rms),
+            error(row.forecast_rms),
+            constants.collect::<Vec<_>>().join(", "),
+            if row.identified { "yes" } else { "no" }.to_owned(),
+            marks(terms, number),
+        ]);
     }
-    table.note(
-        "BIC: Bayesian information criterion. Left out: every other of 14 inner blocks predicted from the rest; forecast: the last third from the first two. Told: no term at a limit, none vanishes or coincides, every share at least two standard errors from 0. R² never falls with more terms and decides nothing; used is the lesser of the least BIC among those told and the least number whose left-out error is the best within one standard error.",
-    )
+    table
 }
 
 /// Which criteria chose this number.
