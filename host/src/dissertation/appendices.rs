@@ -65,7 +65,11 @@ pub fn chapter() -> Chapter {
         normalised(),
         creep_again(&creep),
     ];
-    Chapter { comparisons, sections: vec![relaxation_section(), creep_section(&creep)] }
+    Chapter {
+        title: "Appendices A and B: how many exponentials?",
+        comparisons,
+        sections: vec![relaxation_section(), creep_section(&creep)],
+    }
 }
 
 /// Row 05 of Table 3.1 as a sum.

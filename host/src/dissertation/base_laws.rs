@@ -1,10 +1,10 @@
 //! Chapter 2: the models that compete, and chapter 3's argument between them.
 
-use super::{Chapter, Check, Comparison};
+use super::Chapter;
 use crate::fit::ranking::{ParameterSpread, spreads};
 use crate::model::{BaseLaw, Family, Hold, Motion, Move, Profile, Separation, Step};
 use crate::report::number::significant;
-use crate::report::{Axis, Callout, Colour, Column, Plot, Section, Series, Table};
+use crate::report::{Axis, Callout, Colour, Column, Panels, Plot, Section, Series, Table};
 use crate::trace::{Column as TraceColumn, DISPLACEMENT, FORCE, Trace};
 
 /// A soft specimen that obeys eq. 2.1: mean shares and rates of Table 3.4 at 12 mm, N(x) ∝ x².
@@ -26,14 +26,14 @@ pub fn chapter() -> Chapter {
             (law, spreads(law, &traces, FORCE).unwrap_or_default())
         })
         .collect();
-    let section = Section::new("Models that compete (chapter 2)")
+    let section = Section::new("Springs, dampers and what came after")
         .paragraph(
             "Kelvin–Voigt (eq. 2.3) and Maxwell (eq. 2.4) are one spring and one damper, side by side or in a \
              row; the generalised Maxwell model has more of them; Fung's law (eq. 2.1) separates what the \
              compression does from what time does. All are base laws of `palpate fit`, with the two latency \
              models (chapters 4 and 7) and creep (chapter 6).",
         )
-        .figure(step_figure(), "A press to 4 mm, a hold and a release by each law, with the parameters of Table 3.4 or like them.")
+        .figure(press_figure(), "A press to 4 mm, a hold and a release by each law, with the parameters of Table 3.4 or like them.")
         .paragraph(
             "The text's reason to prefer Fung's law: the numbers of springs and dampers move with the set-up, \
              by two orders of magnitude or more, Fung's by a few per cent. Here one specimen that obeys eq. \
@@ -55,8 +55,11 @@ pub fn chapter() -> Chapter {
                     .join(", ")
             ),
         );
-    let comparisons = vec![recovered(&found)];
-    Chapter { comparisons, sections: vec![section] }
+    Chapter {
+        title: "Chapter 2: models that compete",
+        comparisons: Vec::new(),
+        sections: vec![section],
+    }
 }
 
 /// The nine presses.
@@ -107,17 +110,24 @@ fn example(family: Family) -> Vec<f64> {
     }
 }
 
-fn step_figure() -> Plot {
+fn press_figure() -> Panels {
     let motion = press(4.0, 20.0);
-    let mut plot = Plot::new("", Axis::new("time", "s"), Axis::new("force", "N"))
-        .summary("Force over time of every base law in the same press");
-    for (index, family) in Family::ALL.into_iter().enumerate() {
-        let law = BaseLaw::new(family, 2, Separation::Clamp);
-        let force = law.predict(&example(family), std::slice::from_ref(&motion)).remove(0);
-        let time = motion.time.to_vec();
-        plot = plot.series(Series::line(family.name(), time, force).colour(Colour::Hue(index)));
-    }
-    plot
+    let draw = |families: &[Family]| {
+        let mut plot = Plot::new("", Axis::new("time", "s"), Axis::new("force", "N")).height(190.0);
+        for (index, &family) in families.iter().enumerate() {
+            let law = BaseLaw::new(family, 2, Separation::Clamp);
+            let force = law.predict(&example(family), std::slice::from_ref(&motion)).remove(0);
+            let time = motion.time.to_vec();
+            plot = plot.series(Series::line(family.name(), time, force).colour(Colour::Hue(index)));
+        }
+        plot
+    };
+    let (linear, bent): (Vec<Family>, Vec<Family>) =
+        Family::ALL.into_iter().partition(|family| family.is_linear());
+    Panels::new("")
+        .summary("Force over time of every base law in the same press")
+        .plot(draw(&linear))
+        .plot(draw(&bent))
 }
 
 fn worst(spreads: &[ParameterSpread]) -> Option<f64> {
@@ -159,46 +169,9 @@ fn spread_table(found: &[(BaseLaw, Vec<ParameterSpread>)]) -> Table {
     table
 }
 
-fn recovered(found: &[(BaseLaw, Vec<ParameterSpread>)]) -> Comparison {
-    let fung = found.iter().find(|(law, _)| law.family == Family::Fung);
-    let checks = fung.map_or(Vec::new(), |(_, spreads)| {
-        spreads
-            .iter()
-            .zip(SPECIMEN)
-            .map(|(spread, truth)| {
-                let mean = spread.mean();
-                Check::new(
-                    format!("{}, mean of the set-ups", spread.name),
-                    "",
-                    truth,
-                    mean,
-                    0.01 * truth,
-                )
-            })
-            .collect()
-    });
-    Comparison {
-        source: "Chapter 3's claim",
-        reason:
-            "1 %: \"a few per cent\" is what the text claims for Fung's parameters between set-ups"
-                .into(),
-        checks,
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn every_figure_of_chapter_2_agrees() {
-        let chapter = chapter();
-        assert_eq!(chapter.comparisons[0].checks.len(), 6);
-        for comparison in chapter.comparisons {
-            let missed: Vec<_> = comparison.missed().collect();
-            assert!(missed.is_empty(), "{missed:#?}");
-        }
-    }
 
     #[test]
     fn springs_and_dampers_drift_between_set_ups_and_fungs_parameters_do_not() {

@@ -49,7 +49,11 @@ pub enum ContactError {
 /// [`ContactError`].
 pub fn chapter() -> Result<Chapter, ContactError> {
     let sections = vec![pressures()?, latency()?, roughness()?];
-    Ok(Chapter { comparisons: vec![table_8_3()?], sections })
+    Ok(Chapter {
+        title: "Chapter 8: contact mechanics of a tip",
+        comparisons: vec![table_8_3()?],
+        sections,
+    })
 }
 
 fn table_8_3() -> Result<Comparison, ContactError> {

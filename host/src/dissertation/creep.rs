@@ -29,7 +29,11 @@ const NOISE: f64 = 1e-3;
 /// The creep of chapter 6.
 #[must_use]
 pub fn chapter() -> Chapter {
-    Chapter { comparisons: vec![inertia()], sections: vec![claim(), types(), rates()] }
+    Chapter {
+        title: "Chapter 6: creep",
+        comparisons: vec![inertia()],
+        sections: vec![claim(), types(), rates()],
+    }
 }
 
 fn inertia() -> Comparison {

@@ -36,7 +36,7 @@ pub fn chapter() -> Chapter {
     let course = crept();
     let comparisons = vec![sizes(&course), tangential(&before, &after)];
     let gain = after.arm() / before.arm() - 1.0;
-    let section = Section::new("Grasp stability with creep (6.4.5)")
+    let section = Section::new("A limit surface that grows with creep (6.4.5)")
         .paragraph(
             "A contact of finite area holds a tangential force and a moment about its normal at once, up to \
              the friction limit surface: all loads at which it slips with some centre of rotation. The \
@@ -72,7 +72,7 @@ pub fn chapter() -> Chapter {
             ..section
         }),
     );
-    Chapter { comparisons, sections }
+    Chapter { title: "Chapter 6: the stability of a grasp", comparisons, sections }
 }
 
 /// μN, N.

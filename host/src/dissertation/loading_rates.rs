@@ -104,7 +104,11 @@ pub fn chapter() -> Chapter {
     }
     let compared: Vec<(Silicone, &Study)> =
         studies.iter().map(|(s, _, study)| (*s, study)).collect();
-    Chapter { comparisons: vec![table_5_2(&compared), inertia()], sections }
+    Chapter {
+        title: "Chapter 5: loading rates",
+        comparisons: vec![table_5_2(&compared), inertia()],
+        sections,
+    }
 }
 
 fn claim() -> Section {

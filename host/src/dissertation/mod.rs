@@ -33,11 +33,30 @@ use crate::sensor::SensorError;
 /// One chapter of the report: what a reader sees of it.
 #[derive(Clone, Debug)]
 pub struct Chapter {
+    /// Its number and subject.
+    pub title: &'static str,
     /// Printed figures beside those computed here.
     pub comparisons: Vec<Comparison>,
     /// Text, tables and figures.
     pub sections: Vec<Section>,
 }
+
+/// Slips of the text: where, and what is right. Each is explained in its chapter.
+pub const SLIPS: [(&str, &str); 7] = [
+    ("4.2.2, footnote", "the equilibrium follows for t → ∞, not for t → 0"),
+    ("5.4.1", "ε = k_s σ in passing; eq. 5.7 has ε = σ/k_s"),
+    (
+        "Eq. 6.10",
+        "x counts from the middle, over the half length: the pressure vanishes at the edge",
+    ),
+    ("Eqs 6.10 and 8.2", "C_k of eq. 8.2 is that of a round contact; the strip has its own"),
+    ("Eq. 7.7 and 7.4", "d from one side there, d/2 on each face here"),
+    (
+        "Table A.1",
+        "the last entry, 11628 s, is that of unrounded coefficients; the printed 8.5e-5 gives 11765 s",
+    ),
+    ("Table B.1, n = 3", "v3 < v2, and neither can be told from 9.5 s of data"),
+];
 
 /// Why a chapter could not be computed: a fault of this program.
 #[derive(Debug, thiserror::Error)]

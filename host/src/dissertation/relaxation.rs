@@ -62,7 +62,7 @@ pub fn chapter() -> Chapter {
     let all: Vec<HoldFit> = fits.iter().flatten().cloned().collect();
     let sections =
         vec![claim(), consistency_section(&spreads(&all)), figures(&traces[0], &fits[0])];
-    Chapter { comparisons, sections }
+    Chapter { title: "Chapter 3: the relaxation of a grasp", comparisons, sections }
 }
 
 fn fitted(traces: &[Trace]) -> Vec<HoldFit> {

@@ -27,7 +27,7 @@ const NUMBERS: [usize; 7] = [2, 4, 8, 16, 32, 64, 128];
 pub fn chapter() -> Chapter {
     let loading = Run::new(&[5.0, 10.0, 15.0, 20.0, 25.0], SEGMENTS);
     let unloading = Run::new(&[25.0, 20.0, 15.0, 10.0, 5.0], SEGMENTS);
-    let section = Section::new("The simulation of 7.4")
+    let section = Section::new("Segments between contact and middle (7.4)")
         .paragraph(format!(
             "A ball of {RADIUS} mm radius between two plates, E = 2.8e4 Pa, is cut into {SEGMENTS} segments from \
              the contact to the plane of symmetry. Each relaxes by eq. 7.10, ε' = −ν (ε − εe)^5, towards the \
@@ -57,7 +57,11 @@ pub fn chapter() -> Chapter {
             ),
         );
     let comparisons = vec![growing(&loading)];
-    Chapter { comparisons, sections: vec![section, convergence()] }
+    Chapter {
+        title: "Chapter 7: the simulation",
+        comparisons,
+        sections: vec![section, convergence()],
+    }
 }
 
 /// One run: steps with holds, then off the ball.
@@ -121,7 +125,7 @@ impl Run {
 
     fn figure(&self) -> Panels {
         let force = Plot::new("", Axis::new("time", "s"), Axis::new("force", "N")).series(
-            Series::line("force", self.time.clone(), self.force.clone()).colour(Colour::MODEL),
+            Series::line("force", self.time.clone(), self.force.clone()).colour(Colour::Hue(0)),
         );
         let motion =
             Plot::new("", Axis::new("time", "s"), Axis::new("approach of the plates", "mm"))

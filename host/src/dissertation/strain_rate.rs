@@ -67,7 +67,7 @@ pub fn chapter() -> Chapter {
             sections.push(Section { title, ..section });
         }
     }
-    Chapter { comparisons, sections }
+    Chapter { title: "Chapter 7: strain rate over strain", comparisons, sections }
 }
 
 /// The law of a row; the first hold of a run and all deeper ones follow a loading.

@@ -25,7 +25,7 @@ pub fn chapter() -> Result<Chapter, SensorError> {
     let tones = Tones::default().run(&specimen("7:3", 4.0)?, SEED)?;
     let slides = slides()?;
     let sections = vec![introduction(), indenters(&presses), frequencies(&tones), ridges(&slides)];
-    Ok(Chapter { comparisons: vec![table_5_2()?], sections })
+    Ok(Chapter { title: "Chapter 8: a tactile sensor", comparisons: vec![table_5_2()?], sections })
 }
 
 fn specimen(composition: &str, thickness_mm: f64) -> Result<Fingertip, SensorError> {

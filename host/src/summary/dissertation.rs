@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use crate::dissertation::{Chapter, Check, Comparison};
+use crate::dissertation::{Chapter, Check, Comparison, SLIPS};
 use crate::report::number::significant;
 use crate::report::{Block, Callout, Column, Section, Table};
 
@@ -66,30 +66,34 @@ pub fn dissertation_report(chapters: &[Chapter]) -> Vec<Section> {
          behind them were not published); where the text slips, the right form is used and the slip is said. \
          Each analysis is a subcommand for your own recordings.",
     );
-    let mut sections = vec![about, dissertation_overview(chapters)];
-    sections.extend(chapters.iter().flat_map(chapter_sections));
+    let slips = SLIPS.map(|(place, what)| (place.to_owned(), what.to_owned())).to_vec();
+    let slips = Section::new("Slips in the text").block(Block::Definitions(slips));
+    let mut sections = vec![about, dissertation_overview(chapters), slips];
+    sections.extend(chapters.iter().map(chapter_section));
     sections
 }
 
-/// A chapter's sections, the comparisons at the end of the first.
-fn chapter_sections(chapter: &Chapter) -> Vec<Section> {
-    let mut sections = chapter.sections.clone();
-    if let Some(first) = sections.first_mut() {
-        for comparison in &chapter.comparisons {
-            let table = Block::Table(comparison.table());
-            first.blocks.push(if comparison.checks.len() > LONG {
-                let summary = format!(
-                    "{} recomputed: {} figures",
-                    comparison.source,
-                    comparison.checks.len()
-                );
-                Block::Details { summary, blocks: vec![table] }
-            } else {
-                table
-            });
-        }
+/// A chapter as one section: what it says, then what is printed beside what is recomputed.
+fn chapter_section(chapter: &Chapter) -> Section {
+    let mut whole = Section::new(chapter.title);
+    for section in &chapter.sections {
+        whole = whole.block(Block::Heading(section.title.clone()));
+        whole.blocks.extend(section.blocks.iter().cloned());
     }
-    sections
+    if !chapter.comparisons.is_empty() {
+        whole = whole.block(Block::Heading("Printed and recomputed".into()));
+    }
+    for comparison in &chapter.comparisons {
+        let table = Block::Table(comparison.table());
+        let count = comparison.checks.len();
+        whole = whole.block(if count > LONG {
+            let summary = format!("{} recomputed: {count} figures", comparison.source);
+            Block::Details { summary, blocks: vec![table] }
+        } else {
+            table
+        });
+    }
+    whole
 }
 
 /// Comparisons with more figures are folded away.
