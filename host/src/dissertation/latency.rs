@@ -64,6 +64,13 @@ pub fn chapter() -> Chapter {
         .callout(Callout::Finding, "What the markers say", gaps.words())
         .callout(
             Callout::Warning,
+            "Which way round (4.4.3)",
+            "The text calls the smaller loop, with Type II, counterclockwise, and a clockwise one a violation of \
+             physics. With force over displacement, as drawn here and in 6.4.2, it is the clockwise loop that \
+             loses work; the argument itself stands.",
+        )
+        .callout(
+            Callout::Warning,
             "Slip in the footnote of 4.2.2",
             "It finds the equilibrium strain from eqs 4.4 and 4.1 \"by assuming t → 0\". At t → 0 they give \
              the initial strain −N0/α; −N0 c0/α follows for t → ∞.",
@@ -380,8 +387,8 @@ impl Gaps {
         };
         Comparison {
             source: "Fig. 4.6",
-            reason: "one pixel of the still photos is some 0.05 mm; the gap is fitted by the linear model \
-                     with two parameters (end and rate), the first value being its start"
+            reason: "0.05 mm, the resolution of the camera of 6.3.1 (chapter 4 states none); the gap is \
+                     fitted by the linear model with two parameters (end and rate) from the first value on"
                 .into(),
             checks: MARKER_GAPS.iter().map(check).collect(),
         }

@@ -68,7 +68,7 @@ impl Silicone {
             })
             .collect();
         let force = noisy(force, NOISE, seed);
-        let name = format!("{}, {speed} mm/s", self.name);
+        let name = format!("{speed} mm/s");
         let mut trace = trace(name, Control::Displacement, time, x, force);
         trace.head.specimen.shape = Some(Shape::Cylinder);
         trace.head.specimen.radius_mm = Some(25.0);

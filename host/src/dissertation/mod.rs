@@ -42,8 +42,9 @@ pub struct Chapter {
 }
 
 /// Slips of the text: where, and what is right. Each is explained in its chapter.
-pub const SLIPS: [(&str, &str); 7] = [
+pub const SLIPS: [(&str, &str); 9] = [
     ("4.2.2, footnote", "the equilibrium follows for t → ∞, not for t → 0"),
+    ("4.4.3", "with force over displacement the loop that loses work runs clockwise, as in 6.4.2"),
     ("5.4.1", "ε = k_s σ in passing; eq. 5.7 has ε = σ/k_s"),
     (
         "Eq. 6.10",
@@ -55,6 +56,7 @@ pub const SLIPS: [(&str, &str); 7] = [
         "Table A.1",
         "the last entry, 11628 s, is that of unrounded coefficients; the printed 8.5e-5 gives 11765 s",
     ),
+    ("Table B.1, R²", "0.9162 for one exponential does not follow from the curves (B.1) and (B.2)"),
     ("Table B.1, n = 3", "v3 < v2, and neither can be told from 9.5 s of data"),
 ];
 

@@ -64,10 +64,22 @@ pub fn chapter() -> Chapter {
         let Some(noisy) = study(&rows, NOISE, Order::LowestOdd) else { continue };
         for section in strain_rate_sections(&noisy) {
             let title = format!("{source} with noise of {NOISE} N");
-            sections.push(Section { title, ..section });
+            sections.push(folded(Section { title, ..section }));
         }
     }
     Chapter { title: "Chapter 7: strain rate over strain", comparisons, sections }
+}
+
+/// The section with the figures of its first hold; those of the others are folded away.
+fn folded(section: Section) -> Section {
+    let (mut shown, mut others) = (Section::new(section.title), Vec::new());
+    let mut figures = 0;
+    for block in section.blocks {
+        let figure = matches!(block, Block::Figure { .. });
+        figures += usize::from(figure);
+        if figure && figures > 2 { others.push(block) } else { shown.blocks.push(block) }
+    }
+    shown.block(Block::Details { summary: "The other holds".into(), blocks: others })
 }
 
 /// The law of a row; the first hold of a run and all deeper ones follow a loading.

@@ -1,0 +1,54 @@
+//! The dissertation recomputed, through the command.
+
+use std::fs;
+
+use palpate_tests::palpate;
+use serde_json::Value;
+
+#[test]
+fn every_printed_figure_agrees_and_the_report_has_every_chapter() {
+    let place = tempfile::tempdir().unwrap();
+    let folder = place.path().join("new/folder");
+    let output = palpate().args(["dissertation", "--json", "-o"]).arg(&folder).output().unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{said}");
+    let answer: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(answer["palpate_dissertation"], 1);
+    assert_eq!(answer["figures"], answer["agree"]);
+    let sources: Vec<&str> = answer["comparisons"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .filter_map(|comparison| comparison["printed_in"].as_str())
+        .collect();
+    for table in ["3.1", "3.2", "3.3", "3.4", "5.2", "7.1", "7.2", "8.3", "A.1", "B.1"]
+        .map(|n| format!("Table {n}"))
+    {
+        assert!(sources.contains(&table.as_str()), "{table} is not among {sources:?}");
+    }
+    assert!(sources.contains(&"Fig. 6.10"), "{sources:?}");
+    let page = fs::read_to_string(folder.join("report.html")).unwrap();
+    for chapter in 2..=8 {
+        assert!(page.contains(&format!("Chapter {chapter}: ")), "chapter {chapter}");
+    }
+    assert!(page.contains("Appendices A and B") && page.contains("Slips in the text"));
+    // One line for each figure, and the head.
+    let rows = fs::read_to_string(folder.join("comparisons.csv")).unwrap().lines().count();
+    assert_eq!(rows as u64, answer["figures"].as_u64().unwrap() + 1);
+}
+
+#[test]
+fn the_report_is_the_same_on_every_run() {
+    let place = tempfile::tempdir().unwrap();
+    let run = |threads: &str| {
+        let folder = place.path().join(threads);
+        palpate()
+            .args(["dissertation", "-o"])
+            .arg(&folder)
+            .env("RAYON_NUM_THREADS", threads)
+            .assert()
+            .success();
+        fs::read_to_string(folder.join("comparisons.csv")).unwrap()
+    };
+    assert_eq!(run("1"), run("2"));
+}
