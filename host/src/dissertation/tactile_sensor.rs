@@ -1,11 +1,11 @@
 //! Section 8.2.1: a tactile sensor of silicone with four gauges in it.
 
-use super::{Chapter, Check, Comparison};
+use super::Chapter;
 use crate::report::number::significant;
 use crate::report::{Axis, Colour, Column, Plot, Section, Series, Table};
 use crate::sensor::{
-    Composition, Fingertip, Indenter, Press, PressResult, SensorError, Silicone, Slide,
-    SlideResult, TABLE_8_2, Tones, TonesResult,
+    Fingertip, Indenter, Press, PressResult, SensorError, Silicone, Slide, SlideResult, TABLE_8_2,
+    Tones, TonesResult,
 };
 use crate::summary::{spectrum_figure, tones_figure};
 use crate::trace::GAUGES;
@@ -176,6 +176,7 @@ fn ridges(slides: &[(f64, SlideResult)]) -> Section {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sensor::Composition;
 
     #[test]
     fn every_figure_agrees_and_what_was_observed_is_seen() {
