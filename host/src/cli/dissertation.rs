@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use super::output::{print_json, print_sections, write_file, write_report};
 use super::{Failure, progress};
-use crate::dissertation::chapters;
+use crate::dissertation::{Comparison, chapters};
 use crate::summary::{
     comparisons_csv, dissertation_json, dissertation_overview, dissertation_report,
 };
@@ -51,7 +51,8 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     } else {
         print_sections(&[dissertation_overview(&chapters)])?;
     }
-    let missed = chapters.iter().flat_map(|chapter| &chapter.comparisons).flat_map(|c| c.missed());
+    let missed =
+        chapters.iter().flat_map(|chapter| &chapter.comparisons).flat_map(Comparison::missed);
     match missed.count() {
         0 => Ok(()),
         count => Err(Failure::Work(miette::miette!("{count} printed figures do not agree"))),

@@ -170,7 +170,7 @@ fn add_nodes(model: &Model, trace: &mut Trace) -> Result<(), Failure> {
     let pressed: Vec<f64> = x.iter().map(|x| x.max(0.0)).collect();
     let nodes = segments.displacements(&trace.time, &pressed);
     for (node, values) in nodes.into_iter().enumerate().skip(1) {
-        trace.set_column(&format!("node{}_mm", node + 1), values);
+        trace.set_column(format!("node{}_mm", node + 1), values);
     }
     Ok(())
 }

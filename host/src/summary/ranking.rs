@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 
 use super::ladder::error_bars;
 use super::unit_of;
-use crate::fit::ranking::{Place, Ranking};
+use crate::fit::ranking::{ParameterSpread, Place, Ranking};
 use crate::model::Rung;
 use crate::report::number::significant;
 use crate::report::{Bars, Callout, Column, Section, Table};
@@ -157,7 +157,7 @@ pub fn ranking_json(ranking: &Ranking, signal: &str) -> Value {
                     "standard_error": fit.standard_errors[k],
                     "unit": parameter.unit,
                     "in_setups": spread.map(|spread| &spread.values),
-                    "ratio": spread.map(|spread| spread.ratio()).filter(|ratio| ratio.is_finite()),
+                    "ratio": spread.map(ParameterSpread::ratio).filter(|ratio| ratio.is_finite()),
                 });
                 (parameter.name.to_string(), value)
             })
