@@ -263,13 +263,6 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_printed_constant_agrees() {
-        for comparison in chapter().unwrap().comparisons {
-            assert_eq!(comparison.missed().collect::<Vec<_>>(), Vec::<&Check>::new());
-        }
-    }
-
-    #[test]
     fn kelvin_and_voigt_rest_during_the_hold_and_latency_relaxes() {
         let course = course().unwrap();
         let (early, late) = (400, 3200);

@@ -90,3 +90,38 @@ pub fn chapters() -> Result<Vec<Chapter>, ChapterError> {
     ];
     CHAPTERS.par_iter().map(|chapter| chapter()).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_printed_figure_of_every_chapter_agrees() {
+        let chapters = chapters().unwrap();
+        let comparisons = || chapters.iter().flat_map(|chapter| &chapter.comparisons);
+        for comparison in comparisons() {
+            let missed: Vec<&Check> = comparison.missed().collect();
+            assert!(missed.is_empty(), "{}: {missed:#?}", comparison.source);
+        }
+        // Nothing is left out by accident: 30 rows of 7 figures in Tables 3.1 to 3.3 alone.
+        let count = |source: &str| {
+            let of = comparisons().filter(|comparison| comparison.source == source);
+            of.map(|comparison| comparison.checks.len()).sum::<usize>()
+        };
+        let tables = [
+            ("Table 3.1", 70),
+            ("Table 3.2", 70),
+            ("Table 3.3", 70),
+            ("Table 3.4", 30),
+            ("Table 5.2", 4),
+            ("Table 7.1", 10),
+            ("Table 7.2", 10),
+            ("Table 8.3", 6),
+            ("Table A.1", 10),
+            ("Table B.1", 15),
+        ];
+        for (table, figures) in tables {
+            assert_eq!(count(table), figures, "{table}");
+        }
+    }
+}

@@ -315,24 +315,3 @@ fn figures(traces: &[Trace], fits: &[HoldFit]) -> Section {
     .level(fit.fit.sum.scale * fit.fit.sum.constant, "N c0");
     section.figure(plot, "Beyond the hold the curve is an extrapolation.")
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn every_printed_figure_of_chapter_3_is_met() {
-        let chapter = chapter();
-        assert_eq!(chapter.comparisons.len(), 6);
-        assert_eq!(chapter.comparisons[0].checks.len(), 70);
-        for comparison in &chapter.comparisons {
-            assert!(!comparison.checks.is_empty(), "{}", comparison.source);
-            assert_eq!(
-                comparison.missed().collect::<Vec<_>>(),
-                [] as [&Check; 0],
-                "{}",
-                comparison.source
-            );
-        }
-    }
-}

@@ -60,6 +60,7 @@ pub use sensor::{
 };
 pub(crate) use sensor::{spectrum_figure, tones_figure};
 pub use strain_rate::{strain_rate_json, strain_rate_sections};
+pub use terms::number_table;
 pub use whole_motion::FitSummary;
 
 pub use crate::trace::units::printed as unit_of;

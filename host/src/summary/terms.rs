@@ -45,9 +45,13 @@ fn chosen_table(holds: &[(&HoldFit, &Terms)]) -> Table {
     table
 }
 
-/// A row for each number of exponentials.
 fn comparison_table(hold: &HoldFit, terms: &Terms, signal: &str) -> Table {
-    let unit = unit_of(signal);
+    number_table(format!("One to four exponentials: {}", place(hold)), terms, unit_of(signal))
+}
+
+/// A row for each number of exponentials; errors in `unit`.
+#[must_use]
+pub fn number_table(caption: impl Into<String>, terms: &Terms, unit: &str) -> Table {
     let columns = vec![
         Column::whole("n"),
         Column::number("R²", ""),
@@ -58,7 +62,7 @@ fn comparison_table(hold: &HoldFit, terms: &Terms, signal: &str) -> Table {
         Column::text("told"),
         Column::text(""),
     ];
-    let mut table = Table::new(format!("One to four exponentials: {}", place(hold)), columns);
+    let mut table = Table::new(caption, columns);
     let best = terms.rows.iter().map(|row| row.bic).fold(f64::INFINITY, f64::min);
     for row in &terms.rows {
         let number = row.fit.sum.terms.len();
