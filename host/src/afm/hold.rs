@@ -11,8 +11,9 @@ use shared::latency::Law;
 use super::Estimate;
 use super::curve::ForceCurve;
 use super::fit::CurveFit;
-use super::least::least_squares;
+
 use crate::fit::exponentials::{Fit, Options, Prepared};
+use crate::fit::power_law;
 
 /// What a hold says.
 #[derive(Clone, Debug)]
@@ -113,28 +114,22 @@ pub(super) fn relaxed(
     })
 }
 
-/// The latency model of an order; coordinates are start, equilibrium and ln of the rate by its start.
+/// The latency model of an order.
 fn latency(time: &[f64], strains: &[f64], order: u32) -> Latency {
-    let end = strains[strains.len() - 1];
-    let gap = (strains[0] - end).abs().max(1e-6);
-    let rate = 3.0 / time[time.len() - 1] / gap.powi(order as i32 - 1);
-    let residuals = |point: &[f64]| {
-        let rate = rate * point[2].exp();
-        let at = |t: f64| strain(point[0], point[1], rate, order, t);
-        time.iter().zip(strains).map(|(t, measured)| at(*t) - measured).collect()
+    let fit = power_law::fit(time, strains, Some(f64::from(order)));
+    let estimate = |(value, error): (f64, Option<f64>)| Estimate {
+        value,
+        standard_error: error.unwrap_or(f64::NAN),
     };
-    let bounds = [(0.0, 3.0), (-1.0, 3.0), (-20.0, 20.0)];
-    let fitted = least_squares(&bounds, &[strains[0], end, 0.0], time.len(), residuals);
-    let (point, errors) = (&fitted.solution.point, &fitted.standard_errors);
     let count = time.len() as f64;
-    let cost = fitted.solution.normal.cost.max(f64::MIN_POSITIVE);
-    let value = rate * point[2].exp();
+    // The fit tells the error of ln ν.
+    let rate = (fit.rate.0, fit.rate.1.map(|error| fit.rate.0 * error));
     Latency {
         order,
-        start: Estimate { value: point[0], standard_error: errors[0] },
-        equilibrium: Estimate { value: point[1], standard_error: errors[1] },
-        rate: Estimate { value, standard_error: value * errors[2] },
-        rms: fitted.rms,
-        criterion: count * (cost / count).ln(),
+        start: estimate(fit.initial),
+        equilibrium: estimate(fit.equilibrium),
+        rate: estimate(rate),
+        rms: (fit.rss / count).sqrt(),
+        criterion: count * (fit.rss.max(f64::MIN_POSITIVE) / count).ln(),
     }
 }

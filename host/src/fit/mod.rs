@@ -13,6 +13,7 @@ pub mod exponentials;
 pub mod hold;
 pub mod least_squares;
 pub mod line;
+pub mod power_law;
 pub mod problem;
 pub mod ranking;
 pub mod slope;
