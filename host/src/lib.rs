@@ -18,6 +18,7 @@
 //! - [`dissertation`]: the figures that the dissertation prints.
 //! - [`practice`]: data sets with a hidden effect.
 //! - [`report`]: vector plots and self-contained HTML.
+//! - [`serve`]: the local page.
 //! - [`cli`]: one file for each subcommand: parse, call, print.
 #![forbid(unsafe_code)]
 
@@ -41,5 +42,6 @@ pub mod recording;
 pub mod regions;
 pub mod report;
 pub mod sensor;
+pub mod serve;
 pub mod summary;
 pub mod trace;

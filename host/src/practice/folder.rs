@@ -1,6 +1,6 @@
 //! A practice set as files in a folder of its own.
 
-use std::io::{self, Write};
+use std::io;
 use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
 
