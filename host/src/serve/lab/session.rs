@@ -258,11 +258,11 @@ impl Session {
         let Task::Hide(hide) = task else { return Ok((String::new(), 0)) };
         let seed = hide.seed.unwrap_or_else(seed_from_clock);
         let sets = self.folder()?.sets()?;
-        let free = (1..).map(|number| match number {
+        let mut free = (1..).map(|number| match number {
             1 => format!("practice-{seed}"),
             _ => format!("practice-{seed}-{number}"),
         });
-        let name = free.into_iter().find(|name| !sets.contains(name)).unwrap_or_default();
+        let name = free.find(|name| !sets.contains(name)).unwrap_or_default();
         Ok((name, seed))
     }
 
