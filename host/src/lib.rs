@@ -17,8 +17,8 @@
 //! - [`grasp`]: what a soft contact can hold before it slips.
 //! - [`dissertation`]: the figures that the dissertation prints.
 //! - [`practice`]: data sets with a hidden effect.
+//! - [`serve`]: a local page over the same functions as the commands.
 //! - [`report`]: vector plots and self-contained HTML.
-//! - [`serve`]: the local page.
 //! - [`cli`]: one file for each subcommand: parse, call, print.
 #![forbid(unsafe_code)]
 
