@@ -71,7 +71,7 @@ export function open(root, api) {
       element("div", { className: "heading" }, element("h2", { textContent: `Gauge ${gauge + 1}` }), reading));
     gauges.append(place);
     const drawn = plot(place, {
-      x: [], label: `Strain of gauge ${gauge + 1} over time`, axes: { y: "µε" }, height: 220, group: "live",
+      x: [], label: `Strain of gauge ${gauge + 1} over time`, axes: { x: "s", y: "µε" }, height: 250, group: "live",
       series: SIGNALS.map(([label, colour, dash, show]) => ({ label, colour, dash, show, values: [] })),
       onZoom: (from, to) => (from === null ? goOn() : look(from, to)),
     });
