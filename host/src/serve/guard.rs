@@ -100,7 +100,8 @@ impl Guard {
                 return Err(Problem::forbidden("another site may not ask"));
             }
         }
-        if path.starts_with("/api") && !token(headers).is_some_and(|token| self.is_token(token)) {
+        let is_data = path == "/api" || path.starts_with("/api/");
+        if is_data && !token(headers).is_some_and(|token| self.is_token(token)) {
             return Err(Problem::forbidden(
                 "the token is missing or of another start; open the address that `palpate serve` printed",
             ));

@@ -114,9 +114,7 @@ impl Feed {
             store.health.identify(session.identity());
             store.health.status(&status);
             store.health.set(session.settings().1, session.identity().converter_clock_hz);
-            if was_here {
-                store.say("the device is there again");
-            }
+            store.say(if was_here { "the device is there again" } else { "the device is there" });
         }
         self.heard_at = Instant::now();
         self.note_gap(Gap::LinkBack);

@@ -183,15 +183,28 @@ impl Store {
             .map_or(0.0, |since| since.as_secs_f64() * 1e3);
         for row in rows {
             let device_s = row.time_us as f64 * 1e-6;
-            let offset_s = *self.offset_s.get_or_insert_with(|| {
-                let earliest = self.pyramid.last_s().map_or(0.0, |last_s| last_s + interval_s);
-                earliest.max(self.began.elapsed().as_secs_f64()) - device_s
-            });
+            let offset_s = match self.offset_s {
+                Some(offset_s) => offset_s,
+                None => self.join(device_s, interval_s),
+            };
             // A clock that goes back, as after a reset nobody told of, does not take the session with it.
             let time_s = self.pyramid.last_s().map_or(f64::MIN, |s| s).max(device_s + offset_s);
             self.note_states(row, time_s, interval_s);
             self.pyramid.push(time_s, &values(row));
         }
+    }
+
+    /// The first row of a stream comes now, or behind the last row; what lies between is a gap.
+    fn join(&mut self, device_s: f64, interval_s: f64) -> f64 {
+        let passed_s = self.began.elapsed().as_secs_f64();
+        let last_s = self.pyramid.last_s();
+        let to_s = last_s.map_or(passed_s, |last_s| passed_s.max(last_s + interval_s));
+        if let Some(from_s) = last_s {
+            self.happen(Event::Gap { from_s, to_s, words: "another stream".into() });
+        }
+        let offset_s = to_s - device_s;
+        self.offset_s = Some(offset_s);
+        offset_s
     }
 
     fn note_states(&mut self, row: &Row, time_s: f64, interval_s: f64) {

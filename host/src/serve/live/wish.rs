@@ -12,7 +12,7 @@ use crate::recording::EXTENSION;
 
 /// What a page asks for.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(tag = "do", rename_all = "kebab-case", deny_unknown_fields)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Wish {
     /// Begin the stream.
     Start,
@@ -117,9 +117,9 @@ mod tests {
     #[test]
     fn a_wish_is_read_strictly() {
         let wish = |text: &str| serde_json::from_str::<Wish>(text);
-        assert_eq!(wish(r#"{"do":"end-recording"}"#).unwrap(), Wish::EndRecording);
-        assert!(wish(r#"{"do":"record","file":"a","force":true}"#).is_err());
-        assert!(wish(r#"{"do":"reboot"}"#).is_err());
+        assert_eq!(wish(r#""end-recording""#).unwrap(), Wish::EndRecording);
+        assert!(wish(r#"{"record":{"file":"a","force":true}}"#).is_err());
+        assert!(wish(r#""reboot""#).is_err());
     }
 
     #[test]

@@ -71,7 +71,7 @@ export function open(root, api) {
       element("div", { className: "heading" }, element("h2", { textContent: `Gauge ${gauge + 1}` }), reading));
     gauges.append(place);
     const drawn = plot(place, {
-      x: [], label: `Strain of gauge ${gauge + 1} over time`, axes: { y: "µε" }, height: 220, group: "live",
+      x: [], label: `Strain of gauge ${gauge + 1} over time`, axes: { x: "s", y: "µε" }, height: 250, group: "live",
       series: SIGNALS.map(([label, colour, dash, show]) => ({ label, colour, dash, show, values: [] })),
       onZoom: (from, to) => (from === null ? goOn() : look(from, to)),
     });
@@ -280,23 +280,29 @@ function remember(list, item, most) {
   if (list.length > most) list.splice(0, most / 2);
 }
 
-/** Regions as bands, with Type I and II at the foot. */
+/** Regions as shaded bands, and Type I and II as words at their foot. */
 function spans(states, from, to) {
-  const bands = [];
+  const shaded = [], types = [];
+  let end = to;
   for (let index = states.length - 1; index >= 0; index--) {
     const begin = states[index].time_s;
-    const end = states[index + 1]?.time_s ?? Infinity;
-    if (end > from && begin < to && end > begin) {
+    if (end > from && begin < end) {
       const { region, points, type } = states[index];
-      const last = bands.at(-1);
-      const stop = Math.min(end, to);
-      const foot = type === "–" ? "" : `Type ${type}`;
-      if (last && last.region === region && last.foot === foot) last.from = begin;
-      else bands.push({ from: begin, to: stop, region, colour: REGION_COLOURS[region], text: points, foot });
+      extend(shaded, { from: begin, to: end, key: region, colour: REGION_COLOURS[region], text: points });
+      extend(types, { from: begin, to: end, key: type, foot: type === "–" ? "" : `Type ${type}` });
     }
+    // A region that was recognised late begins before what was told ahead of it.
+    end = Math.min(end, begin);
     if (begin <= from) break;
   }
-  return bands;
+  return shaded.concat(types);
+}
+
+/** Puts a band before the others, or makes the first one longer if it is the same. */
+function extend(bands, band) {
+  const later = bands.at(-1);
+  if (later?.key === band.key) later.from = band.from;
+  else bands.push(band);
 }
 
 function missing(gaps, from, to) {

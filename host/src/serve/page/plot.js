@@ -25,7 +25,6 @@ export function plot(root, { x, series, axes = {}, bands = [], onZoom, height = 
     return colours.get(name);
   };
   let shaded = bands;
-  let dragged = false;
 
   const axis = (text, more) => ({
     label: text, stroke: () => paint("muted"), font: "12px system-ui", labelFont: "12px system-ui", labelGap: 0,
@@ -51,11 +50,10 @@ export function plot(root, { x, series, axes = {}, bands = [], onZoom, height = 
       drawClear: [(u) => shade(u, shaded, paint)],
       setSelect: [(u) => {
         if (!onZoom || u.select.width < 4) return;
-        dragged = true;
         const from = u.posToVal(u.select.left, "x");
         const to = u.posToVal(u.select.left + u.select.width, "x");
         u.setSelect({ left: 0, top: 0, width: 0, height: 0 }, false);
-        if (dragged) onZoom(from, to);
+        onZoom(from, to);
       }],
     },
   };
@@ -112,6 +110,8 @@ function shade(u, bands, paint) {
   ctx.rect(left, top, width, height);
   ctx.clip();
   ctx.font = `${11 * scale}px system-ui`;
+  ctx.textAlign = "left";
+  ctx.textBaseline = "alphabetic";
   for (const { from, to, colour, text, foot } of bands) {
     const begin = Math.max(u.valToPos(from, "x", true), left);
     const end = Math.min(u.valToPos(to, "x", true), left + width);

@@ -23,15 +23,15 @@ export function controls(root, api) {
     }
   };
   const button = (textContent, onclick) => element("button", { type: "button", textContent, onclick });
-  const start = button("Start", () => wish({ do: "start" }, "Started."));
-  const stop = button("Stop", () => wish({ do: "stop" }, "Stopped."));
-  const tare = button("Tare", () => wish({ do: "tare" }, "Zero is read from here on."));
-  const untare = button("Untare", () => wish({ do: "untare" }, "The tare is taken back."));
+  const start = button("Start", () => wish("start", "Started."));
+  const stop = button("Stop", () => wish("stop", "Stopped."));
+  const tare = button("Tare", () => wish("tare", "Zero is read from here on."));
+  const untare = button("Untare", () => wish("untare", "The tare is taken back."));
 
   const file = element("input", { type: "text", id: "live-file", value: `touch-${stamp()}`, size: 18, spellcheck: false });
-  const record = button("Record", () => wish({ do: "record", file: file.value }, "Recording."));
+  const record = button("Record", () => wish({ record: { file: file.value } }, "Recording."));
   const end = button("End", async () => {
-    if (await wish({ do: "end-recording" }, "The recording is written.")) file.value = `touch-${stamp()}`;
+    if (await wish("end-recording", "The recording is written.")) file.value = `touch-${stamp()}`;
   });
 
   const fields = new Map();
@@ -45,11 +45,11 @@ export function controls(root, api) {
       event.preventDefault();
       const changed = (name) => fields.get(name).dataset.changed;
       const number = (name) => Number(fields.get(name).value);
-      const what = { do: "set", thresholds: {} };
+      const what = { thresholds: {} };
       if (FILTER.some(([name]) => changed(name))) what.filter = FILTER.map(([name]) => number(name));
       for (const [name] of THRESHOLDS) if (changed(name)) what.thresholds[name] = number(name);
       if (!what.filter && Object.keys(what.thresholds).length === 0) return;
-      if (await wish(what, "Set.")) for (const input of fields.values()) delete input.dataset.changed;
+      if (await wish({ set: what }, "Set.")) for (const input of fields.values()) delete input.dataset.changed;
     },
   },
     element("div", { className: "fields" }, ...FILTER.map(([name, unit]) => field(name, unit))),
