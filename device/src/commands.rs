@@ -111,7 +111,10 @@ impl Device<'_> {
 
     /// Settings from the next sample on.
     fn apply(&mut self, settings: Settings) -> Result<(), Refusal> {
-        let interval_s = self.interval_s(settings.oversampling);
+        let interval_s = match self.stream.source() {
+            Some(Source::Link { interval_ns }) => f64::from(interval_ns) * 1e-9,
+            _ => self.interval_s(settings.oversampling),
+        };
         let config = settings.config(interval_s).map_err(refused)?;
         self.stream.pipeline().configure(&config);
         self.settings = settings;

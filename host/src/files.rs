@@ -1,4 +1,4 @@
-//! Writing a file so that a reader sees all of it or nothing.
+//! Files: written so that a reader sees all of one or nothing, and named so that a shell takes the name.
 
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
@@ -27,6 +27,14 @@ pub fn write_whole(
     temporary.as_file().sync_all()?;
     temporary.persist(path).map_err(|error| error.error)?;
     Ok(())
+}
+
+/// An argument as a shell takes it: in quotes where it needs them.
+#[must_use]
+pub fn quoted(argument: &str) -> String {
+    let safe = |c: char| c.is_alphanumeric() || "-_./=+:,".contains(c);
+    let plain = argument.chars().all(safe);
+    if plain { argument.into() } else { format!("'{}'", argument.replace('\'', "'\\''")) }
 }
 
 /// A temporary file is private by default; a result is as readable as any file the user makes.

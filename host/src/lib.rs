@@ -17,6 +17,7 @@
 //! - [`grasp`]: what a soft contact can hold before it slips.
 //! - [`dissertation`]: the figures that the dissertation prints.
 //! - [`practice`]: data sets with a hidden effect.
+//! - [`serve`]: a local page over the same functions as the commands.
 //! - [`report`]: vector plots and self-contained HTML.
 //! - [`cli`]: one file for each subcommand: parse, call, print.
 #![forbid(unsafe_code)]
@@ -41,5 +42,6 @@ pub mod recording;
 pub mod regions;
 pub mod report;
 pub mod sensor;
+pub mod serve;
 pub mod summary;
 pub mod trace;

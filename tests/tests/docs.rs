@@ -238,3 +238,8 @@ fn the_variables_and_functions_of_the_description_are_those_of_expressions() {
         Expression::parse(&format!("{function}(x) + PI * E"), &[]).unwrap();
     }
 }
+
+#[test]
+fn the_commands_of_the_local_page_run() {
+    run_all("docs/page.md");
+}

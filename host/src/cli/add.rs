@@ -7,7 +7,7 @@ use super::{Failure, progress};
 use crate::criticism::change::{self, Change};
 use crate::criticism::compare::compare;
 use crate::model::Model;
-use crate::summary::{change_json, change_sections, ladder, overlays};
+use crate::summary::{change_json, change_report, change_sections};
 use crate::trace::{Trace, read_set};
 
 /// Add an effect to a model, refit, and see the error fall.
@@ -60,19 +60,16 @@ pub fn give(
     if let Some(path) = output {
         change.model.write(path).map_err(Failure::work)?;
     }
-    let sections = change_sections(change);
     if let Some(path) = &result.report {
         let comparison = compare(&change.model, traces).map_err(Failure::input)?;
-        let mut all = sections.clone();
-        all.extend(ladder(&change.model));
-        all.push(overlays(&comparison));
+        let sections = change_report(change, &comparison);
         let names = traces.iter().map(Trace::label).collect();
-        write_report(path, "A changed model", &change.model.base.signal, names, all)?;
+        write_report(path, "A changed model", &change.model.base.signal, names, sections)?;
     }
     if result.json {
         print_json(&change_json(change))?;
     } else {
-        print_sections(&sections)?;
+        print_sections(&change_sections(change))?;
     }
     if change.fit.stop.converged() {
         Ok(())

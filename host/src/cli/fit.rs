@@ -6,6 +6,7 @@ use clap::ValueEnum;
 
 use super::output::{Output, print_json, print_sections, write_report};
 use super::{Failure, progress};
+use crate::fit::choice::{Choice, Exponent};
 use crate::fit::data::Data;
 use crate::fit::hold::{self, HoldFit};
 use crate::fit::ranking::rank;
@@ -78,15 +79,6 @@ pub struct Args {
     result: Output,
 }
 
-#[derive(Clone, Copy)]
-enum Exponent {
-    Given(f64),
-    Auto,
-}
-
-/// Exponents among which the lowest that fits best is chosen: odd ones, as in 7.2.
-const ODD: [f64; 5] = [1.0, 3.0, 5.0, 7.0, 9.0];
-
 #[derive(Clone, Copy, ValueEnum)]
 enum SeparationArg {
     /// The integral runs over the commanded motion; the force is its positive part
@@ -131,7 +123,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
             family.name()
         ));
     }
-    let laws = args.laws(family).map_err(|problem| Failure::Input(miette::miette!(problem)))?;
+    let laws = args.choice(family).laws().map_err(Failure::input)?;
     let traces = read_set(traces).map_err(Failure::input)?;
     if args.hold_only { holds(args, &traces) } else { whole(args, &laws, &traces) }
 }
@@ -152,34 +144,14 @@ impl Args {
         }
     }
 
-    /// The laws to try: one, or one for each number of exponentials or each exponent.
-    fn laws(&self, family: Family) -> Result<Vec<BaseLaw>, String> {
-        let name = family.name();
-        let law = BaseLaw { segments: self.segments, ..BaseLaw::new(family, 1, self.separation()) };
-        if law.separation == Separation::Bonded && !family.can_be_bonded() {
-            return Err(format!("`{name}` is stated for compression and cannot be bonded"));
+    fn choice(&self, family: Family) -> Choice {
+        Choice {
+            family,
+            terms: self.terms,
+            separation: self.separation(),
+            segments: self.segments,
+            exponent: self.exponent,
         }
-        if self.segments.is_some() && !family.has_segments() {
-            return Err(format!("--segments is for the latency models, not for `{name}`"));
-        }
-        match self.exponent {
-            Some(_) if family != Family::LatencyPower => {
-                return Err(format!("--exponent is for `latency-power`, not for `{name}`"));
-            }
-            Some(Exponent::Given(n)) => return Ok(vec![BaseLaw { exponent: Some(n), ..law }]),
-            Some(Exponent::Auto) => {
-                return Ok(ODD.map(|n| BaseLaw { exponent: Some(n), ..law }).to_vec());
-            }
-            None => {}
-        }
-        if !family.has_terms() {
-            return Ok(vec![law]);
-        }
-        let terms = match self.terms {
-            Terms::Fixed(terms) => terms..=terms,
-            Terms::Auto => 1..=MAX_TERMS,
-        };
-        Ok(terms.map(|terms| BaseLaw { terms, ..law }).collect())
     }
 }
 

@@ -1,15 +1,13 @@
 //! `palpate hide`.
 
-use std::io;
 use std::path::{Path, PathBuf};
-use std::time::{SystemTime, UNIX_EPOCH};
 
-use super::output::{Output, cannot_write, print_json, print_sections, write_file, write_report};
+use super::output::{Output, print_json, print_sections, write_report};
 use super::{Failure, progress};
-use crate::practice::{Choice, Practice, SEALED, hide, open, seal};
+use crate::practice::{Choice, check_empty, hide, open, seed_from_clock, write_set};
 use crate::report::Section;
 use crate::summary::{practice_json, practice_sections, trace_panels, truth_json, truth_sections};
-use crate::trace::{Trace, write};
+use crate::trace::Trace;
 
 /// Make a practice data set with a hidden effect; the truth goes to a sealed file.
 #[derive(clap::Args)]
@@ -57,17 +55,17 @@ pub fn run(args: &Args) -> Result<(), Failure> {
 }
 
 fn make(args: &Args, folder: &Path) -> Result<(), Failure> {
-    check_empty(folder)?;
+    check_empty(folder).map_err(Failure::input)?;
     let choice = match (args.any, args.effects.is_empty()) {
         (Some(count), _) => Choice::Any(count.into()),
         (None, true) => Choice::Any(1),
         (None, false) => Choice::Named(args.effects.clone()),
     };
     let wait = progress::spinner("recording");
-    let practice = hide(&choice, args.size, args.seed.unwrap_or_else(from_clock));
+    let practice = hide(&choice, args.size, args.seed.unwrap_or_else(seed_from_clock));
     wait.finish_and_clear();
     let practice = practice.map_err(Failure::input)?;
-    write_set(folder, &practice)?;
+    write_set(folder, &practice).map_err(Failure::work)?;
     let shown = folder.display().to_string();
     let sections = practice_sections(&practice, &shown);
     if let Some(path) = &args.result.report {
@@ -95,33 +93,4 @@ fn reveal(folder: &Path, result: &Output) -> Result<(), Failure> {
         write_report(path, "The truth of a practice set", "", names, sections.clone())?;
     }
     if result.json { print_json(&truth_json(&truth)) } else { print_sections(&sections) }
-}
-
-/// A folder with something in it is left alone.
-fn check_empty(folder: &Path) -> Result<(), Failure> {
-    let refused = |problem: &str| {
-        Err(Failure::Input(miette::miette!("{} {problem}; name a new folder", folder.display())))
-    };
-    match std::fs::read_dir(folder).map(Iterator::count) {
-        Ok(0) => Ok(()),
-        Ok(_) => refused("is not empty"),
-        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
-        Err(_) => refused("is not a folder that can be read"),
-    }
-}
-
-/// The truth last: a folder without it was not finished.
-fn write_set(folder: &Path, practice: &Practice) -> Result<(), Failure> {
-    std::fs::create_dir_all(folder).map_err(|source| cannot_write(folder, source))?;
-    for trace in &practice.traces {
-        write(&folder.join(trace.label()), trace).map_err(Failure::work)?;
-    }
-    let sealed = seal(&practice.truth).map_err(Failure::work)?;
-    write_file(&folder.join(SEALED), sealed.as_bytes())
-}
-
-/// A seed that nobody has seen yet, short enough to type.
-fn from_clock() -> u64 {
-    let since = SystemTime::now().duration_since(UNIX_EPOCH);
-    since.map_or(1, |since| since.as_micros() as u64 % 1_000_000)
 }

@@ -31,6 +31,7 @@ mod record;
 mod relaxation;
 mod segment;
 mod sensor;
+mod serve;
 mod simulate;
 mod specimen;
 mod strain_rate;
@@ -67,7 +68,9 @@ Examples:
   palpate grasp margin pull.csv --friction 0.7     when a grasp slips
   palpate import lab.txt --map lab.map.toml        a foreign recording
   palpate device list                              the fingertips that are plugged in
-  palpate record -o press.palpate                  a recording of one";
+  palpate record -o press.palpate                  a recording of one
+  palpate serve --simulate --open                  a page that shows a fingertip live
+  palpate serve traces/ --open                     a page that puts a model right";
 
 #[derive(Subcommand)]
 enum Command {
@@ -121,6 +124,8 @@ enum Command {
     Device(device::Args),
     /// Record a device into a file
     Record(record::Args),
+    /// Open a local page: a fingertip live, or a model beside recordings
+    Serve(serve::Args),
     /// Recompute every printed table and equation of the dissertation
     Dissertation(dissertation::Args),
     /// Print completions for a shell
@@ -186,6 +191,7 @@ pub fn run() -> ExitCode {
         Command::Plan(args) => plan::run(args),
         Command::Device(args) => device::run(args),
         Command::Record(args) => record::run(args),
+        Command::Serve(args) => serve::run(args),
         Command::Dissertation(args) => dissertation::run(args),
         Command::Completions(args) => completions::run::<Arguments>(args),
     };

@@ -4,7 +4,7 @@ use std::io::{self, IsTerminal, Write};
 use std::path::Path;
 
 use super::Failure;
-use crate::files::write_whole;
+use crate::files::{quoted, write_whole};
 use crate::report::{Block, Callout, Origin, Page, Section, Table, Terminal};
 
 /// How a subcommand gives its result.
@@ -127,12 +127,8 @@ struct WriteError {
 
 /// The command that was called, so that a report can be made again.
 fn command_line() -> String {
-    let quoted = |argument: String| {
-        let plain = argument.chars().all(|c| c.is_alphanumeric() || "-_./=+:,".contains(c));
-        if plain { argument } else { format!("'{}'", argument.replace('\'', "'\\''")) }
-    };
     std::iter::once("palpate".to_owned())
-        .chain(std::env::args().skip(1).map(quoted))
+        .chain(std::env::args().skip(1).map(|argument| quoted(&argument)))
         .collect::<Vec<_>>()
         .join(" ")
 }

@@ -5,6 +5,7 @@
 //! - [`dependence`]: how much of the residual a quantity explains, and whether that is chance.
 //! - [`compare`]: all of it for one model and one data set.
 //! - [`signature`]: what an effect leaves of a base law that lacks it.
+//! - [`foretold`]: what a candidate would make of the prediction, before anything is refitted.
 //! - [`change`]: an effect added or taken out, everything refitted.
 
 pub mod adequacy;
@@ -15,6 +16,7 @@ pub mod diagnose;
 pub mod experiment;
 pub mod explore;
 pub mod fitted;
+pub mod foretold;
 pub mod leftover;
 pub mod noise;
 pub mod region;

@@ -14,6 +14,7 @@ use super::tail::log_tail;
 use crate::effects::{Candidate, Form};
 use crate::fit::data::Data;
 use crate::fit::problem::Problem;
+use crate::fit::watch;
 use crate::fit::whitening::Whitening;
 use crate::model::{Act, Chain, Elasticity, History, Scene, Stage};
 
@@ -148,6 +149,9 @@ fn gram(
         .collect();
     let mut gram = DMatrix::zeros(size + 1, size + 1);
     problem.derivatives(point, |piece, residual, derivatives| {
+        if watch::ended() {
+            return;
+        }
         let scene = data.scene(piece);
         let predicted: Vec<f64> = residual.iter().zip(piece.measured).map(|(r, y)| r + y).collect();
         let mut columns: Vec<(usize, Vec<f64>)> = derivatives;

@@ -343,7 +343,7 @@ impl<'p> Recorder<'p> {
 }
 
 /// Begins a stream; what is heard from here on begins with who the device is and its settings.
-fn begin(session: &mut Session, start: Start) -> Result<(), LinkError> {
+pub(crate) fn begin(session: &mut Session, start: Start) -> Result<(), LinkError> {
     session.settle()?;
     session.again(PATIENCE)?;
     session.command(&ToDevice::Start(start))?;

@@ -6,6 +6,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::watch;
+
 /// A sum of squares to be made small.
 pub trait LeastSquares {
     /// Lower and upper bound of each coordinate.
@@ -52,13 +54,15 @@ pub enum Stop {
     Step,
     /// The limit of iterations was reached before a minimum.
     Iterations,
+    /// The work was ended from outside.
+    Ended,
 }
 
 impl Stop {
     /// Whether a minimum was reached.
     #[must_use]
     pub fn converged(self) -> bool {
-        self != Self::Iterations
+        !matches!(self, Self::Iterations | Self::Ended)
     }
 }
 
@@ -69,6 +73,7 @@ impl std::fmt::Display for Stop {
             Self::Cost => "converged: the sum of squares stopped falling",
             Self::Step => "converged: the steps became negligible",
             Self::Iterations => "not converged: the limit of iterations was reached",
+            Self::Ended => "not converged: it was ended",
         })
     }
 }
@@ -120,6 +125,7 @@ pub fn minimise(problem: &impl LeastSquares, start: &[f64]) -> Solution {
 
 /// Searches for a minimum from `start` with limited effort.
 pub fn minimise_with(problem: &impl LeastSquares, start: &[f64], effort: Effort) -> Solution {
+    watch::search();
     let bounds = problem.bounds();
     let mut point: Vec<f64> =
         start.iter().zip(bounds).map(|(x, (lower, upper))| x.clamp(*lower, *upper)).collect();
@@ -133,6 +139,9 @@ pub fn minimise_with(problem: &impl LeastSquares, start: &[f64], effort: Effort)
         }
         if iterations >= effort.iterations {
             break Stop::Iterations;
+        }
+        if !watch::step() {
+            break Stop::Ended;
         }
         iterations += 1;
         let step = bounded_step(&normal, damping, &point, bounds);

@@ -5,6 +5,7 @@
 //! - [`consistency`]: whether repeats differ by more than their standard errors.
 //! - [`whole_motion`]: a law over loading, holds and unloading of every trace together.
 
+pub mod choice;
 pub mod consistency;
 pub mod coordinates;
 pub mod data;
@@ -20,6 +21,7 @@ pub mod slope;
 mod start;
 mod uncertainty;
 pub mod warning;
+pub mod watch;
 pub mod whitening;
 pub mod whole_motion;
 

@@ -81,7 +81,7 @@ const PALETTE: [(&str, &str, &str); 16] = [
 pub(super) const FIGURE_CSS: &str = include_str!("figure.css");
 
 /// Declarations of all colours as variables, one theme.
-pub(super) fn variables(dark: bool) -> String {
+pub(crate) fn variables(dark: bool) -> String {
     PALETTE.iter().fold(String::new(), |mut css, (name, light, night)| {
         let _ = write!(css, "--{name}:{};", if dark { night } else { light });
         css

@@ -9,7 +9,7 @@
 
 mod axis;
 mod bars;
-mod colour;
+pub(crate) mod colour;
 mod curve;
 mod decimate;
 mod draw;

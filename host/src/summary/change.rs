@@ -2,8 +2,9 @@
 
 use serde_json::{Map, Value, json};
 
-use super::{estimate, unit_of};
+use super::{estimate, ladder, overlays, unit_of};
 use crate::criticism::change::Change;
+use crate::criticism::compare::Comparison;
 use crate::model::{Parameter, Rung};
 use crate::report::number::significant;
 use crate::report::{Callout, Column, Section, Table};
@@ -28,6 +29,15 @@ pub fn change_sections(change: &Change) -> Vec<Section> {
         section = section.callout(Callout::Warning, "Beware", warning.clone());
     }
     vec![section]
+}
+
+/// What a report shows of a change: the change, the ladder, and every trace with the model after.
+#[must_use]
+pub fn change_report(change: &Change, comparison: &Comparison) -> Vec<Section> {
+    let mut sections = change_sections(change);
+    sections.extend(ladder(&change.model));
+    sections.push(overlays(comparison));
+    sections
 }
 
 /// The change as one JSON object.

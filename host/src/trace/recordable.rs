@@ -92,6 +92,45 @@ fn with_unit_calibration(settings: &Settings) -> Settings {
     Settings { calibration: [sheet; GAUGES], tare: [0; GAUGES], gain: [1; GAUGES], ..*settings }
 }
 
+/// A trace as the samples of a device's converter, to be put into a device.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Samples {
+    /// Settings under which a count is one LSB of strain.
+    pub settings: Settings,
+    /// Time between two samples, s.
+    pub interval_s: f64,
+    /// Counts of the gauges, stretch by stretch between gaps; never empty.
+    pub stretches: Vec<Vec<[i32; GAUGES]>>,
+}
+
+/// The samples a device would have taken. Gauges that the trace does not have rest at 0.
+///
+/// # Errors
+/// [`RecordableError`].
+pub fn samples(trace: &Trace) -> Result<Samples, RecordableError> {
+    let label = || trace.label();
+    let signals = NAMES.map(|name| trace.column(name));
+    if signals.iter().all(Option::is_none) {
+        return Err(RecordableError::NoGauge { trace: label() });
+    }
+    let interval_s = interval_s(trace)?;
+    let settings = with_unit_calibration(&settings_of(trace));
+    settings
+        .config(interval_s)
+        .map_err(|source| RecordableError::Settings { trace: label(), source })?;
+    let numbers = row_numbers(trace, interval_s)?;
+    let mut stretches: Vec<Vec<[i32; GAUGES]>> = Vec::new();
+    for (index, number) in numbers.iter().enumerate() {
+        let strain = |values: &[f64]| strain_from_microstrain(values[index]);
+        let counts = signals.map(|signal| signal.map_or(0, strain));
+        match stretches.last_mut() {
+            Some(stretch) if *number == numbers[index - 1] + 1 => stretch.push(counts),
+            _ => stretches.push(vec![counts]),
+        }
+    }
+    Ok(Samples { settings, interval_s, stretches })
+}
+
 /// Writes the recording: `Hello`, settings, all rows with all columns, and a status each second. Calibration and tare of the
 /// settings are replaced. Gauges that the trace does not have rest at 0. A gap in time becomes rows that were lost.
 ///

@@ -1,0 +1,151 @@
+//! `palpate serve`.
+
+use std::net::{IpAddr, Ipv4Addr};
+use std::path::PathBuf;
+
+use super::output::print;
+use super::{Failure, interrupt};
+use crate::device::discover::choose;
+use crate::serve::lab::Session;
+use crate::serve::live::{Live, Source};
+use crate::serve::{Options, run as serve};
+
+/// Open a local page: a fingertip live, or a model beside recordings.
+#[derive(clap::Args)]
+#[command(after_help = "\
+Prints the address to open in a browser, and serves until Ctrl-C. The page needs no network and no
+installation. Its address holds a token that is new at every start: without it nothing is shown.
+
+With a folder of traces it opens the Lab, with a device, a replay or a simulation the Live room, with
+both both. With neither, the only device that answers on any serial port is taken.
+
+Examples:
+  palpate serve traces/ --open               a model beside recordings, and what it lacks
+  palpate serve traces/ --model model.toml   the same, from this model on
+  palpate serve --simulate --open            a simulated fingertip
+  palpate serve --port /dev/ttyUSB0          a fingertip on a port
+  palpate serve --replay press.csv           a trace through the filter of the device, as fast as
+                                             it was recorded
+  palpate serve --replay press.csv --speed 4 --recordings touches/")]
+#[command(group = clap::ArgGroup::new("source"))]
+pub struct Args {
+    /// Folder of traces to open in the Lab; practice sets and model files are written to it
+    folder: Option<PathBuf>,
+    /// Model to begin with
+    #[arg(long, value_name = "MODEL.toml", requires = "folder")]
+    model: Option<PathBuf>,
+    /// Serial port of the device; without it, the only device that answers on any port
+    #[arg(long, visible_alias = "device-port", value_name = "PORT", group = "source")]
+    port: Option<PathBuf>,
+    /// Replay a trace or a recording through the filter of the device
+    #[arg(long, value_name = "TRACE", group = "source")]
+    replay: Option<PathBuf>,
+    /// Replay so many times as fast as it was recorded
+    #[arg(long, value_name = "FACTOR", default_value = "1", requires = "replay", value_parser = speed)]
+    speed: f64,
+    /// Simulate a device
+    #[arg(long, group = "source")]
+    simulate: bool,
+    /// Seed of the simulated device's noise
+    #[arg(long, default_value_t = 1, requires = "simulate")]
+    seed: u64,
+    /// Folder that recordings are written to
+    #[arg(long, value_name = "FOLDER", default_value = ".")]
+    recordings: PathBuf,
+    /// Port of the page; 0 for any that is free
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    port_http: u16,
+    /// Address to listen on; any but a loopback address lets other computers in
+    #[arg(long, value_name = "ADDRESS", default_value_t = IpAddr::V4(Ipv4Addr::LOCALHOST))]
+    bind: IpAddr,
+    /// Open the page in the browser
+    #[arg(long)]
+    open: bool,
+}
+
+fn speed(text: &str) -> Result<f64, String> {
+    text.parse()
+        .ok()
+        .filter(|speed: &f64| (0.01..=100.0).contains(speed))
+        .ok_or_else(|| "give a number from 0.01 to 100".into())
+}
+
+/// Serves until Ctrl-C.
+pub fn run(args: &Args) -> Result<(), Failure> {
+    let ended = interrupt::handle()?;
+    if !args.recordings.is_dir() {
+        let folder = args.recordings.display();
+        return Err(Failure::Input(miette::miette!("{folder} is no folder for recordings")));
+    }
+    let lab = args.lab()?;
+    let live = args.live(lab.is_some())?;
+    if !args.bind.is_loopback() {
+        eprintln!(
+            "! {} is no loopback address: whoever reaches it and has the token sees the page and commands the device, \
+             and nothing is encrypted",
+            args.bind
+        );
+    }
+    let options = Options { bind: args.bind, port: args.port_http, live, lab };
+    let mut printed = Ok(());
+    let ready = |url: &str| {
+        printed = print(&format!("{url}\n"));
+        eprintln!("open this address in a browser; Ctrl-C ends it");
+        if args.open
+            && let Err(error) = open::that_detached(url)
+        {
+            eprintln!("! no browser could be opened: {error}");
+        }
+    };
+    serve(options, ready, ended).map_err(Failure::work)?;
+    printed
+}
+
+impl Args {
+    /// The folder that was named, with its model.
+    fn lab(&self) -> Result<Option<Session>, Failure> {
+        let open = |folder: &PathBuf| Session::open(folder, self.model.as_deref());
+        self.folder.as_ref().map(open).transpose().map_err(Failure::input)
+    }
+
+    /// The device, or what stands for one; none beside a folder where none was named.
+    fn live(&self, beside: bool) -> Result<Option<Live>, Failure> {
+        if beside && self.port.is_none() && self.replay.is_none() && !self.simulate {
+            return Ok(None);
+        }
+        let live = Live::begin(source(self)?, self.recordings.clone());
+        live.map(Some).map_err(Failure::input)
+    }
+}
+
+#[cfg(unix)]
+fn source(args: &Args) -> Result<Source, Failure> {
+    if args.simulate {
+        return Ok(Source::Simulated { seed: args.seed });
+    }
+    if let Some(path) = &args.replay {
+        let mut traces =
+            crate::trace::read_set(std::slice::from_ref(path)).map_err(Failure::input)?;
+        if traces.len() != 1 {
+            let (path, count) = (path.display(), traces.len());
+            return Err(Failure::Input(miette::miette!("{path} holds {count} traces; name one")));
+        }
+        return Ok(Source::Replay { trace: Box::new(traces.remove(0)), speed: args.speed });
+    }
+    device(args)
+}
+
+#[cfg(not(unix))]
+fn source(args: &Args) -> Result<Source, Failure> {
+    if args.simulate || args.replay.is_some() {
+        return Err(Failure::Input(miette::miette!(
+            "a simulated device needs a pseudo-terminal, which Linux and macOS have"
+        )));
+    }
+    device(args)
+}
+
+fn device(args: &Args) -> Result<Source, Failure> {
+    let (port, session) = choose(args.port.as_deref()).map_err(Failure::input)?;
+    Ok(Source::Device { port, session: Box::new(session) })
+}

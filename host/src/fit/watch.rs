@@ -1,0 +1,93 @@
+//! Watching over long work from outside: how far it has come, and a way to end it early.
+//!
+//! Work runs [`under`] a watch on threads of its own, all of which know it, so that nothing between needs
+//! to hand it on. Every search for a minimum counts its steps there, and ends where the watch says so;
+//! what comes out of work that was ended means nothing.
+
+use std::cell::RefCell;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+
+use rayon::{ThreadPoolBuildError, ThreadPoolBuilder};
+
+/// How far a piece of work has come, and whether it is to end.
+#[derive(Debug, Default)]
+pub struct Watch {
+    ended: AtomicBool,
+    searches: AtomicUsize,
+    steps: AtomicUsize,
+}
+
+thread_local! {
+    static WATCH: RefCell<Option<Arc<Watch>>> = const { RefCell::new(None) };
+}
+
+impl Watch {
+    /// Asks the work to end.
+    pub fn end(&self) {
+        self.ended.store(true, Ordering::Relaxed);
+    }
+
+    /// Whether the work was asked to end.
+    #[must_use]
+    pub fn ended(&self) -> bool {
+        self.ended.load(Ordering::Relaxed)
+    }
+
+    /// Searches for a minimum that were begun, and steps that were tried in all of them.
+    #[must_use]
+    pub fn progress(&self) -> (usize, usize) {
+        (self.searches.load(Ordering::Relaxed), self.steps.load(Ordering::Relaxed))
+    }
+}
+
+/// Does work on threads of its own, under a watch.
+///
+/// # Errors
+/// When the system gives no threads.
+pub fn under<T: Send>(
+    watch: &Arc<Watch>,
+    work: impl FnOnce() -> T + Send,
+) -> Result<T, ThreadPoolBuildError> {
+    let watch = watch.clone();
+    let pool =
+        ThreadPoolBuilder::new().start_handler(move |_| WATCH.set(Some(watch.clone()))).build()?;
+    Ok(pool.install(work))
+}
+
+/// A search begins.
+pub(super) fn search() {
+    seen(|watch| watch.searches.fetch_add(1, Ordering::Relaxed));
+}
+
+/// A step is about to be tried; false where the work is to end.
+pub(super) fn step() -> bool {
+    seen(|watch| watch.steps.fetch_add(1, Ordering::Relaxed));
+    !ended()
+}
+
+/// Whether the work at hand was asked to end; never where nobody watches.
+#[must_use]
+pub fn ended() -> bool {
+    seen(Watch::ended).unwrap_or(false)
+}
+
+fn seen<T>(look: impl FnOnce(&Watch) -> T) -> Option<T> {
+    WATCH.with_borrow(|watch| watch.as_deref().map(look))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn work_counts_and_ends_under_its_own_watch_alone() {
+        let (one, other) = (Arc::new(Watch::default()), Arc::new(Watch::default()));
+        one.end();
+        let went_on = |watch: &Arc<Watch>| under(watch, || rayon::join(step, step)).unwrap();
+        assert_eq!(went_on(&one), (false, false));
+        assert_eq!(went_on(&other), (true, true));
+        assert_eq!(other.progress(), (0, 2));
+        assert!(step(), "nobody watches here");
+    }
+}

@@ -1,0 +1,65 @@
+//! The files of the page, part of the program.
+
+use axum::http::{Uri, header};
+use axum::response::{IntoResponse, Response};
+
+use super::Problem;
+use crate::report::colour;
+
+const HTML: &str = "text/html; charset=utf-8";
+const CSS: &str = "text/css; charset=utf-8";
+const SCRIPT: &str = "text/javascript; charset=utf-8";
+const TEXT: &str = "text/plain; charset=utf-8";
+
+/// Path, content type, content.
+const FILES: [(&str, &str, &[u8]); 26] = [
+    ("/", HTML, include_bytes!("page/index.html")),
+    ("/style.css", CSS, include_bytes!("page/style.css")),
+    ("/shell.js", SCRIPT, include_bytes!("page/shell.js")),
+    ("/api.js", SCRIPT, include_bytes!("page/api.js")),
+    ("/plot.js", SCRIPT, include_bytes!("page/plot.js")),
+    ("/live.css", CSS, include_bytes!("page/live.css")),
+    ("/live.js", SCRIPT, include_bytes!("page/live.js")),
+    ("/live/controls.js", SCRIPT, include_bytes!("page/live/controls.js")),
+    ("/live/health.js", SCRIPT, include_bytes!("page/live/health.js")),
+    ("/live/window.js", SCRIPT, include_bytes!("page/live/window.js")),
+    ("/lab.css", CSS, include_bytes!("page/lab.css")),
+    ("/lab.js", SCRIPT, include_bytes!("page/lab.js")),
+    ("/lab/bars.js", SCRIPT, include_bytes!("page/lab/bars.js")),
+    ("/lab/bench.js", SCRIPT, include_bytes!("page/lab/bench.js")),
+    ("/lab/candidates.js", SCRIPT, include_bytes!("page/lab/candidates.js")),
+    ("/lab/covariate.js", SCRIPT, include_bytes!("page/lab/covariate.js")),
+    ("/lab/dom.js", SCRIPT, include_bytes!("page/lab/dom.js")),
+    ("/lab/heatmap.js", SCRIPT, include_bytes!("page/lab/heatmap.js")),
+    ("/lab/model.js", SCRIPT, include_bytes!("page/lab/model.js")),
+    ("/lab/overlay.js", SCRIPT, include_bytes!("page/lab/overlay.js")),
+    ("/lab/ownlaw.js", SCRIPT, include_bytes!("page/lab/ownlaw.js")),
+    ("/lab/practice.js", SCRIPT, include_bytes!("page/lab/practice.js")),
+    ("/lab/sparkline.js", SCRIPT, include_bytes!("page/lab/sparkline.js")),
+    ("/uplot/uPlot.iife.min.js", SCRIPT, include_bytes!("page/uplot/uPlot.iife.min.js")),
+    ("/uplot/uPlot.min.css", CSS, include_bytes!("page/uplot/uPlot.min.css")),
+    ("/uplot/LICENSE", TEXT, include_bytes!("page/uplot/LICENSE")),
+];
+
+/// The file of a path.
+pub async fn serve(uri: Uri) -> Response {
+    let path = uri.path();
+    if path == "/palette.css" {
+        return ([(header::CONTENT_TYPE, CSS)], palette()).into_response();
+    }
+    match FILES.iter().find(|(known, ..)| *known == path) {
+        Some((_, kind, content)) => ([(header::CONTENT_TYPE, *kind)], *content).into_response(),
+        None => Problem::not_found("there is no such file").into_response(),
+    }
+}
+
+/// The colours of the reports, as variables: light, dark, and light on paper.
+fn palette() -> String {
+    let (light, dark) = (colour::variables(false), colour::variables(true));
+    format!(
+        ":root{{color-scheme:light;{light}}}\
+         @media (prefers-color-scheme:dark){{:root:not([data-theme=light]){{color-scheme:dark;{dark}}}}}\
+         :root[data-theme=dark]{{color-scheme:dark;{dark}}}\
+         @media print{{:root,:root:not([data-theme=light]),:root[data-theme=dark]{{color-scheme:light;{light}}}}}"
+    )
+}

@@ -1,0 +1,32 @@
+//! What there is to choose from, whatever the traces.
+
+use serde_json::{Value, json};
+
+use crate::criticism::region::Region;
+use crate::effects::LIBRARY;
+use crate::model::{EXPONENTS_N, Family, MAX_TERMS, Separation, Stage, VARIABLES};
+
+/// Laws with their options, regions, stages, what an expression may speak of, effects.
+#[must_use]
+pub fn choices() -> Value {
+    let law = |family: Family| {
+        json!({
+            "name": family.name(),
+            "terms": family.has_terms(),
+            "segments": family.has_segments(),
+            "exponent": family == Family::LatencyPower,
+            "bonded": family.can_be_bonded(),
+        })
+    };
+    let separations = [Separation::Clamp, Separation::Free, Separation::Bonded];
+    json!({
+        "laws": Family::ALL.map(law),
+        "most_terms": MAX_TERMS,
+        "exponents": [EXPONENTS_N.0, EXPONENTS_N.1],
+        "separations": separations.map(Separation::name),
+        "regions": Region::ALL.map(Region::name),
+        "stages": Stage::ALL.map(Stage::name),
+        "variables": VARIABLES.map(|(name, meaning)| json!({"name": name, "meaning": meaning})),
+        "effects": LIBRARY.iter().map(|effect| effect.name).collect::<Vec<_>>(),
+    })
+}

@@ -1,0 +1,64 @@
+//! Why the Lab cannot do something.
+
+use std::path::PathBuf;
+
+use crate::criticism::change::ChangeError;
+use crate::criticism::compare::CompareError;
+use crate::criticism::diagnose::DiagnoseError;
+use crate::fit::choice::ChoiceError;
+use crate::fit::data::DataError;
+use crate::model::FileError;
+use crate::practice::{FolderError, HideError, SealError};
+use crate::trace;
+
+/// Why the Lab cannot do something.
+#[derive(Debug, thiserror::Error)]
+#[allow(missing_docs)]
+pub enum LabError {
+    #[error("`{0}` is not in the folder that was opened")]
+    Outside(String),
+    #[error("{path}: {source}")]
+    Io { path: PathBuf, source: std::io::Error },
+    #[error("no folder was opened: `palpate serve traces/` opens one")]
+    NoFolder,
+    #[error("no trace is chosen")]
+    NoTraces,
+    #[error("there is no model yet: fit a base law, or open a model file")]
+    NoModel,
+    #[error("nothing is known of `{0}`: diagnose first")]
+    NoForecast(String),
+    #[error("no {what} is called `{name}`")]
+    Unknown { what: &'static str, name: String },
+    #[error("nothing to undo")]
+    NothingToUndo,
+    #[error("something is being worked out: wait for it, or cancel it")]
+    Busy,
+    #[error("cancelled")]
+    Cancelled,
+    #[error("the work broke off without an answer")]
+    BrokeOff,
+    #[error("no threads to work on: {0}")]
+    Threads(#[from] rayon::ThreadPoolBuildError),
+    #[error("{0}")]
+    Law(String),
+    #[error(transparent)]
+    Trace(#[from] trace::Error),
+    #[error(transparent)]
+    Model(#[from] FileError),
+    #[error(transparent)]
+    Choice(#[from] ChoiceError),
+    #[error(transparent)]
+    Data(#[from] DataError),
+    #[error(transparent)]
+    Compare(#[from] CompareError),
+    #[error(transparent)]
+    Diagnose(#[from] DiagnoseError),
+    #[error(transparent)]
+    Change(#[from] ChangeError),
+    #[error(transparent)]
+    Hide(#[from] HideError),
+    #[error(transparent)]
+    Written(#[from] FolderError),
+    #[error(transparent)]
+    Seal(#[from] SealError),
+}

@@ -1,0 +1,554 @@
+//! What the page shows: traces, models, answers, and the way back.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use serde_json::{Map, Value, json};
+
+use super::comparison::comparison_json;
+use super::drawing::{Drawing, View};
+use super::error::LabError;
+use super::folder::Folder;
+use super::forecast::{Forecast, data};
+use super::job::Job;
+use super::own_law::OwnLaw;
+use super::task::{Names, Task};
+use super::work::{Bench, Outcome, reveal};
+use crate::criticism::compare::Comparison;
+use crate::criticism::diagnose::Diagnosis;
+use crate::files::quoted;
+use crate::model::Model;
+use crate::practice::{SEALED, seed_from_clock};
+use crate::summary::{NextCommand, unit_of};
+use crate::trace::{DISPLACEMENT, FORCE, Trace, read_set};
+
+/// A model with how it came about.
+struct Version {
+    model: Arc<Model>,
+    /// Its file, as a command takes it.
+    file: String,
+    /// Whether that file holds it.
+    saved: bool,
+    /// The command that makes it; none for a model that was opened.
+    command: Option<String>,
+    /// What was done, in a few words.
+    said: String,
+}
+
+/// What is known of the model at hand beside the traces chosen.
+#[derive(Default)]
+struct Known {
+    comparison: Option<Comparison>,
+    drawings: Vec<Drawing>,
+    diagnosis: Option<Diagnosis>,
+    forecast: Option<Forecast>,
+    /// Answers by the name of the task: `fit`, `diagnosis`, `change`, with `candidates` beside.
+    answers: Map<String, Value>,
+    /// The last report of each kind.
+    reports: Vec<(&'static str, String)>,
+}
+
+/// A session at one folder.
+#[derive(Default)]
+pub struct Session {
+    folder: Option<Folder>,
+    /// The folder of the data set below that opened; empty for that itself.
+    set: String,
+    /// Every trace of the data set, in order of recording.
+    traces: Arc<Vec<Trace>>,
+    /// Which of them are taken.
+    chosen: Vec<bool>,
+    signal: String,
+    /// The models, the one at hand last.
+    versions: Vec<Version>,
+    known: Known,
+    job: Option<Job>,
+    /// Why the last task gave no outcome.
+    failed: Option<String>,
+}
+
+impl Session {
+    /// A session without a folder.
+    #[must_use]
+    pub fn empty() -> Self {
+        Self { signal: FORCE.into(), ..Self::default() }
+    }
+
+    /// Opens a folder, its traces if it has any, and a model file, which may lie elsewhere.
+    ///
+    /// # Errors
+    /// When the folder is not there, a trace or the model cannot be read.
+    pub fn open(folder: &Path, model: Option<&Path>) -> Result<Self, LabError> {
+        let mut session = Self { folder: Some(Folder::open(folder)?), ..Self::empty() };
+        let sets = session.folder()?.sets()?;
+        if let Some(set) = sets.into_iter().next() {
+            session.take_set(&set)?;
+        }
+        if let Some(path) = model {
+            session.take_model(Model::read(path)?, quoted(&path.display().to_string()));
+            session.look()?;
+        }
+        Ok(session)
+    }
+
+    fn folder(&self) -> Result<&Folder, LabError> {
+        self.folder.as_ref().ok_or(LabError::NoFolder)
+    }
+
+    fn model(&self) -> Result<&Arc<Model>, LabError> {
+        self.versions.last().map(|version| &version.model).ok_or(LabError::NoModel)
+    }
+
+    /// The traces taken.
+    fn taken(&self) -> Vec<Trace> {
+        let taken = self.traces.iter().zip(&self.chosen).filter(|(_, chosen)| **chosen);
+        taken.map(|(trace, _)| trace.clone()).collect()
+    }
+
+    /// Opens another data set: a folder below that opened.
+    ///
+    /// # Errors
+    /// When it leads outside, or its traces cannot be read, or something is at work.
+    pub fn choose_set(&mut self, set: &str) -> Result<(), LabError> {
+        self.check_idle()?;
+        self.take_set(set)?;
+        self.versions.clear();
+        Ok(())
+    }
+
+    fn take_set(&mut self, set: &str) -> Result<(), LabError> {
+        let traces = read_set(&[self.folder()?.existing(set)?])?;
+        self.chosen = vec![true; traces.len()];
+        self.traces = Arc::new(traces);
+        self.set = set.into();
+        if !self.signals().contains(&self.signal) {
+            self.signal = self.signals().into_iter().next().unwrap_or_else(|| FORCE.into());
+        }
+        self.forget();
+        Ok(())
+    }
+
+    /// Takes the traces of these numbers, and compares anew.
+    ///
+    /// # Errors
+    /// When there is no such trace, none is left, or something is at work.
+    pub fn choose_traces(&mut self, numbers: &[usize]) -> Result<(), LabError> {
+        self.check_idle()?;
+        let unknown = |name: &usize| LabError::Unknown { what: "trace", name: name.to_string() };
+        if let Some(beyond) = numbers.iter().find(|number| **number >= self.traces.len()) {
+            return Err(unknown(beyond));
+        }
+        if numbers.is_empty() {
+            return Err(LabError::NoTraces);
+        }
+        self.chosen = (0..self.traces.len()).map(|k| numbers.contains(&k)).collect();
+        self.forget();
+        self.look()
+    }
+
+    /// Takes the column that the next fit fits.
+    ///
+    /// # Errors
+    /// When not every trace has it.
+    pub fn choose_signal(&mut self, signal: &str) -> Result<(), LabError> {
+        if !self.signals().iter().any(|known| known == signal) {
+            return Err(LabError::Unknown { what: "column", name: signal.into() });
+        }
+        self.signal = signal.into();
+        if self.versions.is_empty() {
+            self.forget();
+        }
+        Ok(())
+    }
+
+    /// Opens a model file of the folder.
+    ///
+    /// # Errors
+    /// When it leads outside or is no model, or something is at work.
+    pub fn open_model(&mut self, name: &str) -> Result<(), LabError> {
+        self.check_idle()?;
+        let folder = self.folder()?;
+        let (model, file) = (Model::read(&folder.existing(name)?)?, folder.shown(name));
+        self.take_model(model, file);
+        self.look()
+    }
+
+    fn take_model(&mut self, model: Model, file: String) {
+        let said = format!("opened {file}");
+        self.signal.clone_from(&model.base.signal);
+        let model = Arc::new(model);
+        self.versions.push(Version { model, file, saved: true, command: None, said });
+        self.forget();
+    }
+
+    /// Columns that can be fitted: those that every trace has, beside the displacement.
+    fn signals(&self) -> Vec<String> {
+        let Some(first) = self.traces.first() else { return Vec::new() };
+        let everywhere = |name: &&str| self.traces.iter().all(|trace| trace.changing(name).is_ok());
+        let names = first.columns.iter().map(|column| column.name.as_str());
+        names.filter(|name| *name != DISPLACEMENT).filter(everywhere).map(str::to_owned).collect()
+    }
+
+    /// Forgets what was known of other traces or another model.
+    fn forget(&mut self) {
+        self.known = Known::default();
+        self.failed = None;
+    }
+
+    /// Compares, if there is a model and traces.
+    fn look(&mut self) -> Result<(), LabError> {
+        if self.versions.is_empty() || self.traces.is_empty() {
+            return Ok(());
+        }
+        self.start(Task::Compare)
+    }
+
+    /// Sets a task to work.
+    ///
+    /// # Errors
+    /// When something is at work, or model, traces or folder are missing.
+    pub fn start(&mut self, task: Task) -> Result<(), LabError> {
+        self.check_idle()?;
+        let mut task = task;
+        if let Task::Hide(hide) = &mut task {
+            // The seed is in the command, so that it makes the same set again.
+            hide.seed.get_or_insert_with(seed_from_clock);
+        }
+        let practice = self.practice_name(&task)?;
+        let taken = self.taken();
+        if taken.is_empty() && !matches!(task, Task::Hide(_)) {
+            return Err(LabError::NoTraces);
+        }
+        if let Task::Fit(fit) = &task {
+            fit.choice()?.laws()?;
+        }
+        let bench = Bench {
+            folder: self.folder.clone(),
+            traces: Arc::new(taken),
+            model: self.versions.last().map(|version| version.model.clone()),
+            signal: self.signal.clone(),
+            next: NextCommand {
+                model: self.versions.last().map_or_else(String::new, |v| v.file.clone()),
+                traces: self.traces_named()?,
+            },
+            command: self.command(&task)?,
+            practice,
+        };
+        self.failed = None;
+        self.job = Some(Job::new(task, bench));
+        Ok(())
+    }
+
+    /// The command that does the same as a task.
+    ///
+    /// # Errors
+    /// When it takes a model or a folder and there is none.
+    pub fn command(&self, task: &Task) -> Result<String, LabError> {
+        let names = Names {
+            model: self.versions.last().map(|version| version.file.clone()),
+            traces: self.traces_named()?,
+            written: self.folder()?.shown(&self.next_file()?),
+            signal: self.signal.clone(),
+            practice: self.folder()?.shown(&self.practice_name(task)?.0),
+        };
+        task.command(&names)
+    }
+
+    fn practice_name(&self, task: &Task) -> Result<(String, u64), LabError> {
+        let Task::Hide(hide) = task else { return Ok((String::new(), 0)) };
+        let seed = hide.seed.unwrap_or_else(seed_from_clock);
+        let sets = self.folder()?.sets()?;
+        let mut free = (1..).map(|number| match number {
+            1 => format!("practice-{seed}"),
+            _ => format!("practice-{seed}-{number}"),
+        });
+        let name = free.find(|name| !sets.contains(name)).unwrap_or_default();
+        Ok((name, seed))
+    }
+
+    /// The traces taken, as a command takes them: the folder where it is all of them.
+    fn traces_named(&self) -> Result<String, LabError> {
+        let folder = self.folder()?;
+        if self.chosen.iter().all(|chosen| *chosen) {
+            return Ok(folder.shown(&self.set));
+        }
+        let file = |trace: &Trace| match self.set.as_str() {
+            "" => folder.shown(&trace.label()),
+            set => folder.shown(&format!("{set}/{}", trace.label())),
+        };
+        Ok(self.taken().iter().map(file).collect::<Vec<_>>().join(" "))
+    }
+
+    /// A model file that is not there yet.
+    fn next_file(&self) -> Result<String, LabError> {
+        let folder = self.folder()?;
+        let there = folder.models()?;
+        let taken = |name: &String| {
+            there.contains(name) || self.versions.iter().any(|v| v.file == folder.shown(name))
+        };
+        let mut names = (1..).map(|number| format!("model-{number}.toml"));
+        Ok(names.find(|name| !taken(name)).unwrap_or_default())
+    }
+
+    fn check_idle(&mut self) -> Result<(), LabError> {
+        self.settle();
+        if self.job.is_some() { Err(LabError::Busy) } else { Ok(()) }
+    }
+
+    /// Gives up what is at work; what was known stays.
+    pub fn cancel(&mut self) {
+        self.settle();
+        if let Some(job) = self.job.take() {
+            job.cancel();
+            self.failed = Some(LabError::Cancelled.to_string());
+        }
+    }
+
+    /// Takes in the outcome of a task that is done.
+    pub fn settle(&mut self) {
+        if !self.job.as_ref().is_some_and(Job::done) {
+            return;
+        }
+        let Some(job) = self.job.take() else { return };
+        let (task, command) = (job.task().clone(), job.command.clone());
+        if let Err(error) = job.outcome().and_then(|outcome| self.take(&task, command, outcome)) {
+            self.failed = Some(error.to_string());
+        }
+    }
+
+    fn take(&mut self, task: &Task, command: String, outcome: Outcome) -> Result<(), LabError> {
+        if let Some(folder) = outcome.practice {
+            self.take_set(&folder)?;
+            self.versions.clear();
+            self.known.answers.insert("practice".into(), outcome.answer);
+            return Ok(());
+        }
+        if let Some(model) = outcome.model {
+            let file = self.folder()?.shown(&self.next_file()?);
+            let said = match task {
+                Task::Fit(fit) => fit.law.clone(),
+                Task::Add { effect, .. } => format!("+ {effect}"),
+                Task::Drop { effect } => format!("− {effect}"),
+                _ => "explored".into(),
+            };
+            let (model, command) = (Arc::new(model), Some(command));
+            self.versions.push(Version { model, file, saved: false, command, said });
+            self.known = Known::default();
+        }
+        if let Some(comparison) = outcome.comparison {
+            let traces = 0..comparison.labels.len();
+            self.known.drawings =
+                traces.map(|trace| Drawing::of_comparison(&comparison, trace)).collect();
+            self.known.comparison = Some(comparison);
+        }
+        if let Some((diagnosis, candidates)) = outcome.diagnosis {
+            self.known.answers.insert("candidates".into(), candidates);
+            self.known.forecast = None;
+            self.known.diagnosis = Some(diagnosis);
+        }
+        let name = match task {
+            Task::Fit(_) => "fit",
+            Task::Diagnose | Task::Explore => "diagnosis",
+            Task::Add { .. } | Task::Drop { .. } => "change",
+            Task::Compare | Task::Hide(_) => {
+                self.keep(outcome.report);
+                return Ok(());
+            }
+        };
+        self.known.answers.insert(name.into(), outcome.answer);
+        self.keep(outcome.report);
+        Ok(())
+    }
+
+    fn keep(&mut self, report: Option<(&'static str, String)>) {
+        if let Some((kind, page)) = report {
+            self.known.reports.retain(|(known, _)| *known != kind);
+            self.known.reports.push((kind, page));
+        }
+    }
+
+    /// Puts a law of one's own beside the model, so that it can be tried: a candidate.
+    ///
+    /// # Errors
+    /// When something is wrong with it, there is no model, or something is at work.
+    pub fn add_candidate(&mut self, law: &OwnLaw) -> Result<(), LabError> {
+        self.check_idle()?;
+        if let Some(fault) = law.fault() {
+            return Err(LabError::Law(fault["message"].as_str().unwrap_or_default().into()));
+        }
+        let stored = law.stored();
+        let mut model = Model::clone(self.model()?);
+        if model.effects.iter().any(|effect| effect.name == stored.name) {
+            return Err(LabError::Law(format!("`{}` is in the model already", stored.name)));
+        }
+        model.candidates.retain(|own| own.name != stored.name);
+        model.candidates.push(stored);
+        let file = self.folder()?.shown(&self.next_file()?);
+        let (said, model) = (format!("law {}", law.name), Arc::new(model));
+        // The model predicts what it did: what is known of it stays, but for what could be added.
+        self.known.diagnosis = None;
+        self.known.forecast = None;
+        self.known.answers.clear();
+        self.versions.push(Version { model, file, saved: false, command: None, said });
+        Ok(())
+    }
+
+    /// Goes back to the model before, and compares it.
+    ///
+    /// # Errors
+    /// When there is none, or something is at work.
+    pub fn undo(&mut self) -> Result<(), LabError> {
+        self.check_idle()?;
+        if self.versions.len() < 2 {
+            return Err(LabError::NothingToUndo);
+        }
+        self.versions.pop();
+        self.forget();
+        self.look()
+    }
+
+    /// Writes the model file, in the folder that was opened; under the name that the commands give it
+    /// where none is given. Answers with that name.
+    ///
+    /// # Errors
+    /// When there is no model, the name leads outside or ends otherwise than in `.toml`, or the file cannot
+    /// be written.
+    pub fn save(&mut self, name: Option<&str>) -> Result<Value, LabError> {
+        self.settle();
+        let folder = self.folder()?;
+        let known = || {
+            let file = self.versions.last()?.file.as_str();
+            folder.models().ok()?.into_iter().find(|name| folder.shown(name) == file)
+        };
+        let fresh = match name {
+            Some(name) => name.to_owned(),
+            None => known().map_or_else(|| self.unsaved_name(), Ok)?,
+        };
+        if Path::new(&fresh).extension().is_none_or(|extension| extension != "toml") {
+            return Err(LabError::Law(format!("`{fresh}`: the name must end in .toml")));
+        }
+        let (path, shown) = (folder.to_write(&fresh)?, folder.shown(&fresh));
+        self.model()?.write(&path)?;
+        if let Some(version) = self.versions.last_mut() {
+            (version.file, version.saved) = (shown.clone(), true);
+        }
+        Ok(json!({"file": shown}))
+    }
+
+    /// The name that commands give to the model at hand, which no file has yet.
+    fn unsaved_name(&self) -> Result<String, LabError> {
+        let folder = self.folder()?;
+        let file = self.versions.last().map(|version| version.file.as_str());
+        let mut names = (1..=self.versions.len()).map(|number| format!("model-{number}.toml"));
+        let own = names.find(|name| Some(folder.shown(name).as_str()) == file);
+        own.map_or_else(|| self.next_file(), Ok)
+    }
+
+    /// All that the page shows beside the plots.
+    #[must_use]
+    pub fn state(&mut self) -> Value {
+        self.settle();
+        let folder = self.folder.as_ref();
+        let sets = folder.and_then(|folder| folder.sets().ok()).unwrap_or_default();
+        let models = folder.and_then(|folder| folder.models().ok()).unwrap_or_default();
+        let trace = |(trace, chosen): (&Trace, &bool)| {
+            json!({
+                "name": trace.label(),
+                "samples": trace.len(),
+                "duration_s": trace.duration(),
+                "chosen": chosen,
+            })
+        };
+        let version = |version: &Version| {
+            json!({
+                "file": version.file,
+                "saved": version.saved,
+                "command": version.command,
+                "said": version.said,
+                "rms": version.model.fit.as_ref().map(|fit| fit.residual_rms),
+            })
+        };
+        let sealed = folder
+            .and_then(|folder| folder.existing(&self.set).ok())
+            .is_some_and(|path| path.join(SEALED).is_file());
+        json!({
+            "folder": folder.map(|folder| folder.shown("")),
+            "sets": sets,
+            "set": self.set,
+            "models": models,
+            "traces": self.traces.iter().zip(&self.chosen).map(trace).collect::<Vec<_>>(),
+            "signals": self.signals(),
+            "signal": self.signal,
+            "unit": unit_of(&self.signal),
+            "model": self.versions.last().map(|version| version.model.as_ref()),
+            "versions": self.versions.iter().map(version).collect::<Vec<_>>(),
+            "comparison": self.known.comparison.as_ref().map(comparison_json),
+            "answers": self.known.answers,
+            "reports": self.known.reports.iter().map(|(kind, _)| kind).collect::<Vec<_>>(),
+            "practice": sealed,
+            "job": self.job.as_ref().map(Job::json),
+            "failed": self.failed,
+        })
+    }
+
+    /// What is at work, how far it is, or why it gave nothing.
+    #[must_use]
+    pub fn progress(&mut self) -> Value {
+        self.settle();
+        json!({"job": self.job.as_ref().map(Job::json), "failed": self.failed})
+    }
+
+    /// Part of a trace, with the model where it was compared.
+    ///
+    /// # Errors
+    /// When there is no such trace.
+    pub fn overlay(&mut self, view: &View) -> Result<Value, LabError> {
+        self.settle();
+        if self.known.drawings.is_empty() {
+            let taken = self.taken();
+            let draw = |trace: &Trace| Drawing::of_trace(trace, &self.signal);
+            self.known.drawings = taken.iter().map(draw).collect();
+        }
+        let unknown = || LabError::Unknown { what: "trace", name: view.trace.to_string() };
+        self.known.drawings.get(view.trace).map(|drawing| drawing.json(view)).ok_or_else(unknown)
+    }
+
+    /// What a candidate would make of part of a trace, before anything is refitted.
+    ///
+    /// # Errors
+    /// When nothing was diagnosed, or the screen foretells nothing for it.
+    pub fn forecast(&mut self, effect: &str, view: &View) -> Result<Value, LabError> {
+        self.settle();
+        let none = || LabError::NoForecast(effect.into());
+        if self.known.forecast.as_ref().is_none_or(|known| known.effect != effect) {
+            let diagnosis = self.known.diagnosis.as_ref().ok_or_else(none)?;
+            let taken = self.taken();
+            let data = data(self.model()?, &taken)?;
+            self.known.forecast = Forecast::new(diagnosis, &data, effect);
+        }
+        self.known.forecast.as_ref().and_then(|known| known.json(view)).ok_or_else(none)
+    }
+
+    /// The last report of a kind: `fit`, `compare`, `diagnosis` or `change`.
+    ///
+    /// # Errors
+    /// When there is none.
+    pub fn report(&mut self, kind: &str) -> Result<Value, LabError> {
+        self.settle();
+        let own = self.known.reports.iter().find(|(known, _)| *known == kind);
+        let unknown = || LabError::Unknown { what: "report", name: kind.into() };
+        let (kind, page) = own.ok_or_else(unknown)?;
+        Ok(json!({"file": format!("{kind}.html"), "html": page}))
+    }
+
+    /// What is hidden in the practice set at hand.
+    ///
+    /// # Errors
+    /// When it is none.
+    pub fn reveal(&self) -> Result<Value, LabError> {
+        let mut truth = reveal(&self.folder()?.existing(&self.set)?)?;
+        truth["command"] =
+            format!("palpate hide --open {}", self.folder()?.shown(&self.set)).into();
+        Ok(truth)
+    }
+}

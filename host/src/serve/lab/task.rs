@@ -1,0 +1,211 @@
+//! What can be asked for, and the command that does the same.
+
+use serde::Deserialize;
+
+use super::error::LabError;
+use crate::files::quoted;
+use crate::fit::choice::{Choice, Exponent};
+use crate::fit::hold::Terms;
+use crate::model::{Family, Separation, TERMS};
+use crate::trace::FORCE;
+
+/// What can be asked for and takes long.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(tag = "do", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum Task {
+    /// Fit a base law.
+    Fit(FitTask),
+    /// See where the model fails.
+    Compare,
+    /// See what it lacks.
+    Diagnose,
+    /// Add what is missing until nothing is.
+    Explore,
+    /// Add an effect.
+    Add {
+        /// Its name.
+        effect: String,
+        /// One of its laws; the best where none is named.
+        #[serde(default)]
+        law: Option<String>,
+    },
+    /// Take an effect out.
+    Drop {
+        /// Its name.
+        effect: String,
+    },
+    /// Make a practice set with a hidden effect, and open it.
+    Hide(HideTask),
+}
+
+/// A base law with its options, as on the command line.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FitTask {
+    /// Name of the law.
+    pub law: String,
+    /// Number of exponentials; chosen from the data where it is 0.
+    #[serde(default)]
+    pub terms: Option<usize>,
+    /// What happens where contact breaks.
+    #[serde(default)]
+    pub separation: Separation,
+    /// Number of segments.
+    #[serde(default)]
+    pub segments: Option<u32>,
+    /// Exponent n; chosen from the data where it is 0.
+    #[serde(default)]
+    pub exponent: Option<f64>,
+}
+
+/// A practice set, as on the command line.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct HideTask {
+    /// Names of the effects; drawn from the library where there is none.
+    #[serde(default)]
+    pub effects: Vec<String>,
+    /// How many are drawn.
+    #[serde(default)]
+    pub any: Option<u8>,
+    /// Seed; from the clock where there is none.
+    #[serde(default)]
+    pub seed: Option<u64>,
+    /// Misfit that each leaves, over the noise.
+    #[serde(default)]
+    pub size: Option<f64>,
+}
+
+/// The files that a command names.
+pub struct Names {
+    /// The model, where there is one.
+    pub model: Option<String>,
+    /// The traces.
+    pub traces: String,
+    /// The model file that it writes.
+    pub written: String,
+    /// The column that is fitted.
+    pub signal: String,
+    /// The folder of a practice set.
+    pub practice: String,
+}
+
+/// Most effects that are drawn, as on the command line.
+const MOST_HIDDEN: u8 = 5;
+
+impl FitTask {
+    /// The choice of laws.
+    ///
+    /// # Errors
+    /// When the law is unknown or a number out of its range.
+    pub fn choice(&self) -> Result<Choice, LabError> {
+        let unknown = || LabError::Unknown { what: "law", name: self.law.clone() };
+        let family = Family::named(&self.law).ok_or_else(unknown)?;
+        let range =
+            |given: bool, text: String| if given { Ok(()) } else { Err(LabError::Law(text)) };
+        let terms = match self.terms {
+            Some(0) => Terms::Auto,
+            terms => Terms::Fixed(terms.unwrap_or(TERMS)),
+        };
+        if let Terms::Fixed(terms) = terms {
+            let most = crate::model::MAX_TERMS;
+            range((1..=most).contains(&terms), format!("1 to {most} exponentials, not {terms}"))?;
+        }
+        let exponent = match self.exponent {
+            Some(0.0) => Some(Exponent::Auto),
+            given => given.map(Exponent::Given),
+        };
+        if let Some(Exponent::Given(n)) = exponent {
+            let (lower, upper) = crate::model::EXPONENTS_N;
+            range(
+                (lower..=upper).contains(&n),
+                format!("an exponent from {lower} to {upper}, not {n}"),
+            )?;
+        }
+        if let Some(segments) = self.segments {
+            range(segments >= 2, format!("2 or more segments, not {segments}"))?;
+        }
+        Ok(Choice { family, terms, separation: self.separation, segments: self.segments, exponent })
+    }
+
+    fn options(&self) -> String {
+        let mut text = quoted(&self.law);
+        let auto = |value: f64| if value == 0.0 { "auto".into() } else { value.to_string() };
+        let terms = self.terms.filter(|&terms| terms != TERMS);
+        text += &terms.map_or(String::new(), |terms| format!(" --terms {}", auto(terms as f64)));
+        text += &self.segments.map_or(String::new(), |m| format!(" --segments {m}"));
+        text += &self.exponent.map_or(String::new(), |n| format!(" --exponent {}", auto(n)));
+        if self.separation != Separation::default() {
+            text += &format!(" --separation {}", self.separation.name());
+        }
+        text
+    }
+}
+
+impl HideTask {
+    /// How many effects are drawn.
+    ///
+    /// # Errors
+    /// When they are more than can be hidden.
+    pub fn count(&self) -> Result<usize, LabError> {
+        let count = self.any.unwrap_or(1);
+        if (1..=MOST_HIDDEN).contains(&count) {
+            Ok(count.into())
+        } else {
+            Err(LabError::Law(format!("1 to {MOST_HIDDEN} effects, not {count}")))
+        }
+    }
+
+    fn options(&self) -> String {
+        let mut text: String =
+            self.effects.iter().map(|name| format!(" {}", quoted(name))).collect();
+        text += &self.any.map_or(String::new(), |count| format!(" --any {count}"));
+        text += &self.seed.map_or(String::new(), |seed| format!(" --seed {seed}"));
+        text + &self.size.map_or(String::new(), |size| format!(" --size {size}"))
+    }
+}
+
+impl Task {
+    /// The command that does the same.
+    ///
+    /// # Errors
+    /// When it takes a model and there is none.
+    pub fn command(&self, names: &Names) -> Result<String, LabError> {
+        let Names { traces, written, signal, practice, .. } = names;
+        let model = || names.model.as_deref().ok_or(LabError::NoModel);
+        Ok(match self {
+            Self::Fit(fit) => {
+                let plain = signal == FORCE;
+                let signal =
+                    if plain { String::new() } else { format!(" --signal {}", quoted(signal)) };
+                format!("palpate fit {} {traces}{signal} -o {written}", fit.options())
+            }
+            Self::Compare => format!("palpate compare {} {traces}", model()?),
+            Self::Diagnose => format!("palpate diagnose --model {} {traces}", model()?),
+            Self::Explore => format!("palpate explore --model {} {traces} -o {written}", model()?),
+            Self::Add { effect, law } => {
+                let law =
+                    law.as_ref().map_or(String::new(), |law| format!(" --law {}", quoted(law)));
+                format!("palpate add {} {} {traces}{law} -o {written}", quoted(effect), model()?)
+            }
+            Self::Drop { effect } => {
+                format!("palpate drop {} {} {traces} -o {written}", quoted(effect), model()?)
+            }
+            Self::Hide(hide) => format!("palpate hide{} -o {practice}", hide.options()),
+        })
+    }
+
+    /// What is going on while it is at work.
+    #[must_use]
+    pub fn in_words(&self) -> String {
+        match self {
+            Self::Fit(fit) => format!("fitting {}", fit.law),
+            Self::Compare => "comparing".into(),
+            Self::Diagnose => "looking for what is missing".into(),
+            Self::Explore => "climbing the ladder".into(),
+            Self::Add { effect, .. } => format!("refitting with {effect}"),
+            Self::Drop { effect } => format!("refitting without {effect}"),
+            Self::Hide(_) => "recording a practice set".into(),
+        }
+    }
+}

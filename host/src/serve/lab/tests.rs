@@ -1,0 +1,211 @@
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use serde_json::{Value, json};
+
+use super::own_law::OwnLaw;
+use super::session::Session;
+use super::task::Task;
+use super::{LabError, View};
+use crate::criticism::{change, compare::compare};
+use crate::model::Model;
+use crate::practice::{Choice, hide, write_set};
+use crate::summary::{change_json, compare_json};
+use crate::trace::read_set;
+
+/// A folder with a hidden effect in it.
+fn practice(effect: &str) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let made = hide(&Choice::Named(vec![effect.into()]), 1.0, 3).unwrap();
+    write_set(folder.path(), &made).unwrap();
+    folder
+}
+
+fn task(value: Value) -> Task {
+    serde_json::from_value(value).unwrap()
+}
+
+/// Waits for what is at work.
+fn wait(session: &mut Session) -> Value {
+    let begun = Instant::now();
+    while !session.progress()["job"].is_null() {
+        assert!(begun.elapsed() < Duration::from_secs(240), "it takes too long");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    session.state()
+}
+
+fn done(session: &mut Session, wanted: Value) -> Value {
+    session.start(task(wanted)).unwrap();
+    let state = wait(session);
+    assert_eq!(state["failed"], Value::Null);
+    state
+}
+
+fn view(trace: usize) -> View {
+    View { trace, from: None, to: None, width: 100 }
+}
+
+#[test]
+fn a_hidden_effect_is_found_and_added_until_the_ladder_is_at_the_noise_floor() {
+    let folder = practice("coulomb-friction");
+    let mut session = Session::open(folder.path(), None).unwrap();
+    assert_eq!(session.state()["traces"].as_array().unwrap().len(), 10);
+    assert!(session.overlay(&view(0)).unwrap().get("predicted").is_none());
+    let state = done(&mut session, json!({"do": "fit", "law": "fung"}));
+    assert_eq!(state["comparison"]["only_noise"], false);
+    let overlay = session.overlay(&view(0)).unwrap();
+    assert_eq!(overlay["time"].as_array().unwrap().len(), 200);
+    assert_eq!(overlay["residual"].as_array().unwrap().len(), 200);
+
+    let state = done(&mut session, json!({"do": "diagnose"}));
+    let diagnosis = &state["answers"]["diagnosis"];
+    assert_eq!(diagnosis["verdict"], "named", "{}", diagnosis["in_words"]);
+    assert_eq!(diagnosis["steps"][0]["effect"], "coulomb-friction");
+    let candidates = state["answers"]["candidates"]["list"].as_array().unwrap();
+    assert!(candidates[0]["picture"].is_array() && candidates[0]["experiment"].is_string());
+    let before = state["comparison"]["rms"].as_f64().unwrap();
+    let forecast = session.forecast("coulomb-friction", &view(0)).unwrap();
+    let foretold = forecast["rms"].as_f64().unwrap();
+    assert!(foretold < 0.9 * before, "{foretold} after {before}");
+
+    let state = done(&mut session, json!({"do": "add", "effect": "coulomb-friction"}));
+    let ladder = state["model"]["ladder"].as_array().unwrap();
+    assert_eq!(ladder.len(), 2);
+    let noise = state["comparison"]["noise_rms"].as_f64().unwrap();
+    assert!(ladder[1]["fitted_rms"].as_f64().unwrap() < 1.1 * noise);
+    assert!(ladder[1]["heldout_rms"].as_f64().unwrap() < 1.1 * noise);
+    assert_eq!(state["comparison"]["only_noise"], true);
+
+    // The command line says the same.
+    let traces = read_set(&[folder.path()]).unwrap();
+    let saved = session.save(None).unwrap();
+    let model = Model::read(Path::new(saved["file"].as_str().unwrap())).unwrap();
+    let same = compare_json(&compare(&model, &traces).unwrap());
+    assert_eq!(state["comparison"]["where"], same["where"]);
+    assert_eq!(state["comparison"]["in_words"], same["in_words"]);
+    let page = session.report("change").unwrap();
+    let command = state["versions"][1]["command"].as_str().unwrap();
+    assert!(command.starts_with("palpate add coulomb-friction "), "{command}");
+    assert!(page["html"].as_str().unwrap().contains("palpate add coulomb-friction"));
+
+    assert_eq!(session.reveal().unwrap()["effects"][0]["effect"], "coulomb-friction");
+    session.undo().unwrap();
+    let state = wait(&mut session);
+    assert_eq!(state["versions"].as_array().unwrap().len(), 1);
+    let base: Model = serde_json::from_value(state["model"].clone()).unwrap();
+    let answer = change_json(&change::add(&base, "coulomb-friction", None, &traces).unwrap());
+    let state = done(&mut session, json!({"do": "add", "effect": "coulomb-friction"}));
+    assert_eq!(state["answers"]["change"], answer);
+    let state = done(&mut session, json!({"do": "drop", "effect": "coulomb-friction"}));
+    assert_eq!(state["model"]["effect"], Value::Null);
+    assert!(matches!(session.forecast("mullins", &view(0)), Err(LabError::NoForecast(_))));
+}
+
+#[test]
+fn what_is_at_work_is_cancelled_at_once_and_the_model_stays_as_it_was() {
+    let folder = practice("mullins");
+    let mut session = Session::open(folder.path(), None).unwrap();
+    done(&mut session, json!({"do": "fit", "law": "kelvin-voigt"}));
+    let model = session.state()["model"].clone();
+    session.start(task(json!({"do": "diagnose"}))).unwrap();
+    assert!(matches!(session.start(task(json!({"do": "compare"}))), Err(LabError::Busy)));
+    assert!(session.progress()["job"]["command"].as_str().unwrap().contains("diagnose"));
+    session.cancel();
+    assert_eq!(session.progress(), json!({"job": null, "failed": "cancelled"}));
+    assert_eq!(session.state()["model"], model);
+    done(&mut session, json!({"do": "compare"}));
+}
+
+#[test]
+fn work_that_is_given_up_ends_before_it_is_done() {
+    let folder = practice("mullins");
+    let mut session = Session::open(folder.path(), None).unwrap();
+    done(&mut session, json!({"do": "fit", "law": "fung"}));
+    let state = session.state();
+    let model: Model = serde_json::from_value(state["model"].clone()).unwrap();
+    let traces = read_set(&[folder.path()]).unwrap();
+    let watch = std::sync::Arc::new(crate::fit::watch::Watch::default());
+    watch.end();
+    let begun = Instant::now();
+    let given_up = crate::fit::watch::under(&watch, || {
+        crate::criticism::diagnose::diagnose(&model, &traces).is_ok()
+    });
+    let short = begun.elapsed();
+    assert!(given_up.is_ok());
+    assert!(short < Duration::from_secs(10), "{short:?}");
+}
+
+#[test]
+fn a_law_with_a_typing_error_is_refused_with_its_place_and_a_right_one_can_be_added() {
+    let law = |expression: &str| -> OwnLaw {
+        let value = json!({
+            "name": "pull", "stage": "contact", "expression": expression,
+            "parameters": [{"name": "k", "value": 0.0, "unit": "N"}],
+        });
+        serde_json::from_value(value).unwrap()
+    };
+    let unknown = law("k * tanh(vv)").fault().unwrap();
+    assert_eq!((unknown["at"].as_u64(), unknown["length"].as_u64()), (Some(9), Some(2)));
+    assert!(law("k * (v").fault().unwrap()["at"].is_number());
+    let wrong = OwnLaw { name: "mullins".into(), ..law("k * tanh(v)") };
+    assert!(wrong.fault().unwrap()["message"].as_str().unwrap().contains("library"));
+    assert!(law("k * tanh(v)").fault().is_none());
+    assert!(law("k * tanh(v)").toml().contains("[[candidate]]"));
+
+    let folder = practice("coulomb-friction");
+    let mut session = Session::open(folder.path(), None).unwrap();
+    assert!(matches!(session.add_candidate(&law("k * tanh(v)")), Err(LabError::NoModel)));
+    done(&mut session, json!({"do": "fit", "law": "fung"}));
+    assert!(matches!(session.add_candidate(&law("k * tanh(")), Err(LabError::Law(_))));
+    session.add_candidate(&law("k * tanh(v)")).unwrap();
+    let before = session.state()["comparison"]["rms"].as_f64().unwrap();
+    let state = done(&mut session, json!({"do": "add", "effect": "pull"}));
+    assert!(state["comparison"]["rms"].as_f64().unwrap() < before);
+    assert_eq!(state["model"]["effect"][0]["expression"], "k * tanh(v)");
+}
+
+#[test]
+fn nothing_outside_the_folder_is_opened_or_written() {
+    let above = tempfile::tempdir().unwrap();
+    let folder = above.path().join("traces");
+    let made = hide(&Choice::Named(vec!["mullins".into()]), 1.0, 3).unwrap();
+    write_set(&folder, &made).unwrap();
+    write_set(&above.path().join("other"), &made).unwrap();
+    let mut session = Session::open(&folder, None).unwrap();
+    for name in ["..", "../other", "/etc", "a/../../other", "./..", "."] {
+        let refused = session.choose_set(name);
+        assert!(matches!(refused, Err(LabError::Outside(_))), "{name}: {refused:?}");
+        assert!(matches!(session.open_model(name), Err(LabError::Outside(_))), "{name}");
+    }
+    #[cfg(unix)]
+    {
+        std::os::unix::fs::symlink(above.path().join("other"), folder.join("link")).unwrap();
+        assert!(matches!(session.choose_set("link"), Err(LabError::Outside(_))));
+    }
+    session.choose_set("").unwrap();
+    done(&mut session, json!({"do": "fit", "law": "maxwell"}));
+    for name in ["../model.toml", "/tmp/model.toml", "../other/model.toml"] {
+        assert!(matches!(session.save(Some(name)), Err(LabError::Outside(_))), "{name}");
+    }
+    assert!(session.save(Some("model.html")).is_err());
+    assert_eq!(std::fs::read_dir(above.path()).unwrap().count(), 2);
+    session.save(Some("mine.toml")).unwrap();
+    assert!(folder.join("mine.toml").is_file());
+}
+
+#[test]
+fn a_practice_set_is_made_below_the_folder_and_its_command_names_the_seed() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut session = Session::open(folder.path(), None).unwrap();
+    assert!(matches!(session.start(task(json!({"do": "compare"}))), Err(LabError::NoTraces)));
+    session.start(task(json!({"do": "hide", "seed": 5}))).unwrap();
+    let command = session.progress()["job"]["command"].as_str().unwrap().to_owned();
+    assert!(command.contains("palpate hide --seed 5 -o "), "{command}");
+    let state = wait(&mut session);
+    assert_eq!((&state["set"], &state["practice"]), (&json!("practice-5"), &json!(true)));
+    assert_eq!(state["traces"].as_array().unwrap().len(), 10);
+    session.choose_traces(&[0, 3]).unwrap();
+    let command = session.command(&task(json!({"do": "fit", "law": "fung"}))).unwrap();
+    assert!(command.contains(".csv") && command.ends_with("model-1.toml"), "{command}");
+}

@@ -1,0 +1,195 @@
+//! Doing what is asked for, with the functions that the command line calls.
+
+use std::sync::Arc;
+
+use serde_json::Value;
+
+use super::error::LabError;
+use super::folder::Folder;
+use super::forecast::{candidates, data};
+use super::task::{FitTask, HideTask, Task};
+use crate::criticism::change::{self, Change};
+use crate::criticism::compare::{Comparison, compare};
+use crate::criticism::diagnose::{Diagnosis, diagnose};
+use crate::criticism::explore::explored;
+use crate::fit::data::Data;
+use crate::fit::whole_motion;
+use crate::model::Model;
+use crate::practice::{self, Choice, check_empty, hide, write_set};
+use crate::report::{Origin, Page, Section};
+use crate::summary::{
+    DiagnosisSummary, FitSummary, NextCommand, change_json, change_report, compare_json,
+    compare_sections, practice_json, unit_of,
+};
+use crate::trace::{Trace, pooled_noise};
+
+/// All that a piece of work needs, by itself.
+#[derive(Clone)]
+pub struct Bench {
+    /// The folder that was opened.
+    pub folder: Option<Folder>,
+    /// The traces chosen.
+    pub traces: Arc<Vec<Trace>>,
+    /// The model at hand.
+    pub model: Option<Arc<Model>>,
+    /// The column that a fit takes.
+    pub signal: String,
+    /// Model and traces as commands name them.
+    pub next: NextCommand,
+    /// The command that does the same.
+    pub command: String,
+    /// The folder of a practice set, below that opened, and its seed.
+    pub practice: (String, u64),
+}
+
+/// What a piece of work gives.
+#[derive(Default)]
+pub struct Outcome {
+    /// The answer, as `--json` gives it on the command line.
+    pub answer: Value,
+    /// The report, as `--report` writes it: what it is of, and the page.
+    pub report: Option<(&'static str, String)>,
+    /// A new model.
+    pub model: Option<Model>,
+    /// The model at hand, or the new one, beside the traces.
+    pub comparison: Option<Comparison>,
+    /// What the model lacks, with the candidates.
+    pub diagnosis: Option<(Diagnosis, Value)>,
+    /// A practice set to open.
+    pub practice: Option<String>,
+}
+
+/// Does what is asked for.
+///
+/// # Errors
+/// What the command would say.
+pub fn run(task: &Task, bench: &Bench) -> Result<Outcome, LabError> {
+    let model = || bench.model.as_deref().ok_or(LabError::NoModel);
+    match task {
+        Task::Fit(fit) => bench.fit(fit),
+        Task::Compare => bench.compare(model()?),
+        Task::Diagnose => bench.diagnose(model()?, false),
+        Task::Explore => bench.diagnose(model()?, true),
+        Task::Add { effect, law } => {
+            let change = change::add(model()?, effect, law.as_deref(), &bench.traces)?;
+            bench.changed(change)
+        }
+        Task::Drop { effect } => bench.changed(change::drop(model()?, effect, &bench.traces)?),
+        Task::Hide(hide) => bench.hide(hide),
+    }
+}
+
+impl Bench {
+    fn fit(&self, task: &FitTask) -> Result<Outcome, LabError> {
+        let data = Data::of(&self.traces, &self.signal)?;
+        let laws = task.choice()?.laws()?;
+        let fits =
+            laws.iter().map(|&law| whole_motion::fit(law, &data)).collect::<Result<Vec<_>, _>>()?;
+        let best =
+            fits.iter().min_by(|a, b| a.bic().total_cmp(&b.bic())).ok_or(LabError::NoModel)?;
+        let several = self.traces.len() > 1;
+        let held_out = if several { whole_motion::held_out(best, &data) } else { Vec::new() };
+        let summary = FitSummary {
+            fit: best,
+            data: &data,
+            signal: &self.signal,
+            noise: pooled_noise(&self.traces, &self.signal),
+            held_out: &held_out,
+            candidates: &fits,
+        };
+        let model = summary.model();
+        Ok(Outcome {
+            answer: summary.json(),
+            report: Some(("fit", self.page("A fit over whole motions", summary.sections()))),
+            comparison: Some(compare(&model, &self.traces)?),
+            model: Some(model),
+            ..Outcome::default()
+        })
+    }
+
+    fn compare(&self, model: &Model) -> Result<Outcome, LabError> {
+        let comparison = compare(model, &self.traces)?;
+        let sections = compare_sections(model, &comparison, &self.traces);
+        Ok(Outcome {
+            answer: compare_json(&comparison),
+            report: Some(("compare", self.page("Model against measurement", sections))),
+            comparison: Some(comparison),
+            ..Outcome::default()
+        })
+    }
+
+    /// What the model lacks; with everything found added, where asked.
+    fn diagnose(&self, model: &Model, climb: bool) -> Result<Outcome, LabError> {
+        let diagnosis = diagnose(model, &self.traces)?;
+        let data = data(model, &self.traces)?;
+        let summary = DiagnosisSummary::new(&diagnosis, &data, self.next.clone());
+        let title = if climb { "From the first model to the last" } else { "What the model lacks" };
+        let better = climb.then(|| explored(model, &diagnosis, &data, unit_of(&diagnosis.signal)));
+        let comparison = compare(better.as_ref().unwrap_or(model), &self.traces)?;
+        // After a climb, what could be added to the first model says nothing of the last.
+        let list =
+            if climb { Value::Null } else { candidates(&diagnosis, &data, &comparison, model) };
+        Ok(Outcome {
+            answer: summary.json(),
+            report: Some(("diagnosis", self.page(title, summary.sections()))),
+            comparison: Some(comparison),
+            model: better,
+            diagnosis: Some((diagnosis, list)),
+            practice: None,
+        })
+    }
+
+    fn changed(&self, change: Change) -> Result<Outcome, LabError> {
+        let comparison = compare(&change.model, &self.traces)?;
+        let page = self.page("A changed model", change_report(&change, &comparison));
+        Ok(Outcome {
+            answer: change_json(&change),
+            report: Some(("change", page)),
+            comparison: Some(comparison),
+            model: Some(change.model),
+            ..Outcome::default()
+        })
+    }
+
+    fn hide(&self, task: &HideTask) -> Result<Outcome, LabError> {
+        let opened = self.folder.as_ref().ok_or(LabError::NoFolder)?;
+        let (name, seed) = &self.practice;
+        let folder = opened.to_write(name)?;
+        check_empty(&folder)?;
+        let choice = match task.effects.is_empty() {
+            true => Choice::Any(task.count()?),
+            false => Choice::Named(task.effects.clone()),
+        };
+        let practice = hide(&choice, task.size.unwrap_or(1.0), *seed)?;
+        if crate::fit::watch::ended() {
+            return Err(LabError::Cancelled);
+        }
+        write_set(&folder, &practice)?;
+        Ok(Outcome {
+            answer: practice_json(&practice, &opened.shown(name)),
+            practice: Some(name.clone()),
+            ..Outcome::default()
+        })
+    }
+
+    /// The page that `--report` writes.
+    fn page(&self, title: &str, sections: Vec<Section>) -> String {
+        let origin = Origin {
+            program: concat!("palpate ", env!("CARGO_PKG_VERSION")).into(),
+            command: self.command.clone(),
+            inputs: self.traces.iter().map(Trace::label).collect(),
+        };
+        let signal = self.model.as_ref().map_or(&self.signal, |model| &model.base.signal);
+        let mut page = Page::new(title, signal, origin);
+        page.sections = sections;
+        page.to_html()
+    }
+}
+
+/// What is hidden in the practice set of a folder.
+///
+/// # Errors
+/// When it is not one.
+pub fn reveal(folder: &std::path::Path) -> Result<Value, LabError> {
+    Ok(crate::summary::truth_json(&practice::open(folder)?))
+}

@@ -1,0 +1,251 @@
+//! The room of a fingertip: what it feels while it feels it.
+//!
+//! ```text
+//! device, simulated device or trace ── feed ── store ──┬── push: rows and health to each page
+//!                                      └─ wishes ──────┴── views of the whole session
+//! ```
+//!
+//! - `GET /api/live/about`: where it comes from.
+//! - `GET /api/live/stream`: a websocket, see the module `push`.
+//! - `GET /api/live/view?from=S&to=S&bins=N`: the session from one time to another; f64 n and f64 signals, then n times (s,
+//!   f64), then n least and n greatest values of each signal (µε, f32), little-endian.
+//! - `GET /api/live/events?from=S&to=S`: what happened then.
+//! - `POST /api/live/wish`: a [`Wish`].
+
+mod feed;
+mod push;
+pub mod pyramid;
+mod recorder;
+mod replay;
+pub mod store;
+pub mod wish;
+
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Sender, channel};
+use std::sync::{Arc, Mutex};
+use std::thread::JoinHandle;
+use std::time::Instant;
+
+use axum::extract::{Query, State, WebSocketUpgrade};
+use axum::response::Response;
+use axum::routing::{get, post};
+use axum::{Json, Router};
+use serde::Deserialize;
+use serde_json::{Value, json};
+use tokio::sync::oneshot;
+
+use self::feed::{Feed, lock};
+use self::pyramid::{Bin, SIGNALS};
+use self::replay::Replay;
+use self::store::{Event, Store};
+use self::wish::{Request, Wish};
+use super::Problem;
+use super::guard::{MESSAGE_LIMIT, PROTOCOL};
+use crate::device::session::Session;
+#[cfg(unix)]
+use crate::device::simulate::{Simulated, Simulation, SimulationError};
+use crate::device::stream::Stream;
+use crate::trace::Trace;
+use crate::trace::recordable::{RecordableError, Samples, samples};
+
+/// Most bins of a view.
+const BINS: usize = 5_000;
+
+/// Where the rows come from.
+pub enum Source {
+    /// A device on a port.
+    Device {
+        /// The port.
+        port: PathBuf,
+        /// The conversation.
+        session: Box<Session>,
+    },
+    /// A simulated device.
+    #[cfg(unix)]
+    Simulated {
+        /// Seed of its noise.
+        seed: u64,
+    },
+    /// A trace, put into a simulated device.
+    #[cfg(unix)]
+    Replay {
+        /// The trace.
+        trace: Box<Trace>,
+        /// Times as fast as it was recorded.
+        speed: f64,
+    },
+}
+
+/// Why there is nothing to show.
+#[derive(Debug, thiserror::Error)]
+#[allow(missing_docs)]
+pub enum LiveError {
+    #[error(transparent)]
+    Recordable(#[from] RecordableError),
+    #[cfg(unix)]
+    #[error(transparent)]
+    Simulation(#[from] SimulationError),
+    #[error("the simulated device does not answer: {0}")]
+    Link(#[from] crate::device::session::LinkError),
+}
+
+/// A session with a fingertip. Its end is that of the session.
+pub struct Live {
+    store: Arc<Mutex<Store>>,
+    requests: Sender<Request>,
+    about: Value,
+    ended: Arc<AtomicBool>,
+    threads: Vec<JoinHandle<()>>,
+}
+
+impl Live {
+    /// Begins to listen; recordings go to `folder`.
+    ///
+    /// # Errors
+    /// [`LiveError`].
+    pub fn begin(source: Source, folder: PathBuf) -> Result<Self, LiveError> {
+        let ended = Arc::new(AtomicBool::new(false));
+        let mut threads = Vec::new();
+        let (about, port, session, replay) = match source {
+            Source::Device { port, session } => {
+                let about = json!({ "source": "device", "port": port });
+                (about, port, *session, None)
+            }
+            #[cfg(unix)]
+            Source::Simulated { seed } => {
+                let (port, session) = simulate(seed, &ended, &mut threads)?;
+                (json!({ "source": "simulated", "seed": seed }), port, session, None)
+            }
+            #[cfg(unix)]
+            Source::Replay { trace, speed } => {
+                let samples: Samples = samples(&trace)?;
+                let (port, session) = simulate(0, &ended, &mut threads)?;
+                let about = json!({ "source": "replay", "trace": trace.label(), "speed": speed });
+                (about, port, session, Some(Replay::new(samples, speed)))
+            }
+        };
+        let store = Arc::new(Mutex::new(Store::new()));
+        let (requests, received) = channel();
+        let feed = Feed {
+            port,
+            folder,
+            store: Arc::clone(&store),
+            requests: received,
+            ended: Arc::clone(&ended),
+            replay,
+            stream: Stream::default(),
+            recorder: None,
+            wanted: true,
+            heard_at: Instant::now(),
+        };
+        // The device's end goes last, so that the stream is ended in order.
+        threads.insert(0, std::thread::spawn(move || feed.run(session)));
+        Ok(Self { store, requests, about, ended, threads })
+    }
+}
+
+impl Drop for Live {
+    fn drop(&mut self) {
+        self.ended.store(true, Ordering::Relaxed);
+        for thread in self.threads.drain(..) {
+            // A thread that panicked has said so.
+            let _ = thread.join();
+        }
+    }
+}
+
+/// A simulated device on a thread of its own, and a conversation with it.
+#[cfg(unix)]
+fn simulate(
+    seed: u64,
+    ended: &Arc<AtomicBool>,
+    threads: &mut Vec<JoinHandle<()>>,
+) -> Result<(PathBuf, Session), LiveError> {
+    const PATIENCE: std::time::Duration = std::time::Duration::from_secs(2);
+    let mut simulated = Simulated::new(&Simulation { seed, ..Simulation::default() })?;
+    let port = simulated.path().to_owned();
+    let over = Arc::clone(ended);
+    threads.push(std::thread::spawn(move || {
+        if let Err(error) = simulated.run(|| over.load(Ordering::Relaxed)) {
+            tracing::error!("the simulated device ended: {error}");
+        }
+    }));
+    let session = Session::open(&port, PATIENCE);
+    if session.is_err() {
+        ended.store(true, Ordering::Relaxed);
+    }
+    Ok((port, session?))
+}
+
+/// What the page asks of the room.
+pub fn routes(live: Live) -> Router {
+    Router::new()
+        .route("/about", get(about))
+        .route("/stream", get(stream))
+        .route("/view", get(view))
+        .route("/events", get(events))
+        .route("/wish", post(wish))
+        .with_state(Arc::new(live))
+}
+
+async fn about(State(live): State<Arc<Live>>) -> Json<Value> {
+    Json(live.about.clone())
+}
+
+async fn stream(State(live): State<Arc<Live>>, upgrade: WebSocketUpgrade) -> Response {
+    let store = Arc::clone(&live.store);
+    upgrade
+        .protocols([PROTOCOL])
+        .max_message_size(MESSAGE_LIMIT)
+        .max_frame_size(MESSAGE_LIMIT)
+        .on_upgrade(|socket| push::push(socket, store))
+}
+
+/// A stretch of the session.
+#[derive(Deserialize)]
+struct Stretch {
+    /// From here, s.
+    from: f64,
+    /// To here, s.
+    to: f64,
+    /// In so many bins at most.
+    #[serde(default)]
+    bins: usize,
+}
+
+async fn view(State(live): State<Arc<Live>>, Query(stretch): Query<Stretch>) -> Vec<u8> {
+    let most = stretch.bins.clamp(1, BINS);
+    packed(&lock(&live.store).pyramid.view(stretch.from, stretch.to, most))
+}
+
+fn packed(bins: &[Bin]) -> Vec<u8> {
+    let mut bytes = Vec::with_capacity(16 + bins.len() * (8 + 8 * SIGNALS));
+    bytes.extend((bins.len() as f64).to_le_bytes());
+    bytes.extend((SIGNALS as f64).to_le_bytes());
+    bins.iter().for_each(|bin| bytes.extend(bin.from_s.to_le_bytes()));
+    for signal in 0..SIGNALS {
+        bins.iter().for_each(|bin| bytes.extend(bin.least[signal].to_le_bytes()));
+        bins.iter().for_each(|bin| bytes.extend(bin.greatest[signal].to_le_bytes()));
+    }
+    bytes
+}
+
+async fn events(State(live): State<Arc<Live>>, Query(stretch): Query<Stretch>) -> Json<Value> {
+    let store = lock(&live.store);
+    let events = store.events_of(stretch.from, stretch.to);
+    Json(events.into_iter().map(Event::json).collect())
+}
+
+async fn wish(
+    State(live): State<Arc<Live>>,
+    Json(wish): Json<Wish>,
+) -> Result<Json<Value>, Problem> {
+    let (answer, answered) = oneshot::channel();
+    let sent = live.requests.send(Request { wish, answer });
+    let outcome = match sent {
+        Ok(()) => answered.await.unwrap_or_else(|_| feed::ended()),
+        Err(_) => feed::ended(),
+    };
+    outcome.map(Json).map_err(Problem::conflict)
+}

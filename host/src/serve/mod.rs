@@ -1,0 +1,118 @@
+//! A local page: rooms in a browser on this computer, over the same functions as the commands.
+//!
+//! ```text
+//! browser ── guard: host, origin, token, policy, sizes ──┬── assets: the page, part of the program
+//!                                                        └── /api/<room>/: what a room asks for
+//! ```
+//!
+//! - [`guard`]: who may ask, and what a page may do.
+//! - [`assets`]: the files of the page.
+//! - [`live`]: a fingertip, while it feels.
+//! - [`lab`]: a model beside recordings, and putting it right.
+//!
+//! A room is mounted only where it has something to show.
+
+pub mod assets;
+pub mod guard;
+pub mod lab;
+pub mod live;
+mod problem;
+
+pub use problem::Problem;
+
+use std::io;
+use std::net::{IpAddr, SocketAddr};
+use std::sync::Arc;
+use std::time::Duration;
+
+use axum::Json;
+use axum::Router;
+use axum::extract::DefaultBodyLimit;
+use axum::middleware::from_fn_with_state;
+use axum::routing::get;
+use serde_json::json;
+use tokio::net::TcpListener;
+
+use self::guard::{BODY_LIMIT, Guard, TokenError};
+use self::lab::Session;
+use self::live::Live;
+
+/// How often to look whether to end.
+const LOOK: Duration = Duration::from_millis(50);
+
+/// Where to serve, and what.
+pub struct Options {
+    /// Address to listen on; only a loopback address keeps the page on this computer.
+    pub bind: IpAddr,
+    /// Port to listen on; 0 for any that is free.
+    pub port: u16,
+    /// The room of a fingertip, if there is one.
+    pub live: Option<Live>,
+    /// The room of a model and recordings, if a folder was opened.
+    pub lab: Option<Session>,
+}
+
+/// Why the page cannot be served.
+#[derive(Debug, thiserror::Error)]
+#[allow(missing_docs)]
+pub enum ServeError {
+    #[error("{at} cannot be listened on: {source}")]
+    Listen { at: SocketAddr, source: io::Error },
+    #[error(transparent)]
+    Token(#[from] TokenError),
+    #[error("the server ended: {0}")]
+    Server(#[from] io::Error),
+}
+
+/// Serves until `ended`; `ready` is told the address to open once, with its token.
+///
+/// # Errors
+/// [`ServeError`].
+pub fn run(
+    options: Options,
+    ready: impl FnOnce(&str),
+    ended: impl Fn() -> bool,
+) -> Result<(), ServeError> {
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
+    runtime.block_on(async {
+        let at = SocketAddr::new(options.bind, options.port);
+        let listener =
+            TcpListener::bind(at).await.map_err(|source| ServeError::Listen { at, source })?;
+        let at = listener.local_addr()?;
+        let guard = Guard::new(at)?;
+        ready(&guard.url());
+        let router = router(options.live, options.lab, Arc::new(guard));
+        let end = async {
+            while !ended() {
+                tokio::time::sleep(LOOK).await;
+            }
+        };
+        // A browser keeps its connections open, so the server does not wait for them.
+        tokio::select! {
+            served = axum::serve(listener, router) => Ok(served?),
+            () = end => Ok(()),
+        }
+    })
+}
+
+fn router(live: Option<Live>, lab: Option<Session>, guard: Arc<Guard>) -> Router {
+    let mut rooms = Vec::new();
+    let mut api = Router::new();
+    if let Some(live) = live {
+        rooms.push(json!({ "name": "live", "title": "Live" }));
+        api = api.nest("/live", live::routes(live));
+    }
+    if let Some(session) = lab {
+        rooms.push(json!({ "name": "lab", "title": "Lab" }));
+        api = api.nest("/lab", lab::routes(session));
+    }
+    let about = json!({ "version": env!("CARGO_PKG_VERSION"), "rooms": rooms });
+    let api = api
+        .route("/rooms", get(move || async move { Json(about) }))
+        .fallback(async || Problem::not_found("there is nothing of this name"));
+    Router::new()
+        .nest("/api", api)
+        .fallback(get(assets::serve))
+        .layer(DefaultBodyLimit::max(BODY_LIMIT))
+        .layer(from_fn_with_state(guard, guard::guard))
+}

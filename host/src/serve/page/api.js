@@ -1,0 +1,70 @@
+// Questions to the server that gave this page. Each carries the token of the address that was printed.
+
+const KEPT = "palpate-token";
+
+/** Takes the token out of the address, where it would be seen, and keeps it for this tab. */
+export function takeToken() {
+  const found = /^#token=([0-9a-f]+)/.exec(location.hash);
+  if (found) {
+    sessionStorage.setItem(KEPT, found[1]);
+    history.replaceState(null, "", location.pathname);
+  }
+  return sessionStorage.getItem(KEPT) !== null;
+}
+
+const token = () => sessionStorage.getItem(KEPT) ?? "";
+
+async function ask(path, options = {}) {
+  const headers = { "x-palpate-token": token(), ...options.headers };
+  let response;
+  try {
+    response = await fetch(`/api${path}`, { ...options, headers });
+  } catch {
+    throw { message: "palpate does not answer; is `palpate serve` still running?" };
+  }
+  if (response.ok) return response;
+  const text = await response.text();
+  let message = text;
+  try {
+    message = JSON.parse(text).message ?? text;
+  } catch {
+    // Then the text itself is the message.
+  }
+  throw { message: message || `${response.status} ${response.statusText}`, status: response.status };
+}
+
+export const api = {
+  /** Resolves to the JSON of `/api` + path; rejects with `{message}`. */
+  get: async (path) => (await ask(path)).json(),
+  /** The same as an ArrayBuffer. */
+  bytes: async (path) => (await ask(path)).arrayBuffer(),
+  /** Sends JSON and resolves to JSON. */
+  post: async (path, json) =>
+    (await ask(path, {
+      method: "POST",
+      headers: { "content-type": "application/json" },
+      body: JSON.stringify(json),
+    })).json(),
+  /** Opens a websocket, again whenever it ends. `onMessage(data, send)` gets text or an ArrayBuffer; `onState(open)` is
+   *  told whether it is there. Returns a function that closes it. */
+  socket(path, onMessage, onState = () => {}) {
+    let socket, timer, closed = false;
+    const open = () => {
+      socket = new WebSocket(`ws://${location.host}/api${path}`, ["palpate", `token.${token()}`]);
+      socket.binaryType = "arraybuffer";
+      socket.onopen = () => onState(true);
+      socket.onmessage = (event) => onMessage(event.data, (text) => socket.send(text));
+      socket.onclose = () => {
+        if (closed) return;
+        onState(false);
+        timer = setTimeout(open, 500);
+      };
+    };
+    open();
+    return () => {
+      closed = true;
+      clearTimeout(timer);
+      socket.close();
+    };
+  },
+};

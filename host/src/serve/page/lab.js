@@ -1,0 +1,283 @@
+// The Lab: a model beside recordings, what it lacks, and putting it right.
+
+import { bench } from "./lab/bench.js";
+import { candidates } from "./lab/candidates.js";
+import { covariate } from "./lab/covariate.js";
+import { choice, h, number } from "./lab/dom.js";
+import { heatmap } from "./lab/heatmap.js";
+import { ladder } from "./lab/bars.js";
+import { model } from "./lab/model.js";
+import { overlay } from "./lab/overlay.js";
+import { ownLaw } from "./lab/ownlaw.js";
+import { practice } from "./lab/practice.js";
+
+export const keys = [
+  ["+ / −", "zoom in, zoom out"],
+  ["← / →", "earlier, later"],
+  ["[ / ]", "trace before, trace after"],
+  ["Esc", "cancel what is being worked out"],
+];
+
+/** How often to ask how far the work is, ms. */
+const ASK = 250;
+
+/** Opens the room; gives the function that closes it. */
+export function open(root, api) {
+  const drafts = {
+    fit: { law: "fung", terms: "2", separation: "clamp" },
+    law: { name: "mine", stage: "contact", expression: "k * tanh(v / w)", parameters: "k = 0 N, w = 1 mm/s" },
+    practice: { effect: "", size: 1 },
+  };
+  let choices = null;
+  let state = null;
+  let trace = 0;
+  let against = null;
+  let timer = null;
+  let closed = false;
+
+  const panel = (title, name) => {
+    const body = h("div", {});
+    const place = h("section", { class: `panel lab-${name}`, "aria-label": title }, h("h2", {}, title), body);
+    return { place, show: (...children) => body.replaceChildren(...children), hide: (hidden) => (place.hidden = hidden), body };
+  };
+  const panels = {
+    bench: panel("Traces and base law", "bench"),
+    trace: panel("Measurement and model", "trace"),
+    heat: panel("Where it fails", "where"),
+    against: panel("What the failure depends on", "against"),
+    ladder: panel("Ladder", "rungs"),
+    missing: panel("What is missing", "missing"),
+    model: panel("Model", "model"),
+    law: panel("A law of one's own", "own"),
+    practice: panel("Practice", "practice"),
+  };
+  const work = h("div", { class: "lab-work", role: "status", "aria-live": "polite" });
+  const left = [panels.trace, panels.heat, panels.against].map((of) => of.place);
+  const right = [panels.ladder, panels.missing, panels.model, panels.law, panels.practice].map((of) => of.place);
+  root.append(h("div", { class: "lab" }, panels.bench.place, work, h("div", { class: "lab-columns" }, h("div", { class: "lab-column" }, left), h("div", { class: "lab-column" }, right))));
+  const picker = h("div", { class: "tools" });
+  panels.trace.body.append(picker);
+  const plots = overlay(panels.trace.body, api.get);
+
+  // ── What can be done ──
+
+  const say = (text, warning = false) => work.replaceChildren(h("p", { class: warning ? "lab-said warning" : "lab-said" }, text));
+  const guarded = (act) => async (...given) => {
+    try {
+      return await act(...given);
+    } catch (error) {
+      say(error.message, true);
+      return null;
+    }
+  };
+  const start = guarded(async (task) => {
+    await api.post("/lab/start", task);
+    watch();
+  });
+  const choose = guarded(async (what) => {
+    if ("set" in what) trace = 0;
+    await api.post("/lab/choose", what);
+    watch();
+  });
+  const cancel = guarded(async () => {
+    await api.post("/lab/cancel", {});
+    watch();
+  });
+
+  /** A button that copies the command of a task, or a text. */
+  function copy(of) {
+    const button = h("button", {
+      class: "lab-copy",
+      title: "Copy the command that does the same",
+      "aria-label": "Copy the command that does the same",
+      onclick: guarded(async () => {
+        const task = typeof of === "function" ? of() : of;
+        const text = typeof task === "string" ? task : (await api.post("/lab/command", task)).command;
+        work.replaceChildren(h("p", { class: "lab-said" }, h("code", {}, text)));
+        await navigator.clipboard.writeText(text).catch(() => {});
+        button.textContent = "copied";
+        setTimeout(() => (button.textContent = "$"), 1200);
+      }),
+    }, "$");
+    return button;
+  }
+
+  const act = {
+    start,
+    choose,
+    copy,
+    redraw: () => drawBench(),
+    add: (effect) => start({ do: "add", effect }),
+    hover: (effect) => plots.hover(effect),
+    hide: start,
+    reveal: () => api.post("/lab/reveal", {}),
+    check: (law) => api.post("/lab/check", law),
+    submit: async (law) => {
+      await api.post("/lab/law", law);
+      await start({ do: "add", effect: law.name });
+    },
+    undo: guarded(async () => {
+      await api.post("/lab/undo", {});
+      watch();
+    }),
+    save: guarded(async () => {
+      const { file } = await api.post("/lab/save", {});
+      await refresh();
+      say(`Written: ${file}`);
+    }),
+    export: guarded(async (kind) => {
+      const { file, html } = await api.get(`/lab/report?kind=${kind}`);
+      const address = URL.createObjectURL(new Blob([html], { type: "text/html" }));
+      h("a", { href: address, download: file }).click();
+      setTimeout(() => URL.revokeObjectURL(address), 10_000);
+    }),
+  };
+
+  // ── Progress ──
+
+  async function watch() {
+    clearTimeout(timer);
+    if (closed) return;
+    const { job, failed } = await api.get("/lab/progress").catch((error) => ({ job: null, failed: error.message }));
+    if (closed) return;
+    root.querySelector(".lab").classList.toggle("lab-busy", Boolean(job));
+    if (job) {
+      atWork(job);
+      timer = setTimeout(watch, ASK);
+      return;
+    }
+    work.replaceChildren();
+    if (failed) say(failed, true);
+    await refresh();
+  }
+
+  function atWork(job) {
+    const far = `${number(job.seconds, 2)} s, ${job.searches} refits, ${job.steps} steps`;
+    if (work.dataset.at !== job.what || !work.querySelector(".lab-far")) {
+      work.dataset.at = job.what;
+      work.replaceChildren(
+        h("progress", { "aria-label": job.what }),
+        h("span", {}, `${job.what} … `, h("span", { class: "lab-far muted", "aria-hidden": "true" }, far)),
+        h("button", { class: "lab-cancel", onclick: cancel }, "Cancel"),
+        h("code", {}, job.command),
+        copy(job.command),
+      );
+    } else work.querySelector(".lab-far").textContent = far;
+  }
+
+  // ── Drawing ──
+
+  const refresh = guarded(async () => {
+    state = await api.get("/lab/state");
+    if (closed) return;
+    draw();
+  });
+
+  function drawBench() {
+    panels.bench.show(bench(choices, state, drafts.fit, act));
+  }
+
+  function draw() {
+    const { comparison, answers } = state;
+    drawBench();
+    drawTrace();
+    panels.heat.hide(!comparison);
+    panels.against.hide(!comparison);
+    if (comparison) {
+      const report = h("div", { class: "tools" }, copy({ do: "compare" }));
+      panels.heat.show(h("p", {}, comparison.in_words), heatmap(comparison, choices.regions, goTo), report);
+      drawAgainst();
+    }
+    panels.ladder.hide(!state.model?.ladder);
+    if (state.model?.ladder) {
+      const floor = comparison?.only_noise ? [h("p", { class: "lab-floor-reached" }, "At the noise floor: nothing but noise is left.")] : [];
+      panels.ladder.show(ladder(state.model, comparison?.noise_rms, comparison?.unit ?? state.unit), change(answers.change), ...floor);
+    }
+    panels.missing.hide(!state.model);
+    if (state.model) drawMissing();
+    panels.model.hide(!state.model);
+    if (state.model) panels.model.show(model(state, act));
+    panels.law.hide(!state.model);
+    if (state.model) panels.law.show(ownLaw(choices, drafts.law, act));
+    panels.practice.show(practice(choices, state, drafts.practice, act));
+  }
+
+  function change(of) {
+    if (!of) return "";
+    const words = `${of.effect} ${of.added ? "added" : "taken out"}: ${number(of.rms_before)} → ${number(of.rms_after)} ${of.unit} RMS`;
+    const held = of.heldout_rms_after ? `, held out ${number(of.heldout_rms_before)} → ${number(of.heldout_rms_after)}` : "";
+    return h("div", {}, h("p", {}, `${words}${held}.`), of.warnings.map((text) => h("p", { class: "lab-note" }, `Beware: ${text}.`)));
+  }
+
+  function drawMissing() {
+    const diagnose = h("button", { class: "lab-diagnose", onclick: () => start({ do: "diagnose" }) }, "Diagnose");
+    const explore = h("button", { class: "lab-explore", onclick: () => start({ do: "explore" }) }, "Add all that is missing");
+    const tools = h("div", { class: "tools" }, diagnose, copy({ do: "diagnose" }), explore, copy({ do: "explore" }));
+    const known = state.answers.diagnosis;
+    panels.missing.show(tools, known ? candidates(state.answers, known.unit, act) : "");
+  }
+
+  function drawAgainst() {
+    panels.against.show(covariate(state.comparison, against, (symbol) => ((against = symbol), drawAgainst())));
+  }
+
+  const taken = () => state.traces.filter((of) => of.chosen);
+
+  function drawTrace() {
+    const labels = taken().map((of) => of.name);
+    panels.trace.hide(labels.length === 0);
+    if (!labels.length) return;
+    trace = Math.min(trace, labels.length - 1);
+    picker.replaceChildren(choice("Trace", labels.map((label, k) => [String(k), label]), String(trace), (k) => show(Number(k))));
+    plots.update({ trace, label: labels[trace], signal: state.signal, unit: state.unit, noise: state.comparison?.noise_rms }).catch((error) => say(error.message, true));
+  }
+
+  function show(k) {
+    trace = k;
+    drawTrace();
+  }
+
+  const goTo = guarded(async (k, region) => {
+    trace = k;
+    const labels = taken().map((of) => of.name);
+    picker.querySelector("select").value = String(k);
+    await plots.update({ trace, label: labels[trace], signal: state.signal, unit: state.unit, noise: state.comparison?.noise_rms });
+    const found = plots.regions(region);
+    if (found.length) {
+      const [from, to] = [found[0][0], found.at(-1)[1]];
+      const room = 0.1 * (to - from);
+      await plots.go(from - room, to + room);
+    }
+    panels.trace.place.scrollIntoView({ block: "nearest" });
+  });
+
+  function pressed(event) {
+    if (event.ctrlKey || event.metaKey || event.altKey || event.target.closest?.("input,select,textarea,dialog")) return;
+    const acts = {
+      "+": () => plots.scale(0.5),
+      "-": () => plots.scale(2),
+      ArrowLeft: () => plots.pan(-0.5),
+      ArrowRight: () => plots.pan(0.5),
+      "[": () => show(Math.max(trace - 1, 0)),
+      "]": () => show(trace + 1),
+      Escape: cancel,
+    };
+    if (!acts[event.key] || !state) return;
+    acts[event.key]();
+    event.preventDefault();
+  }
+  document.addEventListener("keydown", pressed);
+
+  guarded(async () => {
+    choices = await api.get("/lab/choices");
+    await refresh();
+    await watch();
+  })();
+
+  return () => {
+    closed = true;
+    clearTimeout(timer);
+    document.removeEventListener("keydown", pressed);
+    plots.close();
+  };
+}

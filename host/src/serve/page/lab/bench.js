@@ -1,0 +1,65 @@
+// What is on the bench: data set, traces, signal, base law, model file.
+
+import { choice, h, number } from "./dom.js";
+
+/** The panel. `act` has `choose(what)`, `fit(task)` and `copy(task)`. `draft` is the law that is picked. */
+export function bench(choices, state, draft, act) {
+  return h("div", {}, data(state, act), law(choices, draft, act));
+}
+
+function data(state, act) {
+  const taken = state.traces.filter((trace) => trace.chosen).length;
+  const boxes = state.traces.map((trace, k) => [trace, h("input", { type: "checkbox", checked: trace.chosen, value: String(k) })]);
+  const pick = () => act.choose({ traces: boxes.flatMap(([, box], k) => (box.checked ? [k] : [])) });
+  const sets = state.sets.map((set) => [set, set || state.folder]);
+  return h(
+    "div",
+    { class: "tools" },
+    sets.length ? choice("Data set", sets, state.set, (set) => act.choose({ set })) : null,
+    state.signals.length ? choice("Signal", state.signals, state.signal, (signal) => act.choose({ signal })) : null,
+    state.traces.length
+      ? h(
+          "details",
+          { class: "lab-traces" },
+          h("summary", {}, `${taken} of ${state.traces.length} traces`),
+          h("ul", {}, boxes.map(([trace, box]) => h("li", {}, h("label", {}, box, `${trace.name}, ${trace.samples} samples, ${number(trace.duration_s)} s`)))),
+          h("button", { onclick: pick }, "Take these"),
+        )
+      : h("p", {}, "No traces in this folder. Hide an effect below, and find it."),
+    state.models.length ? choice("Model file", [["", "open …"], ...state.models], "", (model) => model && act.choose({ model })) : null,
+  );
+}
+
+function law(choices, draft, act) {
+  const of = choices.laws.find((one) => one.name === draft.law);
+  const separations = choices.separations.filter((name) => of.bonded || name !== "bonded");
+  const counts = Array.from({ length: choices.most_terms }, (_, k) => [String(k + 1), String(k + 1)]);
+  const set = (name) => (value) => {
+    draft[name] = value;
+    act.redraw();
+  };
+  const optional = (name) => {
+    const input = h("input", { type: "number", min: "1", step: "any", value: draft[name] ?? "", placeholder: "free", onchange: () => (draft[name] = input.value) });
+    return input;
+  };
+  const number = (value) => (value === "" || value === undefined ? undefined : Number(value));
+  const task = () => ({
+    do: "fit",
+    law: draft.law,
+    ...(of.terms ? { terms: Number(draft.terms) } : {}),
+    separation: separations.includes(draft.separation) ? draft.separation : separations[0],
+    ...(of.segments && number(draft.segments) ? { segments: number(draft.segments) } : {}),
+    ...(of.exponent && number(draft.exponent) !== undefined ? { exponent: number(draft.exponent) } : {}),
+  });
+  return h(
+    "div",
+    { class: "tools" },
+    choice("Base law", choices.laws.map((one) => one.name), draft.law, set("law")),
+    of.terms ? choice("Exponentials", [...counts, ["0", "auto"]], draft.terms, set("terms")) : null,
+    of.segments ? h("label", { class: "lab-field" }, h("span", {}, "Segments m"), optional("segments")) : null,
+    of.exponent ? h("label", { class: "lab-field" }, h("span", {}, "Exponent n, 0 for auto"), optional("exponent")) : null,
+    choice("Where contact breaks", separations, draft.separation, set("separation")),
+    h("button", { class: "lab-fit", onclick: () => act.start(task()) }, "Fit"),
+    act.copy(task),
+  );
+}

@@ -1,0 +1,54 @@
+// The model at hand: its parameters, its effects, how it came about.
+
+import { h, number } from "./dom.js";
+
+/** The panel. `act` has `drop(effect)`, `add(effect)`, `undo()`, `save()`, `export(kind)` and `copy(task or text)`. */
+export function model(state, act) {
+  const { model: of, versions } = state;
+  const last = versions.at(-1);
+  return h(
+    "div",
+    {},
+    h(
+      "div",
+      { class: "tools" },
+      h("button", { class: "lab-undo", disabled: versions.length < 2, onclick: act.undo }, "Undo"),
+      h("button", { class: "lab-save", onclick: act.save }, last.saved ? `Saved: ${last.file}` : `Save ${last.file}`),
+      state.reports.map((kind) => h("button", { onclick: () => act.export(kind) }, `Report: ${kind}`)),
+    ),
+    parameters(of),
+    of.effect?.length ? h("ul", { class: "lab-effects" }, of.effect.map((effect) => inModel(effect, act))) : null,
+    of.candidate?.length ? h("ul", { class: "lab-effects" }, of.candidate.map((own) => candidate(own, act))) : null,
+    h("details", {}, h("summary", {}, "how it came about"), h("ol", {}, versions.map((version) => came(version, act)))),
+  );
+}
+
+function parameters(of) {
+  const rows = [[of.base.law, of.base.parameters], ...(of.effect ?? []).map((effect) => [effect.name, effect.parameters])];
+  const row = (name) => ([parameter, value]) =>
+    h(
+      "tr",
+      {},
+      h("th", { scope: "row" }, name),
+      h("td", {}, parameter),
+      h("td", { class: "lab-number" }, number(value.value, 4)),
+      h("td", { class: "lab-number" }, value.standard_error === undefined ? "" : `± ${number(value.standard_error, 2)}`),
+      h("td", {}, value.unit ?? ""),
+    );
+  return h("details", {}, h("summary", {}, "parameters"), h("table", { class: "lab-parameters" }, h("tbody", {}, rows.flatMap(([name, list]) => Object.entries(list).map(row(name))))));
+}
+
+function inModel(effect, act) {
+  const task = { do: "drop", effect: effect.name };
+  return h("li", {}, h("strong", {}, effect.name), effect.expression ? h("code", {}, effect.expression) : ` (${effect.law})`, h("button", { class: "lab-drop", onclick: () => act.start(task) }, "Drop", h("span", { class: "spoken" }, ` ${effect.name}`)), act.copy(task));
+}
+
+function candidate(own, act) {
+  const task = { do: "add", effect: own.name };
+  return h("li", {}, own.name, " ", h("code", {}, own.expression), " is not in the model ", h("button", { onclick: () => act.start(task) }, "Add", h("span", { class: "spoken" }, ` ${own.name}`)), act.copy(task));
+}
+
+function came(version, act) {
+  const text = version.command;
+  return h("li", {}, version.said, version.rms ? `, ${number(version.rms)} RMS` : "", text ? [h("br"), h("code", {}, text), act.copy(text)] : null);
+}

@@ -1,0 +1,182 @@
+// One trace: measurement and model, the residual below, regions shaded, zoom linked.
+
+import { plot } from "../plot.js";
+import { h, number } from "./dom.js";
+
+const SHADES = { loading: "c2", "early hold": "c4", "late hold": "c0", unloading: "c3" };
+const MOST_NAMED = 12;
+
+/**
+ * The plots of one trace. `ask(path)` fetches; `trace()` gives its number. `update(info)` draws anew with
+ * `{label, signal, unit, noise}`; `go(from, to)` zooms; `hover(effect)` lays a candidate's forecast over.
+ */
+export function overlay(root, ask) {
+  const place = h("div", { class: "lab-plots" });
+  const told = h("p", { class: "lab-legend", "aria-live": "polite" });
+  const buttons = h(
+    "div",
+    { class: "tools" },
+    h("button", { onclick: () => go(null, null) }, "Whole trace"),
+    h("button", { onclick: () => scale(0.5), "aria-label": "Zoom in" }, "+"),
+    h("button", { onclick: () => scale(2), "aria-label": "Zoom out" }, "−"),
+    h("button", { onclick: () => pan(-0.5), "aria-label": "Earlier" }, "◀"),
+    h("button", { onclick: () => pan(0.5), "aria-label": "Later" }, "▶"),
+    told,
+  );
+  root.append(buttons, place);
+  let info = null;
+  let shown = { from: null, to: null };
+  let data = null;
+  let forecast = null;
+  let plots = null;
+  let asked = 0;
+
+  async function load() {
+    const mine = ++asked;
+    const found = await ask(`/lab/overlay?${query()}`);
+    if (mine !== asked) return;
+    data = found;
+    forecast = null;
+    draw();
+  }
+
+  function query() {
+    const range = shown.from === null ? "" : `&from=${shown.from}&to=${shown.to}`;
+    const width = Math.max(place.clientWidth - 60, 200);
+    return `trace=${info.trace}&width=${width}${range}`;
+  }
+
+  function draw() {
+    const fits = Boolean(data.predicted);
+    if (!plots || plots.fits !== fits || plots.signal !== info.signal) build(fits);
+    const few = data.regions.length <= MOST_NAMED;
+    const bands = data.regions
+      .filter(([, , name]) => SHADES[name])
+      .map(([from, to, name]) => ({ from, to, colour: SHADES[name], text: few || shown.from !== null ? name : "" }));
+    const same = forecast && forecast.time.length === data.time.length;
+    const none = data.time.map(() => null);
+    const level = (value) => data.time.map(() => value);
+    const above = [data.measured, ...(fits ? [data.predicted, same ? forecast.foretold : none] : [])];
+    plots.upper.set({ x: data.time, values: above, bands });
+    plots.upper.range(shown.from ?? data.whole[0], shown.to ?? data.whole[1]);
+    if (fits) {
+      const noise = info.noise ?? null;
+      const below = [data.residual, same ? forecast.left : none, level(noise), level(noise === null ? null : -noise)];
+      plots.lower.set({ x: data.time, values: below, bands: bands.map((band) => ({ ...band, text: "" })) });
+      plots.lower.range(shown.from ?? data.whole[0], shown.to ?? data.whole[1]);
+    }
+    legend(fits, same);
+  }
+
+  function build(fits) {
+    plots?.upper.close();
+    plots?.lower?.close();
+    const group = "lab";
+    const onZoom = (from, to) => go(from, to ?? null);
+    const model = [
+      { label: "model", colour: "c1", width: 1.6 },
+      { label: "foretold", colour: "c2", dash: [6, 3], width: 1.6 },
+    ].map((one) => ({ ...one, values: [] }));
+    const upper = plot(place, {
+      x: [],
+      series: [{ label: "measured", colour: "ink", values: [] }, ...(fits ? model : [])],
+      axes: { x: fits ? "" : "time, s", y: `${info.signal}, ${info.unit}` },
+      height: 280,
+      label: `${info.label}: measured${fits ? " and model" : ""} over time`,
+      onZoom,
+      group,
+    });
+    const residual = [
+      { label: "residual", colour: "c0" },
+      { label: "foretold", colour: "c2" },
+      { label: "noise", colour: "muted", dash: [4, 4] },
+      { label: "noise", colour: "muted", dash: [4, 4] },
+    ].map((one) => ({ ...one, values: [] }));
+    const lower = fits
+      ? plot(place, {
+          x: [],
+          series: residual,
+          axes: { x: "time, s", y: `residual, ${info.unit}` },
+          height: 170,
+          label: `${info.label}: measured minus model over time`,
+          onZoom,
+          group,
+          zero: true,
+        })
+      : null;
+    plots = { upper, lower, fits, signal: info.signal };
+  }
+
+  function legend(fits, foretold) {
+    const key = (name, text) => h("span", { class: `lab-key lab-key-${name}` }, text);
+    told.replaceChildren(
+      ...[
+        key("measured", "measured"),
+        fits && key("model", "model"),
+        fits && key("residual", "residual"),
+        fits && info.noise && key("floor", "noise"),
+        foretold && key("foretold", `with ${forecast.effect} (${forecast.law}), foretold: ${number(forecast.rms)} ${info.unit} RMS`),
+      ].filter(Boolean),
+    );
+  }
+
+  function go(from, to) {
+    shown = to === null ? { from: null, to: null } : { from, to };
+    return info ? load() : null;
+  }
+
+  const range = () => [shown.from ?? data.whole[0], shown.to ?? data.whole[1]];
+
+  function scale(factor) {
+    if (!data) return;
+    const [from, to] = range();
+    const [middle, half] = [(from + to) / 2, ((to - from) / 2) * factor];
+    clamped(middle - half, middle + half);
+  }
+
+  function pan(part) {
+    if (!data) return;
+    const [from, to] = range();
+    clamped(from + part * (to - from), to + part * (to - from));
+  }
+
+  function clamped(from, to) {
+    const [first, last] = data.whole;
+    if (to - from >= last - first) return go(null, null);
+    const shift = Math.max(first - from, 0) + Math.min(last - to, 0);
+    go(from + shift, to + shift);
+  }
+
+  let waiting;
+  function hover(effect) {
+    clearTimeout(waiting);
+    if (!info || !data?.predicted) return;
+    waiting = setTimeout(async () => {
+      const mine = asked;
+      const found = effect && (await ask(`/lab/forecast?effect=${encodeURIComponent(effect)}&${query()}`).catch(() => null));
+      if (mine !== asked) return;
+      forecast = found;
+      draw();
+    }, effect ? 60 : 0);
+  }
+
+  return {
+    update(next) {
+      const other = !info || info.trace !== next.trace || info.label !== next.label;
+      info = next;
+      if (other) shown = { from: null, to: null };
+      return load();
+    },
+    go,
+    hover,
+    scale,
+    pan,
+    /** The stretches of one region in what is shown. */
+    regions: (name) => (data ? data.regions.filter(([, , own]) => own === name) : []),
+    close() {
+      clearTimeout(waiting);
+      plots?.upper.close();
+      plots?.lower?.close();
+    },
+  };
+}

@@ -1,0 +1,311 @@
+// The room of a fingertip: four gauges as they feel, what the filter makes of it, and the device behind it.
+
+import { plot } from "./plot.js";
+import { element, healthPanel } from "./live/health.js";
+import { COLUMNS, Window, columnsOf, readRows, readView } from "./live/window.js";
+import { controls } from "./live/controls.js";
+
+export const keys = [
+  ["space", "pause and go on"], ["← →", "back and forth through the session"], ["+ −", "shorter or longer stretch"],
+  ["0", "back to now"],
+];
+
+const GAUGES = 4;
+/** What is drawn of each gauge: name, colour, dash, shown at first; the order is that of the stream. */
+const SIGNALS = [
+  ["signal", "ink", undefined, true, "raw, as calibrated strain: FA + SA"],
+  ["FA", "c1", undefined, true, "fast adapting"],
+  ["SA", "c0", undefined, true, "slowly adapting"],
+  ["elastic input", "c3", [6, 3], false, "the response without memory to the same motion"],
+  ["equilibrium", "c2", [8, 4], true, "where the signal will settle if the motion stops"],
+];
+/** Colour of each region by its number; rest has none. */
+const REGION_COLOURS = [undefined, "c4", "c1", "c3", "c0", "c2", "c5"];
+const STRETCHES = [2, 5, 10, 30, 60];
+const LONGEST = 86_400;
+
+export function open(root, api) {
+  const room = element("div", { className: "live" });
+  root.append(room);
+
+  let seconds = 10;
+  let past = null; // The stretch that is looked at, or null for now.
+  let health = { now_s: 0, since_s: 0 };
+  let rowsDropped = 0;
+  let waiting = null;
+  let closed = false;
+  const now = new Window(seconds);
+  let regions = Array.from({ length: GAUGES }, () => []);
+  let gaps = [];
+  let pastDrawing = null;
+  const measured = { frames: 0, since: performance.now(), delay: 0, arrivedMs: 0, delays: [] };
+
+  // Tools above the plots.
+  const pause = element("button", { type: "button", textContent: "Pause", "aria-pressed": "false", onclick: () => (past ? goOn() : pauseNow()) });
+  const length = element("select", { "aria-label": "Stretch shown", onchange: () => setSeconds(Number(length.value)) },
+    ...STRETCHES.map((s) => element("option", { value: s, textContent: `${s} s`, selected: s === seconds })));
+  const back = element("button", { type: "button", textContent: "←", "aria-label": "Back in the session", onclick: () => move(-0.5) });
+  const forth = element("button", { type: "button", textContent: "→", "aria-label": "Forth in the session", onclick: () => move(0.5) });
+  const shorter = element("button", { type: "button", textContent: "+", "aria-label": "Zoom in", onclick: () => zoom(0.5) });
+  const longer = element("button", { type: "button", textContent: "−", "aria-label": "Zoom out", onclick: () => zoom(2) });
+  const slider = element("input", { type: "range", min: 0, max: 1000, value: 1000, className: "session", "aria-label": "Place in the session", oninput: slide });
+  const where = element("span", { className: "muted where", role: "status" });
+  const shown = SIGNALS.map(([name, colour, , on, words], signal) => {
+    const box = element("input", { type: "checkbox", checked: on, onchange: () => plots.forEach(({ drawn }) => drawn.show(signal, box.checked)) });
+    const label = element("label", { title: words }, box, element("span", { className: `key ${colour}` }), name);
+    return label;
+  });
+  room.append(
+    element("div", { className: "tools" }, pause, length, back, forth, shorter, longer, slider, where),
+    element("div", { className: "tools", role: "group", "aria-label": "What is drawn" }, ...shown));
+
+  const columns = element("div", { className: "columns" });
+  const gauges = element("div", { className: "gauges" });
+  const side = element("div", { className: "side" });
+  columns.append(gauges, side);
+  room.append(columns);
+
+  const plots = Array.from({ length: GAUGES }, (_, gauge) => {
+    const reading = element("span", { className: "reading" });
+    const place = element("section", { className: "gauge", "aria-label": `Gauge ${gauge + 1}` },
+      element("div", { className: "heading" }, element("h2", { textContent: `Gauge ${gauge + 1}` }), reading));
+    gauges.append(place);
+    const drawn = plot(place, {
+      x: [], label: `Strain of gauge ${gauge + 1} over time`, axes: { x: "s", y: "µε" }, height: 250, group: "live",
+      series: SIGNALS.map(([label, colour, dash, show]) => ({ label, colour, dash, show, values: [] })),
+      onZoom: (from, to) => (from === null ? goOn() : look(from, to)),
+    });
+    return { drawn, reading };
+  });
+
+  const panel = controls(side, api);
+  const healthShown = healthPanel(side);
+
+  // What comes.
+  const closeSocket = api.socket("/live/stream", (data, send) => {
+    if (typeof data === "string") return told(JSON.parse(data));
+    send("ok");
+    const rows = readRows(data);
+    if (rows.rowsDropped > rowsDropped) refill();
+    rowsDropped = rows.rowsDropped;
+    now.take(rows);
+    measured.arrivedMs = rows.arrivedMs;
+  }, (isOpen) => {
+    room.classList.toggle("away", !isOpen);
+    rowsDropped = 0;
+    if (isOpen) refill();
+    else where.textContent = "palpate does not answer; waiting for it";
+  });
+
+  function told(message) {
+    health = message.health;
+    for (const event of message.events) happened(event);
+    healthShown.show(health);
+    panel.show(health);
+    room.classList.toggle("gone", !health.linked);
+    if (!past) slider.value = 1000;
+  }
+
+  function happened(event) {
+    if (event.kind === "state") remember(regions[event.gauge], event, 4_000);
+    else if (event.kind === "gap") {
+      remember(gaps, event, 1_000);
+      healthShown.log(event.from_s, event.words);
+    } else healthShown.log(event.time_s, event.words);
+  }
+
+  /** What the page missed, or has not seen because it looks at a longer stretch now, from the session. */
+  async function refill() {
+    if (waiting) return;
+    waiting = (async () => {
+      const to = LONGEST * 10;
+      const from = Math.max(0, (Number.isFinite(now.last) ? now.last : health.now_s) - seconds);
+      try {
+        const [bytes, events] = await Promise.all([
+          api.bytes(`/live/view?from=${from}&to=${to}&bins=${2 * COLUMNS}`), api.get(`/live/events?from=${from}&to=${to}`),
+        ]);
+        regions = regions.map(() => []);
+        gaps = [];
+        for (const event of events) if (event.kind !== "said") happenedQuietly(event);
+        now.resize(seconds);
+        now.fill(readView(bytes));
+      } catch (error) {
+        where.textContent = error.message;
+      }
+    })();
+    await waiting;
+    waiting = null;
+  }
+
+  function happenedQuietly(event) {
+    remember(event.kind === "gap" ? gaps : regions[event.gauge], event, 4_000);
+  }
+
+  // Where one looks.
+  function pauseNow() {
+    if (Number.isFinite(now.last)) look(now.last - seconds, now.last);
+  }
+
+  async function look(from, to) {
+    const width = Math.min(Math.max(to - from, 0.02), LONGEST);
+    const newest = Math.max(health.now_s, Number.isFinite(now.last) ? now.last : 0);
+    const oldest = health.since_s ?? 0;
+    const start = Math.min(Math.max(from, oldest - width / 2), newest - width / 2);
+    past = { from: start, to: start + width };
+    pause.textContent = "Now";
+    pause.setAttribute("aria-pressed", "true");
+    slider.value = Math.round(1000 * Math.min(1, Math.max(0, (past.to - oldest) / Math.max(newest - oldest, 1e-9))));
+    where.textContent = `${past.from.toFixed(2)} … ${past.to.toFixed(2)} s`;
+    const mine = past;
+    try {
+      const [bytes, events] = await Promise.all([
+        api.bytes(`/live/view?from=${past.from}&to=${past.to}&bins=1200`), api.get(`/live/events?from=${past.from}&to=${past.to}`),
+      ]);
+      if (past !== mine) return;
+      const states = Array.from({ length: GAUGES }, () => []);
+      const missing = [];
+      for (const event of events) {
+        if (event.kind === "state") states[event.gauge].push(event);
+        else if (event.kind === "gap") missing.push(event);
+      }
+      pastDrawing = { ...columnsOf(readView(bytes)), regions: states, gaps: missing, fresh: true };
+    } catch (error) {
+      where.textContent = error.message;
+    }
+  }
+
+  function goOn() {
+    past = pastDrawing = null;
+    pause.textContent = "Pause";
+    pause.setAttribute("aria-pressed", "false");
+    where.textContent = "";
+    slider.value = 1000;
+  }
+
+  function stretch() {
+    return past ?? { from: now.last - seconds, to: now.last };
+  }
+
+  function move(by) {
+    const { from, to } = stretch();
+    if (Number.isFinite(from)) look(from + by * (to - from), to + by * (to - from));
+  }
+
+  function zoom(by) {
+    const { from, to } = stretch();
+    const [middle, half] = [(from + to) / 2, (by * (to - from)) / 2];
+    if (Number.isFinite(middle)) look(middle - half, middle + half);
+  }
+
+  function slide() {
+    const oldest = health.since_s ?? 0;
+    const end = oldest + (Number(slider.value) / 1000) * (health.now_s - oldest);
+    const width = past ? past.to - past.from : seconds;
+    if (Number(slider.value) >= 1000) goOn();
+    else look(end - width, end);
+  }
+
+  function setSeconds(to) {
+    seconds = to;
+    now.seconds = to;
+    refill();
+  }
+
+  // Drawing, once for each frame of the display.
+  function draw() {
+    if (closed) return;
+    requestAnimationFrame(draw);
+    measure();
+    const still = past !== null;
+    if (still && !pastDrawing?.fresh) return;
+    if (!still && now.bins === 0) return;
+    const { from, to } = stretch();
+    const { x, values } = still ? pastDrawing : now.columns();
+    const marks = still ? pastDrawing : { regions, gaps };
+    plots.forEach(({ drawn, reading }, gauge) => {
+      drawn.range(from, to);
+      const bands = spans(marks.regions[gauge], from, to).concat(missing(marks.gaps, from, to));
+      drawn.set({ x, values: SIGNALS.map((_, signal) => values[GAUGES * signal + gauge]), bands });
+      if (!still) read(reading, gauge);
+    });
+    if (still) pastDrawing.fresh = false;
+  }
+
+  function read(reading, gauge) {
+    const state = regions[gauge].at(-1);
+    const value = (signal) => now.value(GAUGES * signal + gauge).toFixed(1);
+    const region = state ? `${state.points} ${state.name}`.trim() : "";
+    const type = state && state.type !== "–" ? ` · Type ${state.type}` : "";
+    const text = `${value(0)} µε, settles at ${value(4)} · ${region}${type}`;
+    if (reading.textContent !== text) reading.textContent = text;
+  }
+
+  function measure() {
+    measured.frames++;
+    if (measured.arrivedMs) {
+      measured.delays.push(performance.timeOrigin + performance.now() - measured.arrivedMs);
+      measured.arrivedMs = 0;
+    }
+    const passed = performance.now() - measured.since;
+    if (passed < 1_000) return;
+    const sorted = measured.delays.sort((a, b) => a - b);
+    const delay = sorted.length ? sorted[Math.floor(0.99 * (sorted.length - 1))] : 0;
+    healthShown.frames((1_000 * measured.frames) / passed, delay);
+    Object.assign(measured, { frames: 0, since: performance.now(), delays: [] });
+  }
+
+  function pressed(event) {
+    if (event.ctrlKey || event.metaKey || event.altKey || event.target.closest?.("input,select,textarea,button,summary,dialog")) return;
+    const done = {
+      " ": () => (past ? goOn() : pauseNow()), ArrowLeft: () => move(-0.5), ArrowRight: () => move(0.5),
+      "+": () => zoom(0.5), "-": () => zoom(2), 0: goOn,
+    }[event.key];
+    if (!done) return;
+    event.preventDefault();
+    done();
+  }
+  document.addEventListener("keydown", pressed);
+  requestAnimationFrame(draw);
+
+  return () => {
+    closed = true;
+    closeSocket();
+    document.removeEventListener("keydown", pressed);
+    plots.forEach(({ drawn }) => drawn.close());
+  };
+}
+
+function remember(list, item, most) {
+  list.push(item);
+  if (list.length > most) list.splice(0, most / 2);
+}
+
+/** Regions as shaded bands, and Type I and II as words at their foot. */
+function spans(states, from, to) {
+  const shaded = [], types = [];
+  let end = to;
+  for (let index = states.length - 1; index >= 0; index--) {
+    const begin = states[index].time_s;
+    if (end > from && begin < end) {
+      const { region, points, type } = states[index];
+      extend(shaded, { from: begin, to: end, key: region, colour: REGION_COLOURS[region], text: points });
+      extend(types, { from: begin, to: end, key: type, foot: type === "–" ? "" : `Type ${type}` });
+    }
+    // A region that was recognised late begins before what was told ahead of it.
+    end = Math.min(end, begin);
+    if (begin <= from) break;
+  }
+  return shaded.concat(types);
+}
+
+/** Puts a band before the others, or makes the first one longer if it is the same. */
+function extend(bands, band) {
+  const later = bands.at(-1);
+  if (later?.key === band.key) later.from = band.from;
+  else bands.push(band);
+}
+
+function missing(gaps, from, to) {
+  return gaps.filter((gap) => gap.to_s >= from && gap.from_s <= to)
+    .map((gap) => ({ from: gap.from_s, to: Math.max(gap.to_s, gap.from_s + (to - from) / 500), colour: "ink", text: gap.words }));
+}
