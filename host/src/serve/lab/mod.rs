@@ -1,7 +1,7 @@
 //! The Lab: a model is put beside recordings, told what it lacks, and put right, step by step.
 //!
 //! A [`Session`] holds what the page shows; each of its functions answers with JSON and calls what the
-//! command line calls, so that both say the same. Work that takes long runs in a [`job`] on threads of its
+//! command line calls, so that both say the same. Work that takes long runs in a `job` on threads of its
 //! own and can be cancelled.
 //!
 //! - `folder`: the folder that was opened, and nothing outside it.

@@ -1,7 +1,7 @@
 //! The rows of a session in bounded memory: the last ones as they came, older ones by least and greatest.
 //!
-//! Level 0 has one bin for [`FACTOR`] rows, each further level one for [`FACTOR`] of the level before. Every level keeps
-//! [`BINS`] of them, so that 1 kHz is kept for 33 s row by row, for a minute in bins of 8 ms, for nine minutes in 64 ms, for
+//! Level 0 has one bin for `FACTOR` rows, each further level one for `FACTOR` of the level before. Every level keeps
+//! `BINS` of them, so that 1 kHz is kept for 33 s row by row, for a minute in bins of 8 ms, for nine minutes in 64 ms, for
 //! 70 minutes in half a second and for nine hours in 4 s; 9 MB in all.
 
 use std::collections::VecDeque;
