@@ -9,9 +9,9 @@ use crate::fit::hold::Terms;
 use crate::model::{Family, Separation, TERMS};
 use crate::trace::FORCE;
 
-/// What can be asked for and takes long.
+/// What can be asked for and takes long: `{"compare": null}`, `{"add": {"effect": "lag"}}`.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(tag = "do", rename_all = "kebab-case", deny_unknown_fields)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Task {
     /// Fit a base law.
     Fit(FitTask),
@@ -207,5 +207,32 @@ impl Task {
             Self::Drop { effect } => format!("refitting without {effect}"),
             Self::Hide(_) => "recording a practice set".into(),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_task_without_options_is_read_with_and_without_their_place() {
+        for text in [r#""compare""#, r#"{"compare": null}"#] {
+            assert_eq!(serde_json::from_str::<Task>(text).unwrap(), Task::Compare);
+        }
+        assert!(serde_json::from_str::<Task>(r#"{"compare": {"more": 1}}"#).is_err());
+    }
+
+    #[test]
+    fn numbers_of_a_task_are_read_as_they_are_sent() {
+        let task: Task = serde_json::from_slice(
+            br#"{"fit": {"law": "latency-power", "segments": 8, "exponent": 2.5}}"#,
+        )
+        .unwrap();
+        let Task::Fit(fit) = task else { panic!("a fit") };
+        assert_eq!((fit.segments, fit.exponent), (Some(8), Some(2.5)));
+        let task: Task =
+            serde_json::from_slice(br#"{"hide": {"any": 2, "seed": 7, "size": 0.5}}"#).unwrap();
+        let Task::Hide(hide) = task else { panic!("a practice set") };
+        assert_eq!((hide.any, hide.seed, hide.size), (Some(2), Some(7), Some(0.5)));
     }
 }

@@ -52,13 +52,13 @@ fn a_hidden_effect_is_found_and_added_until_the_ladder_is_at_the_noise_floor() {
     let mut session = Session::open(folder.path(), None).unwrap();
     assert_eq!(session.state()["traces"].as_array().unwrap().len(), 10);
     assert!(session.overlay(&view(0)).unwrap().get("predicted").is_none());
-    let state = done(&mut session, json!({"do": "fit", "law": "fung"}));
+    let state = done(&mut session, json!({"fit": {"law": "fung"}}));
     assert_eq!(state["comparison"]["only_noise"], false);
     let overlay = session.overlay(&view(0)).unwrap();
     assert_eq!(overlay["time"].as_array().unwrap().len(), 200);
     assert_eq!(overlay["residual"].as_array().unwrap().len(), 200);
 
-    let state = done(&mut session, json!({"do": "diagnose"}));
+    let state = done(&mut session, json!("diagnose"));
     let diagnosis = &state["answers"]["diagnosis"];
     assert_eq!(diagnosis["verdict"], "named", "{}", diagnosis["in_words"]);
     assert_eq!(diagnosis["steps"][0]["effect"], "coulomb-friction");
@@ -69,7 +69,7 @@ fn a_hidden_effect_is_found_and_added_until_the_ladder_is_at_the_noise_floor() {
     let foretold = forecast["rms"].as_f64().unwrap();
     assert!(foretold < 0.9 * before, "{foretold} after {before}");
 
-    let state = done(&mut session, json!({"do": "add", "effect": "coulomb-friction"}));
+    let state = done(&mut session, json!({"add": {"effect": "coulomb-friction"}}));
     let ladder = state["model"]["ladder"].as_array().unwrap();
     assert_eq!(ladder.len(), 2);
     let noise = state["comparison"]["noise_rms"].as_f64().unwrap();
@@ -95,9 +95,9 @@ fn a_hidden_effect_is_found_and_added_until_the_ladder_is_at_the_noise_floor() {
     assert_eq!(state["versions"].as_array().unwrap().len(), 1);
     let base: Model = serde_json::from_value(state["model"].clone()).unwrap();
     let answer = change_json(&change::add(&base, "coulomb-friction", None, &traces).unwrap());
-    let state = done(&mut session, json!({"do": "add", "effect": "coulomb-friction"}));
+    let state = done(&mut session, json!({"add": {"effect": "coulomb-friction"}}));
     assert_eq!(state["answers"]["change"], answer);
-    let state = done(&mut session, json!({"do": "drop", "effect": "coulomb-friction"}));
+    let state = done(&mut session, json!({"drop": {"effect": "coulomb-friction"}}));
     assert_eq!(state["model"]["effect"], Value::Null);
     assert!(matches!(session.forecast("mullins", &view(0)), Err(LabError::NoForecast(_))));
 }
@@ -106,22 +106,22 @@ fn a_hidden_effect_is_found_and_added_until_the_ladder_is_at_the_noise_floor() {
 fn what_is_at_work_is_cancelled_at_once_and_the_model_stays_as_it_was() {
     let folder = practice("mullins");
     let mut session = Session::open(folder.path(), None).unwrap();
-    done(&mut session, json!({"do": "fit", "law": "kelvin-voigt"}));
+    done(&mut session, json!({"fit": {"law": "kelvin-voigt"}}));
     let model = session.state()["model"].clone();
-    session.start(task(json!({"do": "diagnose"}))).unwrap();
-    assert!(matches!(session.start(task(json!({"do": "compare"}))), Err(LabError::Busy)));
+    session.start(task(json!("diagnose"))).unwrap();
+    assert!(matches!(session.start(task(json!("compare"))), Err(LabError::Busy)));
     assert!(session.progress()["job"]["command"].as_str().unwrap().contains("diagnose"));
     session.cancel();
     assert_eq!(session.progress(), json!({"job": null, "failed": "cancelled"}));
     assert_eq!(session.state()["model"], model);
-    done(&mut session, json!({"do": "compare"}));
+    done(&mut session, json!("compare"));
 }
 
 #[test]
 fn work_that_is_given_up_ends_before_it_is_done() {
     let folder = practice("mullins");
     let mut session = Session::open(folder.path(), None).unwrap();
-    done(&mut session, json!({"do": "fit", "law": "fung"}));
+    done(&mut session, json!({"fit": {"law": "fung"}}));
     let state = session.state();
     let model: Model = serde_json::from_value(state["model"].clone()).unwrap();
     let traces = read_set(&[folder.path()]).unwrap();
@@ -156,11 +156,11 @@ fn a_law_with_a_typing_error_is_refused_with_its_place_and_a_right_one_can_be_ad
     let folder = practice("coulomb-friction");
     let mut session = Session::open(folder.path(), None).unwrap();
     assert!(matches!(session.add_candidate(&law("k * tanh(v)")), Err(LabError::NoModel)));
-    done(&mut session, json!({"do": "fit", "law": "fung"}));
+    done(&mut session, json!({"fit": {"law": "fung"}}));
     assert!(matches!(session.add_candidate(&law("k * tanh(")), Err(LabError::Law(_))));
     session.add_candidate(&law("k * tanh(v)")).unwrap();
     let before = session.state()["comparison"]["rms"].as_f64().unwrap();
-    let state = done(&mut session, json!({"do": "add", "effect": "pull"}));
+    let state = done(&mut session, json!({"add": {"effect": "pull"}}));
     assert!(state["comparison"]["rms"].as_f64().unwrap() < before);
     assert_eq!(state["model"]["effect"][0]["expression"], "k * tanh(v)");
 }
@@ -184,7 +184,7 @@ fn nothing_outside_the_folder_is_opened_or_written() {
         assert!(matches!(session.choose_set("link"), Err(LabError::Outside(_))));
     }
     session.choose_set("").unwrap();
-    done(&mut session, json!({"do": "fit", "law": "maxwell"}));
+    done(&mut session, json!({"fit": {"law": "maxwell"}}));
     for name in ["../model.toml", "/tmp/model.toml", "../other/model.toml"] {
         assert!(matches!(session.save(Some(name)), Err(LabError::Outside(_))), "{name}");
     }
@@ -198,14 +198,14 @@ fn nothing_outside_the_folder_is_opened_or_written() {
 fn a_practice_set_is_made_below_the_folder_and_its_command_names_the_seed() {
     let folder = tempfile::tempdir().unwrap();
     let mut session = Session::open(folder.path(), None).unwrap();
-    assert!(matches!(session.start(task(json!({"do": "compare"}))), Err(LabError::NoTraces)));
-    session.start(task(json!({"do": "hide", "seed": 5}))).unwrap();
+    assert!(matches!(session.start(task(json!("compare"))), Err(LabError::NoTraces)));
+    session.start(task(json!({"hide": {"seed": 5}}))).unwrap();
     let command = session.progress()["job"]["command"].as_str().unwrap().to_owned();
     assert!(command.contains("palpate hide --seed 5 -o "), "{command}");
     let state = wait(&mut session);
     assert_eq!((&state["set"], &state["practice"]), (&json!("practice-5"), &json!(true)));
     assert_eq!(state["traces"].as_array().unwrap().len(), 10);
     session.choose_traces(&[0, 3]).unwrap();
-    let command = session.command(&task(json!({"do": "fit", "law": "fung"}))).unwrap();
+    let command = session.command(&task(json!({"fit": {"law": "fung"}}))).unwrap();
     assert!(command.contains(".csv") && command.ends_with("model-1.toml"), "{command}");
 }

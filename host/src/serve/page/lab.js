@@ -107,14 +107,14 @@ export function open(root, api) {
     choose,
     copy,
     redraw: () => drawBench(),
-    add: (effect) => start({ do: "add", effect }),
+    add: (effect) => start({ add: { effect } }),
     hover: (effect) => plots.hover(effect),
     hide: start,
     reveal: () => api.post("/lab/reveal", {}),
     check: (law) => api.post("/lab/check", law),
     submit: async (law) => {
       await api.post("/lab/law", law);
-      await start({ do: "add", effect: law.name });
+      await start({ add: { effect: law.name } });
     },
     undo: guarded(async () => {
       await api.post("/lab/undo", {});
@@ -184,7 +184,7 @@ export function open(root, api) {
     panels.heat.hide(!comparison);
     panels.against.hide(!comparison);
     if (comparison) {
-      const report = h("div", { class: "tools" }, copy({ do: "compare" }));
+      const report = h("div", { class: "tools" }, copy({ compare: null }));
       panels.heat.show(h("p", {}, comparison.in_words), heatmap(comparison, choices.regions, goTo), report);
       drawAgainst();
     }
@@ -210,9 +210,9 @@ export function open(root, api) {
   }
 
   function drawMissing() {
-    const diagnose = h("button", { class: "lab-diagnose", onclick: () => start({ do: "diagnose" }) }, "Diagnose");
-    const explore = h("button", { class: "lab-explore", onclick: () => start({ do: "explore" }) }, "Add all that is missing");
-    const tools = h("div", { class: "tools" }, diagnose, copy({ do: "diagnose" }), explore, copy({ do: "explore" }));
+    const diagnose = h("button", { class: "lab-diagnose", onclick: () => start({ diagnose: null }) }, "Diagnose");
+    const explore = h("button", { class: "lab-explore", onclick: () => start({ explore: null }) }, "Add all that is missing");
+    const tools = h("div", { class: "tools" }, diagnose, copy({ diagnose: null }), explore, copy({ explore: null }));
     const known = state.answers.diagnosis;
     panels.missing.show(tools, known ? candidates(state.answers, known.unit, act) : "");
   }

@@ -44,12 +44,13 @@ function law(choices, draft, act) {
   };
   const number = (value) => (value === "" || value === undefined ? undefined : Number(value));
   const task = () => ({
-    do: "fit",
-    law: draft.law,
-    ...(of.terms ? { terms: Number(draft.terms) } : {}),
-    separation: separations.includes(draft.separation) ? draft.separation : separations[0],
-    ...(of.segments && number(draft.segments) ? { segments: number(draft.segments) } : {}),
-    ...(of.exponent && number(draft.exponent) !== undefined ? { exponent: number(draft.exponent) } : {}),
+    fit: {
+      law: draft.law,
+      ...(of.terms ? { terms: Number(draft.terms) } : {}),
+      separation: separations.includes(draft.separation) ? draft.separation : separations[0],
+      ...(of.segments && number(draft.segments) ? { segments: number(draft.segments) } : {}),
+      ...(of.exponent && number(draft.exponent) !== undefined ? { exponent: number(draft.exponent) } : {}),
+    },
   });
   return h(
     "div",

@@ -55,7 +55,7 @@ function candidate(of, diagnosis, scale, unit, act) {
       h("strong", {}, of.effect),
       of.picture ? sparkline(of.picture, scale, `what ${of.effect} would leave: ${number(of.rms_foretold)} ${unit} RMS`) : null,
       h("button", { class: "lab-add", onclick: () => act.add(of.effect) }, "Add", h("span", { class: "spoken" }, ` ${of.effect}`)),
-      act.copy({ do: "add", effect: of.effect }),
+      act.copy({ add: { effect: of.effect } }),
     ),
     h("p", { class: "lab-evidence" }, evidence.filter(Boolean).join(" · ")),
     details(of),

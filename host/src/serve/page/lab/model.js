@@ -39,12 +39,12 @@ function parameters(of) {
 }
 
 function inModel(effect, act) {
-  const task = { do: "drop", effect: effect.name };
+  const task = { drop: { effect: effect.name } };
   return h("li", {}, h("strong", {}, effect.name), effect.expression ? h("code", {}, effect.expression) : ` (${effect.law})`, h("button", { class: "lab-drop", onclick: () => act.start(task) }, "Drop", h("span", { class: "spoken" }, ` ${effect.name}`)), act.copy(task));
 }
 
 function candidate(own, act) {
-  const task = { do: "add", effect: own.name };
+  const task = { add: { effect: own.name } };
   return h("li", {}, own.name, " ", h("code", {}, own.expression), " is not in the model ", h("button", { onclick: () => act.start(task) }, "Add", h("span", { class: "spoken" }, ` ${own.name}`)), act.copy(task));
 }
 

@@ -6,9 +6,10 @@ import { choice, h, number } from "./dom.js";
 export function practice(choices, state, draft, act) {
   const named = ["", ...choices.effects].map((name) => [name, name || "any, nobody knows which"]);
   const task = () => ({
-    do: "hide",
-    ...(draft.effect ? { effects: [draft.effect] } : { any: 1 }),
-    ...(draft.size === 1 ? {} : { size: draft.size }),
+    hide: {
+      ...(draft.effect ? { effects: [draft.effect] } : { any: 1 }),
+      ...(draft.size === 1 ? {} : { size: draft.size }),
+    },
   });
   const truth = h("div", { role: "status", "aria-live": "polite" });
   const reveal = async () => {
