@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::output::{Output, print_json, print_sections, write_report};
+use super::output::Output;
 use super::{Failure, progress};
 use crate::criticism::compare::compare;
 use crate::model::Model;
@@ -37,14 +37,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let comparison = compare(&model, &traces).map_err(Failure::input)?;
     wait.finish_and_clear();
     let sections = compare_sections(&model, &comparison, &traces);
-    if let Some(path) = &args.result.report {
-        let names = traces.iter().map(Trace::label).collect();
-        let title = "Model against measurement";
-        write_report(path, title, &comparison.signal, names, sections.clone())?;
-    }
-    if args.result.json {
-        print_json(&compare_json(&comparison))
-    } else {
-        print_sections(&sections)
-    }
+    let names = traces.iter().map(Trace::label).collect();
+    let json = || compare_json(&comparison);
+    args.result.give("Model against measurement", &comparison.signal, names, &sections, json)
 }

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use super::fit::parse_terms;
-use super::output::{Output, print_json, print_sections, write_report};
+use super::output::Output;
 use super::{Failure, progress};
 use crate::analysis::conditioning::Butterworth;
 use crate::analysis::creep::creep;
@@ -68,15 +68,9 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     }
     wait.finish_and_clear();
     let sections = creep_sections(&holds, &traces, &args.signal, conditioning);
-    if let Some(path) = &args.result.report {
-        let names = traces.iter().map(Trace::label).collect();
-        write_report(path, "Creep", &args.signal, names, sections.clone())?;
-    }
-    if args.result.json {
-        print_json(&creep_json(&holds, &args.signal, conditioning))
-    } else {
-        print_sections(&sections)
-    }
+    let names = traces.iter().map(Trace::label).collect();
+    let json = || creep_json(&holds, &args.signal, conditioning);
+    args.result.give("Creep", &args.signal, names, &sections, json)
 }
 
 fn filter(args: &Args) -> Option<Butterworth> {

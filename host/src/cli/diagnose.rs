@@ -8,7 +8,7 @@ use crate::criticism::diagnose::diagnose;
 use crate::fit::data::Data;
 use crate::model::Model;
 use crate::summary::{DiagnosisSummary, NextCommand};
-use crate::trace::{Trace, read_set};
+use crate::trace::read_set;
 
 /// Say which physical effect a model lacks, with the evidence.
 #[derive(clap::Args)]
@@ -38,7 +38,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let traces = read_set(&args.traces).map_err(Failure::input)?;
     let wait = progress::spinner("looking for what is missing");
     let diagnosis = diagnose(&model, &traces).map_err(Failure::input)?;
-    let data = data(&model, &traces)?;
+    let data = Data::of_model(&model, &traces).map_err(Failure::input)?;
     let summary = DiagnosisSummary::new(&diagnosis, &data, next(&args.model, &args.traces));
     wait.finish_and_clear();
     wait.finish_and_clear();
@@ -47,12 +47,6 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         write_report(path, title, &diagnosis.signal, data.labels.clone(), summary.sections())?;
     }
     if args.result.json { print_json(&summary.json()) } else { print_sections(&summary.in_short()) }
-}
-
-/// The data set as a model sees it.
-pub fn data<'a>(model: &Model, traces: &'a [Trace]) -> Result<Data<'a>, Failure> {
-    let data = Data::of(traces, &model.base.signal).map_err(Failure::input)?;
-    Ok(data.with_reference(model.reference_temperature))
 }
 
 /// Model and traces as they were named.

@@ -4,11 +4,12 @@ use std::path::PathBuf;
 
 use serde_json::Value;
 
-use super::diagnose::{data, next};
+use super::diagnose::next;
 use super::output::{Output, print_json, print_sections, write_report};
 use super::{Failure, progress};
 use crate::criticism::diagnose::diagnose;
 use crate::criticism::explore::explored;
+use crate::fit::data::Data;
 use crate::model::Model;
 use crate::summary::{DiagnosisSummary, unit_of};
 use crate::trace::read_set;
@@ -43,7 +44,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let traces = read_set(&args.traces).map_err(Failure::input)?;
     let wait = progress::spinner("climbing the ladder");
     let diagnosis = diagnose(&model, &traces).map_err(Failure::input)?;
-    let data = data(&model, &traces)?;
+    let data = Data::of_model(&model, &traces).map_err(Failure::input)?;
     let summary = DiagnosisSummary::new(&diagnosis, &data, next(&args.model, &args.traces));
     wait.finish_and_clear();
     if let Some(path) = &args.output {

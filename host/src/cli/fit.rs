@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
 
-use super::output::{Output, print_json, print_sections, write_report};
+use super::output::Output;
 use super::{Failure, progress};
 use crate::fit::choice::{Choice, Exponent};
 use crate::fit::data::Data;
@@ -176,20 +176,8 @@ fn whole(args: &Args, laws: &[BaseLaw], traces: &[Trace]) -> Result<(), Failure>
     if let Some(path) = &args.output {
         summary.model().write(path).map_err(Failure::work)?;
     }
-    if let Some(path) = &args.result.report {
-        write_report(
-            path,
-            "A fit over whole motions",
-            &args.signal,
-            names(traces),
-            summary.sections(),
-        )?;
-    }
-    if args.result.json {
-        print_json(&summary.json())?;
-    } else {
-        print_sections(&summary.sections())?;
-    }
+    let title = "A fit over whole motions";
+    args.result.give(title, &args.signal, names(traces), &summary.sections(), || summary.json())?;
     if best.stop.converged() {
         Ok(())
     } else {
@@ -226,14 +214,8 @@ fn all(args: &Args, traces: &[Trace]) -> Result<(), Failure> {
     wait.finish_and_clear();
     let ranking = ranking.map_err(Failure::input)?;
     let sections = ranking_sections(&ranking, &args.signal);
-    if let Some(path) = &args.result.report {
-        write_report(path, "Laws ranked", &args.signal, names(traces), sections.clone())?;
-    }
-    if args.result.json {
-        print_json(&ranking_json(&ranking, &args.signal))
-    } else {
-        print_sections(&sections)
-    }
+    let json = || ranking_json(&ranking, &args.signal);
+    args.result.give("Laws ranked", &args.signal, names(traces), &sections, json)
 }
 
 fn holds(args: &Args, traces: &[Trace]) -> Result<(), Failure> {
@@ -249,20 +231,8 @@ fn holds(args: &Args, traces: &[Trace]) -> Result<(), Failure> {
         model_of_holds(&fits, &args.signal)?.write(path).map_err(Failure::work)?;
     }
     let sections = hold_sections(&fits, traces, &args.signal);
-    if let Some(path) = &args.result.report {
-        write_report(
-            path,
-            "Relaxation during holds",
-            &args.signal,
-            names(traces),
-            sections.clone(),
-        )?;
-    }
-    if args.result.json {
-        print_json(&hold_json(&fits, &args.signal))
-    } else {
-        print_sections(&sections)
-    }
+    let json = || hold_json(&fits, &args.signal);
+    args.result.give("Relaxation during holds", &args.signal, names(traces), &sections, json)
 }
 
 fn model_of_holds(fits: &[HoldFit], signal: &str) -> Result<Model, Failure> {

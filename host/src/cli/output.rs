@@ -18,6 +18,23 @@ pub struct Output {
     pub report: Option<std::path::PathBuf>,
 }
 
+impl Output {
+    /// Gives a result: a report where one is asked for, then the tables or the JSON object.
+    pub fn give(
+        &self,
+        title: &str,
+        subtitle: &str,
+        inputs: Vec<String>,
+        sections: &[Section],
+        json: impl FnOnce() -> serde_json::Value,
+    ) -> Result<(), Failure> {
+        if let Some(path) = &self.report {
+            write_report(path, title, subtitle, inputs, sections.to_vec())?;
+        }
+        if self.json { print_json(&json()) } else { print_sections(sections) }
+    }
+}
+
 /// Writes text to standard output; a reader that has gone away is no error.
 pub fn print(text: &str) -> Result<(), Failure> {
     let mut out = io::stdout().lock();

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use super::Failure;
-use super::output::{Output, print_json, print_sections, write_report};
+use super::output::Output;
 use super::specimen::SpecimenArgs;
 use crate::analysis::rates::rates;
 use crate::summary::{rates_json, rates_sections};
@@ -42,9 +42,6 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let study =
         rates(&traces, usize::from(args.terms), args.specimen.faces()).map_err(Failure::input)?;
     let sections = rates_sections(&study, &traces);
-    if let Some(path) = &args.result.report {
-        let names = traces.iter().map(Trace::label).collect();
-        write_report(path, "Loading rates", "", names, sections.clone())?;
-    }
-    if args.result.json { print_json(&rates_json(&study)) } else { print_sections(&sections) }
+    let names = traces.iter().map(Trace::label).collect();
+    args.result.give("Loading rates", "", names, &sections, || rates_json(&study))
 }

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use super::fit::parse_terms;
-use super::output::{Output, print_json, print_sections, write_report};
+use super::output::Output;
 use super::{Failure, progress};
 use crate::analysis::relaxation::relaxation;
 use crate::fit::hold::Terms;
@@ -52,13 +52,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     }
     wait.finish_and_clear();
     let sections = relaxation_sections(&holds, &traces, &args.signal);
-    if let Some(path) = &args.result.report {
-        let names = traces.iter().map(Trace::label).collect();
-        write_report(path, "Relaxation", &args.signal, names, sections.clone())?;
-    }
-    if args.result.json {
-        print_json(&relaxation_json(&holds, &args.signal))
-    } else {
-        print_sections(&sections)
-    }
+    let names = traces.iter().map(Trace::label).collect();
+    let json = || relaxation_json(&holds, &args.signal);
+    args.result.give("Relaxation", &args.signal, names, &sections, json)
 }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use serde_json::json;
 
 use super::Failure;
-use super::output::{Output, print_json, print_sections, write_report};
+use super::output::Output;
 use crate::analysis::cycles::segment;
 use crate::summary::{segment_json, segment_sections};
 use crate::trace::{Trace, read_set};
@@ -38,15 +38,10 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         .collect::<Result<Vec<_>, Failure>>()?;
     let sections: Vec<_> =
         found.iter().flat_map(|(trace, found)| segment_sections(trace, found)).collect();
-    if let Some(path) = &args.result.report {
-        let names = traces.iter().map(Trace::label).collect();
-        write_report(path, "The regions of a grasp", "", names, sections.clone())?;
-    }
-    if args.result.json {
-        let traces: Vec<_> =
-            found.iter().map(|(trace, found)| segment_json(trace, found)).collect();
-        print_json(&json!({"palpate_segment": 1, "traces": traces}))
-    } else {
-        print_sections(&sections)
-    }
+    let names = traces.iter().map(Trace::label).collect();
+    let json = || {
+        let traces = found.iter().map(|(trace, found)| segment_json(trace, found));
+        json!({"palpate_segment": 1, "traces": traces.collect::<Vec<_>>()})
+    };
+    args.result.give("The regions of a grasp", "", names, &sections, json)
 }

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use super::Failure;
-use super::output::{Output, print_json, print_sections, write_report};
+use super::output::Output;
 use super::specimen::{SpecimenArgs, positive};
 use crate::analysis::strain_rate::{Order, strain_rate};
 use crate::summary::{strain_rate_json, strain_rate_sections};
@@ -53,9 +53,6 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let study = strain_rate(&traces, args.modulus, args.order, args.specimen.faces())
         .map_err(Failure::input)?;
     let sections = strain_rate_sections(&study);
-    if let Some(path) = &args.result.report {
-        let names = traces.iter().map(Trace::label).collect();
-        write_report(path, "Strain and strain rate", "", names, sections.clone())?;
-    }
-    if args.result.json { print_json(&strain_rate_json(&study)) } else { print_sections(&sections) }
+    let names = traces.iter().map(Trace::label).collect();
+    args.result.give("Strain and strain rate", "", names, &sections, || strain_rate_json(&study))
 }

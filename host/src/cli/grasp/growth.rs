@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use super::{Pressing, body, number, positive};
 use crate::cli::Failure;
-use crate::cli::output::{Output, print_json, print_sections, write_report};
+use crate::cli::output::Output;
 use crate::grasp::growth::{creep, growth, relaxation};
 use crate::grasp::{Body, Held, Material};
 use crate::model::{Model, Relaxation};
@@ -69,15 +69,9 @@ pub fn run(args: &Args) -> Result<(), Failure> {
             "the body is never pressed, so nothing is held"
         )));
     }
-    if let Some(path) = &args.result.report {
-        let inputs = args.model.iter().map(|path| path.display().to_string()).collect();
-        write_report(path, "A limit surface over time", "", inputs, growth_sections(&grown))?;
-    }
-    if args.result.json {
-        print_json(&growth_json(&grown))
-    } else {
-        print_sections(&growth_sections(&grown))
-    }
+    let inputs = args.model.iter().map(|path| path.display().to_string()).collect();
+    let title = "A limit surface over time";
+    args.result.give(title, "", inputs, &growth_sections(&grown), || growth_json(&grown))
 }
 
 /// Compression and normal force over the hold.

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use super::{Pressing, body, number};
 use crate::cli::Failure;
-use crate::cli::output::{Output, print_json, print_sections, write_file, write_report};
+use crate::cli::output::{Output, write_file};
 use crate::decomposition::{decompose, relaxation_of};
 use crate::grasp::history::{MOMENT, history};
 use crate::grasp::{Body, Grip, History, Source, Sources};
@@ -102,16 +102,9 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     if let (Some(path), [(trace, history)]) = (&args.output, &histories[..]) {
         write_file(path, history_csv(trace, history).as_bytes())?;
     }
-    let sections = history_sections(&histories);
-    if let Some(path) = &args.result.report {
-        let names = traces.iter().map(Trace::label).collect();
-        write_report(path, "Margin until slip", "", names, sections.clone())?;
-    }
-    if args.result.json {
-        print_json(&histories_json(&histories))
-    } else {
-        print_sections(&sections)
-    }
+    let names = traces.iter().map(Trace::label).collect();
+    let json = || histories_json(&histories);
+    args.result.give("Margin until slip", "", names, &history_sections(&histories), json)
 }
 
 fn grip(args: &Args, trace: &Trace) -> Result<Grip, Failure> {

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use super::{Pressing, body, contact_of, number, positive};
 use crate::cli::Failure;
-use crate::cli::output::{Output, print_json, print_sections, write_file, write_report};
+use crate::cli::output::{Output, write_file};
 use crate::grasp::{Body, Load, limit_surface, margin};
 use crate::summary::{SurfaceSummary, surface_csv};
 
@@ -75,8 +75,6 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         write_file(path, surface_csv(&surface).as_bytes())?;
         eprintln!("{} points in {}", surface.len(), path.display());
     }
-    if let Some(path) = &args.result.report {
-        write_report(path, "What a contact carries", "", Vec::new(), summary.sections())?;
-    }
-    if args.result.json { print_json(&summary.json()) } else { print_sections(&summary.sections()) }
+    let title = "What a contact carries";
+    args.result.give(title, "", Vec::new(), &summary.sections(), || summary.json())
 }
