@@ -81,7 +81,7 @@ pub fn add(
     law: Option<&str>,
     traces: &[Trace],
 ) -> Result<Change, ChangeError> {
-    let data = Data::of(traces, &model.base.signal)?.with_reference(model.reference_temperature);
+    let data = Data::of_model(model, traces)?;
     let (chain, values) = chain_of(model, &data.setting())?;
     if chain.effects.iter().any(|present| present.name == effect) {
         return Err(ChangeError::Present(effect.into()));
@@ -126,7 +126,7 @@ pub fn add(
 /// # Errors
 /// When model or traces are not usable, or the effect is not in the model.
 pub fn drop(model: &Model, effect: &str, traces: &[Trace]) -> Result<Change, ChangeError> {
-    let data = Data::of(traces, &model.base.signal)?.with_reference(model.reference_temperature);
+    let data = Data::of_model(model, traces)?;
     let (chain, values) = chain_of(model, &data.setting())?;
     let Some(index) = chain.effects.iter().position(|present| present.name == effect) else {
         let names: Vec<&str> = chain.effects.iter().map(|effect| effect.name.as_str()).collect();

@@ -76,7 +76,7 @@ const TOLD: f64 = 0.01;
 /// When the model is not usable or a trace lacks its signal or a motion.
 pub fn compare(model: &Model, traces: &[Trace]) -> Result<Comparison, CompareError> {
     let signal = &model.base.signal;
-    let data = Data::of(traces, signal)?.with_reference(model.reference_temperature);
+    let data = Data::of_model(model, traces)?;
     let (chain, parameters) =
         chain_of(model, &data.setting()).map_err(|error| CompareError::Model(error.to_string()))?;
     let stretches = stretches(&chain, &parameters, &data);

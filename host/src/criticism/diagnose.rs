@@ -104,7 +104,7 @@ const AT_THE_NOISE: f64 = 1.1;
 /// When the model or the traces are not usable.
 pub fn diagnose(model: &Model, traces: &[Trace]) -> Result<Diagnosis, DiagnoseError> {
     let signal = &model.base.signal;
-    let data = Data::of(traces, signal)?.with_reference(model.reference_temperature);
+    let data = Data::of_model(model, traces)?;
     let setting = data.setting();
     let (chain, values) = chain_of(model, &setting)?;
     let candidates = candidates(&setting, &model.candidates)?;

@@ -63,6 +63,12 @@ impl Coordinates {
         Self { law, reference, list }
     }
 
+    /// Those of another law at the same reference.
+    #[must_use]
+    pub fn of(&self, law: BaseLaw) -> Self {
+        Self::new(law, self.reference)
+    }
+
     /// Each coordinate, in order.
     #[must_use]
     pub fn list(&self) -> &[Coordinate] {

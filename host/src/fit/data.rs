@@ -1,7 +1,7 @@
 //! Measurements as a fit takes them: motions with the signal that answered.
 
 use crate::effects::{Scales, Setting};
-use crate::model::{Motion, MotionError, Past, Scene};
+use crate::model::{Model, Motion, MotionError, Past, Scene};
 use crate::trace::{FORCE, GAUGES, SignalError, TANGENTIAL, TEMPERATURE, Trace, runs};
 
 use super::line::line_near;
@@ -181,6 +181,14 @@ impl<'a> Data<'a> {
                 channels: self.channels.iter().filter_map(channel).collect(),
             });
         }
+    }
+
+    /// The traces of a data set as a model sees them: its signal, its reference temperature.
+    ///
+    /// # Errors
+    /// When a trace lacks the signal or a motion.
+    pub fn of_model(model: &Model, traces: &'a [Trace]) -> Result<Self, DataError> {
+        Ok(Self::of(traces, &model.base.signal)?.with_reference(model.reference_temperature))
     }
 
     /// This data set with the temperature counted from this one, °C, where it is given.

@@ -58,7 +58,7 @@ impl<'a> Problem<'a> {
     where
         'a: 'b,
     {
-        let coordinates = Coordinates::new(chain.base, self.data.largest_compression());
+        let coordinates = self.coordinates.of(chain.base);
         Problem {
             chain,
             data: self.data,

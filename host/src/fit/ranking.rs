@@ -116,13 +116,14 @@ pub fn rank(
         .map(|family| BaseLaw::new(family, terms, separation))
         .collect();
     let setups = setups(traces);
+    let apart = apart(traces, &setups);
     let mut places = laws
         .into_par_iter()
         .map(|law| {
             let fit = fit(law, &data)?;
             let left_out = if traces.len() > 1 { held_out(&fit, &data) } else { Vec::new() };
             let held_out = over_traces(&left_out, &data);
-            Ok(Place { spreads: between(law, traces, signal, &setups)?, fit, held_out })
+            Ok(Place { spreads: between(law, &apart, signal)?, fit, held_out })
         })
         .collect::<Result<Vec<_>, DataError>>()?;
     places.sort_by(|a, b| match (a.held_out, b.held_out) {
@@ -141,24 +142,26 @@ pub fn spreads(
     traces: &[Trace],
     signal: &str,
 ) -> Result<Vec<ParameterSpread>, DataError> {
-    between(law, traces, signal, &setups(traces))
+    between(law, &apart(traces, &setups(traces)), signal)
+}
+
+/// The traces of each set-up.
+fn apart(traces: &[Trace], setups: &[Setup]) -> Vec<Vec<Trace>> {
+    let own = |setup: &Setup| setup.traces.iter().map(|&k| traces[k].clone()).collect();
+    setups.iter().map(own).collect()
 }
 
 fn between(
     law: BaseLaw,
-    traces: &[Trace],
+    setups: &[Vec<Trace>],
     signal: &str,
-    setups: &[Setup],
 ) -> Result<Vec<ParameterSpread>, DataError> {
     if setups.len() < 2 {
         return Ok(Vec::new());
     }
     let fits = setups
         .iter()
-        .map(|setup| {
-            let own: Vec<Trace> = setup.traces.iter().map(|&k| traces[k].clone()).collect();
-            fit(law, &Data::of(&own, signal)?)
-        })
+        .map(|own| fit(law, &Data::of(own, signal)?))
         .collect::<Result<Vec<_>, _>>()?;
     let spread = |(k, parameter): (usize, crate::model::Parameter)| ParameterSpread {
         name: parameter.name.into(),

@@ -10,7 +10,6 @@ use crate::criticism::screen::Direction;
 use crate::effects::find;
 use crate::fit::data::Data;
 use crate::model::Model;
-use crate::trace::Trace;
 
 /// Candidates that are drawn in the list.
 const DRAWN: usize = 12;
@@ -144,16 +143,4 @@ fn worst_trace(comparison: &Comparison) -> usize {
         own.map(|cell| cell.share_of_excess).sum()
     };
     (0..comparison.labels.len()).max_by(|&a, &b| share(a).total_cmp(&share(b))).unwrap_or(0)
-}
-
-/// The data set as a model sees it.
-///
-/// # Errors
-/// When a trace lacks the signal of the model or a motion.
-pub fn data<'a>(
-    model: &Model,
-    traces: &'a [Trace],
-) -> Result<Data<'a>, crate::fit::data::DataError> {
-    let data = Data::of(traces, &model.base.signal)?;
-    Ok(data.with_reference(model.reference_temperature))
 }

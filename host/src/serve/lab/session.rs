@@ -9,7 +9,7 @@ use super::comparison::comparison_json;
 use super::drawing::{Drawing, View};
 use super::error::LabError;
 use super::folder::Folder;
-use super::forecast::{Forecast, data};
+use super::forecast::Forecast;
 use super::job::Job;
 use super::own_law::OwnLaw;
 use super::task::{Names, Task};
@@ -17,6 +17,7 @@ use super::work::{Bench, Outcome, reveal};
 use crate::criticism::compare::Comparison;
 use crate::criticism::diagnose::Diagnosis;
 use crate::files::quoted;
+use crate::fit::data::Data;
 use crate::model::Model;
 use crate::practice::{SEALED, seed_from_clock};
 use crate::summary::{NextCommand, unit_of};
@@ -523,7 +524,7 @@ impl Session {
         if self.known.forecast.as_ref().is_none_or(|known| known.effect != effect) {
             let diagnosis = self.known.diagnosis.as_ref().ok_or_else(none)?;
             let taken = self.taken();
-            let data = data(self.model()?, &taken)?;
+            let data = Data::of_model(self.model()?, &taken)?;
             self.known.forecast = Forecast::new(diagnosis, &data, effect);
         }
         self.known.forecast.as_ref().and_then(|known| known.json(view)).ok_or_else(none)

@@ -6,7 +6,7 @@ use serde_json::Value;
 
 use super::error::LabError;
 use super::folder::Folder;
-use super::forecast::{candidates, data};
+use super::forecast::candidates;
 use super::task::{FitTask, HideTask, Task};
 use crate::criticism::change::{self, Change};
 use crate::criticism::compare::{Comparison, compare};
@@ -121,7 +121,7 @@ impl Bench {
     /// What the model lacks; with everything found added, where asked.
     fn diagnose(&self, model: &Model, climb: bool) -> Result<Outcome, LabError> {
         let diagnosis = diagnose(model, &self.traces)?;
-        let data = data(model, &self.traces)?;
+        let data = Data::of_model(model, &self.traces)?;
         let summary = DiagnosisSummary::new(&diagnosis, &data, self.next.clone());
         let title = if climb { "From the first model to the last" } else { "What the model lacks" };
         let better = climb.then(|| explored(model, &diagnosis, &data, unit_of(&diagnosis.signal)));
