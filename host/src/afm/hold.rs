@@ -6,14 +6,13 @@
 
 use std::ops::Range;
 
-use shared::latency::Law;
-
 use super::Estimate;
 use super::curve::ForceCurve;
 use super::fit::CurveFit;
 
 use crate::fit::exponentials::{Fit, Options, Prepared};
 use crate::fit::power_law;
+use crate::latency::Power;
 
 /// What a hold says.
 #[derive(Clone, Debug)]
@@ -51,7 +50,9 @@ impl Latency {
     /// Strain at a time since the hold began, s.
     #[must_use]
     pub fn at(&self, time: f64) -> f64 {
-        strain(self.start.value, self.equilibrium.value, self.rate.value, self.order, time)
+        let (initial, equilibrium) = (self.start.value, self.equilibrium.value);
+        let order = f64::from(self.order);
+        Power { rate: self.rate.value, order, equilibrium, initial }.strain(time)
     }
 }
 
@@ -61,13 +62,6 @@ const HIGHEST: u32 = 8;
 const BETTER: f64 = 2.0;
 /// Fewest samples.
 const LEAST: usize = 20;
-
-fn strain(start: f64, equilibrium: f64, rate: f64, order: u32, time: f64) -> f64 {
-    match Law::<f64>::new(rate, f64::from(order), time) {
-        Ok(law) => equilibrium + law.step(start - equilibrium),
-        Err(_) => start,
-    }
-}
 
 /// Fits a hold; the words say why it cannot be.
 pub(super) fn relaxed(

@@ -2,6 +2,7 @@
 
 use std::f64::consts::PI;
 
+use crate::grasp::widened;
 use crate::trace::{Shape, Specimen};
 
 /// What a ball's depression d in (7.7) means for a displacement of the machine.
@@ -162,11 +163,6 @@ impl Geometry {
         let area = self.area_mm2(displacement_mm);
         (area > 0.0).then(|| 1e6 * force_n / area)
     }
-}
-
-/// How much wider a specimen is than without load: (5.5), with Δl negative in compression.
-fn widened(displacement_mm: f64, height_mm: f64, poisson: f64) -> f64 {
-    1.0 + poisson * displacement_mm / height_mm
 }
 
 #[cfg(test)]

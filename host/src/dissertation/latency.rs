@@ -1,6 +1,7 @@
 //! Chapter 4: the latency model, its two types of relaxation, and what happens inside the specimen.
 
 use super::{Chapter, Check, Comparison};
+use crate::latency::Power;
 use crate::model::{
     BaseLaw, Equilibrium, Family, Hold, Motion, Move, Profile, Segments, Separation, Step,
 };
@@ -275,55 +276,36 @@ fn closed_force(law: &BaseLaw, motion: Motion) -> Vec<f64> {
 
 /// A gap that opens from 2.43 mm towards an end: e' = −v e, or e' = −ν e^n.
 struct Gaps {
-    linear: Opening,
-    power: Opening,
+    linear: Power,
+    power: Power,
 }
 
-#[derive(Clone, Copy)]
-struct Opening {
-    /// Gap at the end, mm.
-    end: f64,
-    /// Rate v1, 1/s, or ν, 1/(s mm^(n−1)).
-    rate: f64,
-    /// Power n.
-    power: f64,
+/// Root mean square distance from the printed gaps, mm.
+fn rms(opening: &Power) -> f64 {
+    let squares = MARKER_GAPS.iter().map(|(time, gap)| (opening.strain(*time) - gap).powi(2));
+    (squares.sum::<f64>() / MARKER_GAPS.len() as f64).sqrt()
 }
 
-impl Opening {
-    fn at(&self, time: f64) -> f64 {
-        let first = self.end - MARKER_GAPS[0].1;
-        let left = if self.power == 1.0 {
-            first * (-self.rate * time).exp()
-        } else {
-            let bent = self.power - 1.0;
-            (first.powf(-bent) + bent * self.rate * time).powf(-1.0 / bent)
-        };
-        self.end - left
-    }
-
-    fn rms(&self) -> f64 {
-        let squares = MARKER_GAPS.iter().map(|(time, gap)| (self.at(*time) - gap).powi(2));
-        (squares.sum::<f64>() / MARKER_GAPS.len() as f64).sqrt()
-    }
-
-    /// The best end and rate, over a grid as fine as the printed digits tell.
-    fn best(power: f64) -> Self {
-        let ends = (0..=800).map(|k| 3.05 + 0.002 * f64::from(k));
-        let rates = || (0..=600).map(|k| 10f64.powf(-3.0 + f64::from(k) * 0.01));
-        ends.flat_map(|end| rates().map(move |rate| Self { end, rate, power }))
-            .min_by(|a, b| a.rms().total_cmp(&b.rms()))
-            .unwrap_or(Self { end: 3.11, rate: 0.1, power })
-    }
+/// The best end, mm, and rate of an order, over a grid as fine as the printed digits tell.
+fn best(order: f64) -> Power {
+    let initial = MARKER_GAPS[0].1;
+    let ends = (0..=800).map(|k| 3.05 + 0.002 * f64::from(k));
+    let rates = || (0..=600).map(|k| 10f64.powf(-3.0 + f64::from(k) * 0.01));
+    ends.flat_map(|equilibrium| {
+        rates().map(move |rate| Power { rate, order, equilibrium, initial })
+    })
+    .min_by(|a, b| rms(a).total_cmp(&rms(b)))
+    .unwrap_or(Power { rate: 0.1, order, equilibrium: 3.11, initial })
 }
 
 impl Gaps {
     fn new() -> Self {
-        Self { linear: Opening::best(1.0), power: Opening::best(5.0) }
+        Self { linear: best(1.0), power: best(5.0) }
     }
 
     fn figure(&self) -> Plot {
         let times: Vec<f64> = (0..=300).map(|k| 0.2 * f64::from(k)).collect();
-        let course = |opening: &Opening| times.iter().map(|t| opening.at(*t)).collect::<Vec<_>>();
+        let course = |opening: &Power| times.iter().map(|t| opening.strain(*t)).collect::<Vec<_>>();
         let (at, gaps): (Vec<f64>, Vec<f64>) = MARKER_GAPS.into_iter().unzip();
         Plot::new("", Axis::new("time in the hold", "s"), Axis::new("gap", "mm"))
             .summary("Printed gaps with the linear and the fifth-power latency model")
@@ -350,17 +332,17 @@ impl Gaps {
             table = table.row([
                 format!("{time:.0}"),
                 format!("{gap:.2}"),
-                format!("{:.3}", self.linear.at(time)),
-                format!("{:.3}", self.power.at(time)),
+                format!("{:.3}", self.linear.strain(time)),
+                format!("{:.3}", self.power.strain(time)),
             ]);
         }
         table.note(format!(
             "Root mean square {} mm (linear, v1 = {} 1/s) and {} mm (n = 5, ν = {} 1/(s·mm⁴), end at {} mm).",
-            significant(self.linear.rms(), 2),
+            significant(rms(&self.linear), 2),
             significant(self.linear.rate, 2),
-            significant(self.power.rms(), 2),
+            significant(rms(&self.power), 2),
             significant(self.power.rate, 2),
-            significant(self.power.end, 3)
+            significant(self.power.equilibrium, 3)
         ))
     }
 
@@ -369,9 +351,9 @@ impl Gaps {
             "Four fifths of the way are done in the first 10 s, the rest takes 30 s more: one exponential \
              (chapter 4) leaves {} mm RMS. With n = 5 (chapter 7) it is {} mm, but the end then lies at {} \
              mm: five numbers do not tell whether the gap had come to rest at 60 s, as the text says.",
-            significant(self.linear.rms(), 2),
-            significant(self.power.rms(), 2),
-            significant(self.power.end, 3)
+            significant(rms(&self.linear), 2),
+            significant(rms(&self.power), 2),
+            significant(self.power.equilibrium, 3)
         )
     }
 
@@ -381,7 +363,7 @@ impl Gaps {
                 format!("marker gap at {time:.0} s"),
                 "mm",
                 *gap,
-                self.linear.at(*time),
+                self.linear.strain(*time),
                 0.05,
             )
         };

@@ -1,8 +1,7 @@
 //! 7.4: the run of Fig. 7.8 with segments, and what becomes of it when there are many of them.
 
-use std::f64::consts::PI;
-
 use super::{Chapter, Check, Comparison};
+use crate::analysis::geometry::{Faces, Geometry};
 use crate::model::{Equilibrium, Hold, Move, Profile, Segments, Step};
 use crate::report::number::significant;
 use crate::report::{Axis, Callout, Colour, Column, Panels, Plot, Scale, Section, Series, Table};
@@ -97,7 +96,9 @@ impl Run {
         let approach = motion.displacement.to_vec();
         let face: Vec<f64> = approach.iter().map(|d| 0.5 * d).collect();
         let latent = ball(segments).at_contact(&time, &face);
-        let force = face.iter().zip(&latent).map(|(d, y)| force(*d, (d + y) / RADIUS)).collect();
+        let strain = |(d, y): (&f64, &f64)| (d + y) / RADIUS;
+        let strains = face.iter().zip(&latent).map(strain);
+        let force = approach.iter().zip(strains).map(|(d, strain)| force(*d, strain)).collect();
         let mut holds = Vec::new();
         let (mut at, mut from) = (0.0, 0.0);
         for place in places {
@@ -148,10 +149,12 @@ fn ball(segments: usize) -> Segments {
     }
 }
 
-/// Force of a face pressed in by `depth`, mm, with this strain at the contact, N (eqs 7.7, 7.11).
-fn force(depth: f64, strain: f64) -> f64 {
-    let area = PI * (RADIUS * RADIUS - (RADIUS - depth).powi(2));
-    (MODULUS * strain * area).max(0.0)
+/// The ball between two plates: each face is pressed in by half of their approach.
+const BALL: Geometry = Geometry::Ball { radius_mm: RADIUS, faces: Faces::Each };
+
+/// Force of a face at an approach of the plates, mm, with this strain at the contact, N (eqs 7.7, 7.11).
+fn force(approach: f64, strain: f64) -> f64 {
+    (MODULUS * strain * BALL.area_mm2(approach)).max(0.0)
 }
 
 fn steps_table(loading: &Run, unloading: &Run) -> Table {
@@ -199,9 +202,8 @@ fn latent_strains(segments: usize) -> [f64; 3] {
     let (first, last) = run.holds[0];
     let second = first + (1.0 / INTERVAL) as usize;
     let strain = |k: usize| {
-        let depth = 0.5 * run.approach[k];
-        let area = PI * (RADIUS * RADIUS - (RADIUS - depth).powi(2));
-        run.force[k] / (MODULUS * area) - depth / RADIUS
+        let approach = run.approach[k];
+        run.force[k] / (MODULUS * BALL.area_mm2(approach)) - 0.5 * approach / RADIUS
     };
     [strain(first), strain(second), strain(last)]
 }

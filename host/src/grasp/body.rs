@@ -84,7 +84,6 @@ impl Body {
     /// The contact at a compression, mm. A ball that is not compressed does not touch.
     #[must_use]
     pub fn contact(&self, compression: f64) -> Option<Shape> {
-        let widened = |height: f64, poisson: f64| 1.0 + poisson * compression.max(0.0) / height;
         match *self {
             Self::Fixed(shape) => Some(shape),
             Self::Sphere { radius } => {
@@ -92,11 +91,11 @@ impl Body {
                 let radius = (depth * (2.0 * radius - depth)).sqrt();
                 (radius > 0.0).then_some(Shape::Circle { radius })
             }
-            Self::Cylinder { radius, height, poisson } => {
-                Some(Shape::Circle { radius: radius * widened(height, poisson) })
-            }
+            Self::Cylinder { radius, height, poisson } => Some(Shape::Circle {
+                radius: radius * widened(compression.max(0.0), height, poisson),
+            }),
             Self::Block { length, width, height, poisson } => {
-                let factor = widened(height, poisson);
+                let factor = widened(compression.max(0.0), height, poisson);
                 Some(Shape::Rectangle { length: length * factor, width: width * factor })
             }
         }
@@ -107,6 +106,13 @@ impl Body {
     pub const fn grows(&self) -> bool {
         !matches!(self, Self::Fixed(_))
     }
+}
+
+/// How much wider a specimen is than without load at a compression, mm, of its height, mm (eq. 5.5, where Δl
+/// is negative in compression).
+#[must_use]
+pub fn widened(compression: f64, height: f64, poisson: f64) -> f64 {
+    1.0 + poisson * compression / height
 }
 
 impl FromStr for Body {

@@ -21,7 +21,7 @@ pub(crate) mod quadrature;
 mod rectangle;
 pub mod surface;
 
-pub use body::{Body, BodyError};
+pub use body::{Body, BodyError, widened};
 pub use contact::{Contact, Load, Motion, Shape, SizeError};
 pub use growth::{Grown, Held, Material, growth};
 pub use history::{Grip, History, HistoryError, Slip, Source, Sources, history};
