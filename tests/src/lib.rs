@@ -1,9 +1,13 @@
 //! What the whole-product tests share: the binary under test and the folders they read.
 
+#[cfg(unix)]
+pub mod browser;
 pub mod device;
 #[cfg(unix)]
 pub mod emulator;
 pub mod hidden;
+#[cfg(unix)]
+pub mod server;
 
 use std::path::{Path, PathBuf};
 

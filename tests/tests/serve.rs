@@ -1,165 +1,18 @@
 //! The local page as a browser, and whoever should not, meets it.
 #![cfg(unix)]
 
-use std::io::{BufRead, BufReader, Read, Write};
+use std::io::Read;
 use std::net::TcpStream;
-use std::path::Path;
-use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 use palpate::serve::guard::{BODY_LIMIT, PROTOCOL, TOKEN_HEADER};
 use palpate::serve::live::pyramid::SIGNALS;
 use palpate::trace::recordable::{settings_of, write_recording};
 use palpate::trace::recorded::{Options, read_recording};
-use palpate_tests::{bundled, palpate};
+use palpate_tests::bundled;
+use palpate_tests::server::{PATIENCE, Server, program, simulate};
 use serde_json::{Value, json};
-use tungstenite::client::client;
-use tungstenite::{ClientRequestBuilder, Message, WebSocket};
-
-const PATIENCE: Duration = Duration::from_secs(20);
-
-/// `palpate serve` as a process.
-struct Server {
-    process: Child,
-    folder: tempfile::TempDir,
-    port: u16,
-    token: String,
-}
-
-fn program() -> Command {
-    let mut command = Command::new(palpate().get_program());
-    command.env("NO_COLOR", "1").env_remove("PALPATE_LOG");
-    command
-}
-
-impl Server {
-    fn begin(arguments: &[&str]) -> Self {
-        let folder = tempfile::tempdir().unwrap();
-        Self::begin_in(folder, arguments)
-    }
-
-    fn begin_in(folder: tempfile::TempDir, arguments: &[&str]) -> Self {
-        let mut process = program()
-            .arg("serve")
-            .args(arguments)
-            .current_dir(folder.path())
-            .stdout(Stdio::piped())
-            .stderr(Stdio::piped())
-            .spawn()
-            .unwrap();
-        let mut url = String::new();
-        BufReader::new(process.stdout.take().unwrap()).read_line(&mut url).unwrap();
-        let (at, token) = url.trim().split_once("/#token=").expect("the address is printed");
-        let port = at.rsplit_once(':').unwrap().1.parse().unwrap();
-        Self { process, folder, port, token: token.into() }
-    }
-
-    fn simulated() -> Self {
-        Self::begin(&["--simulate"])
-    }
-
-    fn host(&self) -> String {
-        format!("127.0.0.1:{}", self.port)
-    }
-
-    fn headers(&self) -> Vec<(String, String)> {
-        vec![("host".into(), self.host()), (TOKEN_HEADER.into(), self.token.clone())]
-    }
-
-    /// The answer to a request with exactly these headers.
-    fn ask(&self, method: &str, path: &str, headers: &[(String, String)], body: &[u8]) -> Answer {
-        let mut stream = TcpStream::connect(("127.0.0.1", self.port)).unwrap();
-        stream.set_read_timeout(Some(PATIENCE)).unwrap();
-        let mut head = format!("{method} {path} HTTP/1.1\r\nconnection: close\r\n");
-        for (name, value) in headers {
-            head += &format!("{name}: {value}\r\n");
-        }
-        if !body.is_empty() {
-            head +=
-                &format!("content-type: application/json\r\ncontent-length: {}\r\n", body.len());
-        }
-        stream.write_all(format!("{head}\r\n").as_bytes()).unwrap();
-        // A server that refuses may close before it has read everything.
-        let _ = stream.write_all(body);
-        let mut bytes = Vec::new();
-        let _ = stream.read_to_end(&mut bytes);
-        Answer::read(&bytes)
-    }
-
-    fn get(&self, path: &str) -> Answer {
-        self.ask("GET", path, &self.headers(), &[])
-    }
-
-    fn json(&self, path: &str) -> Value {
-        let answer = self.get(path);
-        assert_eq!(answer.status, 200, "{path}");
-        serde_json::from_slice(&answer.body).unwrap()
-    }
-
-    fn wish(&self, wish: &Value) -> (u16, Value) {
-        let body = wish.to_string();
-        let answer = self.ask("POST", "/api/live/wish", &self.headers(), body.as_bytes());
-        (answer.status, serde_json::from_slice(&answer.body).unwrap_or_default())
-    }
-
-    fn socket_with(
-        &self,
-        headers: &[(&str, &str)],
-        protocols: &[&str],
-    ) -> Result<WebSocket<TcpStream>, String> {
-        let uri = format!("ws://{}/api/live/stream", self.host()).parse().unwrap();
-        let mut request = ClientRequestBuilder::new(uri);
-        for (name, value) in headers {
-            request = request.with_header(*name, *value);
-        }
-        for protocol in protocols {
-            request = request.with_sub_protocol(*protocol);
-        }
-        let stream = TcpStream::connect(("127.0.0.1", self.port)).unwrap();
-        stream.set_read_timeout(Some(PATIENCE)).unwrap();
-        client(request, stream).map(|(socket, _)| socket).map_err(|error| error.to_string())
-    }
-
-    fn socket(&self) -> Page {
-        let token = format!("token.{}", self.token);
-        let origin = format!("http://{}", self.host());
-        let socket = self.socket_with(&[("origin", &origin)], &[PROTOCOL, &token]).unwrap();
-        Page { socket }
-    }
-}
-
-impl Drop for Server {
-    fn drop(&mut self) {
-        // One that has ended on its own is as good.
-        let _ = self.process.kill();
-        let _ = self.process.wait();
-    }
-}
-
-struct Answer {
-    status: u16,
-    head: String,
-    body: Vec<u8>,
-}
-
-impl Answer {
-    fn read(bytes: &[u8]) -> Self {
-        let end = bytes.windows(4).position(|four| four == b"\r\n\r\n").expect("there is a head");
-        let head = String::from_utf8(bytes[..end].to_vec()).unwrap().to_lowercase();
-        let status = head.split(' ').nth(1).unwrap().parse().unwrap();
-        Self { status, head, body: bytes[end + 4..].to_vec() }
-    }
-
-    fn header(&self, name: &str) -> &str {
-        let line = self.head.lines().find_map(|line| line.strip_prefix(&format!("{name}: ")));
-        line.unwrap_or_default()
-    }
-
-    fn numbers(&self, from: usize, count: usize) -> Vec<f64> {
-        let bytes = &self.body[from..from + 8 * count];
-        bytes.chunks_exact(8).map(|b| f64::from_le_bytes(b.try_into().unwrap())).collect()
-    }
-}
+use tungstenite::{Message, WebSocket};
 
 /// The page's side of the stream.
 struct Page {
@@ -182,6 +35,13 @@ enum Heard {
 }
 
 impl Page {
+    fn of(server: &Server) -> Self {
+        let token = format!("token.{}", server.token);
+        let origin = format!("http://{}", server.host());
+        let socket = server.socket_with(&[("origin", &origin)], &[PROTOCOL, &token]).unwrap();
+        Self { socket }
+    }
+
     /// The next message; rows are answered only if `answer`.
     fn hear(&mut self, answer: bool) -> Heard {
         loop {
@@ -375,7 +235,7 @@ fn without_the_token_of_this_start_nothing_is_told_or_done() {
     assert_eq!(refused.status, 403);
     assert!(server.socket_with(&[], &[PROTOCOL]).is_err());
     assert!(server.socket_with(&[], &[PROTOCOL, &format!("token.{}", other.token)]).is_err());
-    server.socket();
+    Page::of(&server);
 }
 
 #[test]
@@ -404,7 +264,7 @@ fn what_is_too_large_or_no_wish_is_refused() {
     for wish in [json!("reboot"), json!([]), json!({ "tare": { "more": 1 } })] {
         assert!(matches!(server.wish(&wish).0, 400 | 422), "{wish}");
     }
-    let mut page = server.socket();
+    let mut page = Page::of(&server);
     let _ = page.socket.send(Message::text("x".repeat(1 << 20)));
     let begun = Instant::now();
     while page.socket.read().is_ok() {
@@ -416,7 +276,7 @@ fn what_is_too_large_or_no_wish_is_refused() {
 #[test]
 fn a_page_sees_every_row_and_fast_and_slow_part_make_the_signal() {
     let server = Server::simulated();
-    let mut page = server.socket();
+    let mut page = Page::of(&server);
     let mut rows = page.rows();
     let mut next = rows.first;
     let mut seen = 0;
@@ -446,7 +306,7 @@ fn a_page_sees_every_row_and_fast_and_slow_part_make_the_signal() {
 #[test]
 fn a_replayed_trace_goes_through_the_very_filter_of_the_device() {
     let server = Server::begin(&["--replay", &press(), "--speed", "20"]);
-    let mut page = server.socket();
+    let mut page = Page::of(&server);
     page.until("the trace is over", |health| {
         health["replayed"] == 1.0 && health["streaming"] == false
     });
@@ -480,7 +340,7 @@ fn a_replayed_trace_goes_through_the_very_filter_of_the_device() {
 #[test]
 fn a_page_that_stops_reading_loses_whole_frames_and_is_told_and_can_fetch_them() {
     let server = Server::simulated();
-    let mut page = server.socket();
+    let mut page = Page::of(&server);
     let mut heard = 0;
     while heard < 8 {
         if let Heard::Rows(_) = page.hear(false) {
@@ -501,7 +361,7 @@ fn a_page_that_stops_reading_loses_whole_frames_and_is_told_and_can_fetch_them()
 #[test]
 fn a_recording_begun_on_the_page_is_a_whole_recording_in_its_folder() {
     let server = Server::simulated();
-    let mut page = server.socket();
+    let mut page = Page::of(&server);
     page.rows();
     let (status, answer) = server.wish(&json!({ "record": { "file": "touch" } }));
     assert_eq!(status, 200, "{answer}");
@@ -525,7 +385,7 @@ fn a_recording_begun_on_the_page_is_a_whole_recording_in_its_folder() {
 #[test]
 fn stream_zero_filter_and_thresholds_change_while_one_looks() {
     let server = Server::simulated();
-    let mut page = server.socket();
+    let mut page = Page::of(&server);
     page.rows();
     assert_eq!(server.wish(&json!("tare")).0, 200);
     let wish =
@@ -549,25 +409,12 @@ fn stream_zero_filter_and_thresholds_change_while_one_looks() {
     page.rows();
 }
 
-fn simulate(folder: &Path) -> Child {
-    let mut process = program()
-        .args(["device", "simulate", "--link", "fingertip"])
-        .current_dir(folder)
-        .stdout(Stdio::piped())
-        .stderr(Stdio::null())
-        .spawn()
-        .unwrap();
-    let mut path = String::new();
-    BufReader::new(process.stdout.take().unwrap()).read_line(&mut path).unwrap();
-    process
-}
-
 #[test]
 fn unplugging_shows_at_once_and_heals_by_itself() {
     let folder = tempfile::tempdir().unwrap();
     let mut device = simulate(folder.path());
     let server = Server::begin_in(folder, &["--port", "fingertip"]);
-    let mut page = server.socket();
+    let mut page = Page::of(&server);
     page.rows();
     device.kill().unwrap();
     device.wait().unwrap();

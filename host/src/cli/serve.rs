@@ -4,11 +4,18 @@ use std::net::{IpAddr, Ipv4Addr};
 use std::path::PathBuf;
 
 use super::output::print;
-use super::{Failure, interrupt};
-use crate::device::discover::choose;
+use super::{Failure, interrupt, progress};
+use crate::device::discover;
+use crate::practice::{Choice, SEALED, check_empty, hide, write_set};
 use crate::serve::lab::Session;
 use crate::serve::live::{Live, Source};
 use crate::serve::{Options, run as serve};
+
+/// Folder of the demo, where none is named.
+const DEMO: &str = "palpate-demo";
+/// Seeds, where none is named: of the simulated device, and of what the demo hides.
+const SEED: u64 = 1;
+const DEMO_SEED: u64 = 6;
 
 /// Open a local page: a fingertip live, or a model beside recordings.
 #[derive(clap::Args)]
@@ -16,10 +23,12 @@ use crate::serve::{Options, run as serve};
 Prints the address to open in a browser, and serves until Ctrl-C. The page needs no network and no
 installation. Its address holds a token that is new at every start: without it nothing is shown.
 
-With a folder of traces it opens the Lab, with a device, a replay or a simulation the Live room, with
-both both. With neither, the only device that answers on any serial port is taken.
+With a folder of traces it opens the Lab, with a device, a replay or a simulation the rooms of a
+fingertip, with both all. With neither, the only device that answers on any serial port is taken.
 
 Examples:
+  palpate serve --demo --open                 ten presses with a hidden effect and a simulated
+                                             fingertip, to try it all; kept in palpate-demo/
   palpate serve traces/ --open               a model beside recordings, and what it lacks
   palpate serve traces/ --model model.toml   the same, from this model on
   palpate serve --simulate --open            a simulated fingertip
@@ -27,7 +36,7 @@ Examples:
   palpate serve --replay press.csv           a trace through the filter of the device, as fast as
                                              it was recorded
   palpate serve --replay press.csv --speed 4 --recordings touches/")]
-#[command(group = clap::ArgGroup::new("source"))]
+#[command(groups = [clap::ArgGroup::new("source"), clap::ArgGroup::new("made-up")])]
 pub struct Args {
     /// Folder of traces to open in the Lab; practice sets and model files are written to it
     folder: Option<PathBuf>,
@@ -44,11 +53,14 @@ pub struct Args {
     #[arg(long, value_name = "FACTOR", default_value = "1", requires = "replay", value_parser = speed)]
     speed: f64,
     /// Simulate a device
-    #[arg(long, group = "source")]
+    #[arg(long, groups = ["source", "made-up"])]
     simulate: bool,
-    /// Seed of the simulated device's noise
-    #[arg(long, default_value_t = 1, requires = "simulate")]
-    seed: u64,
+    /// Ten presses with a hidden effect to find, and a simulated device
+    #[arg(long, groups = ["source", "made-up"], conflicts_with = "model")]
+    demo: bool,
+    /// Seed of the simulated device's noise, and of what the demo hides [default: 1 and 6]
+    #[arg(long, requires = "made-up")]
+    seed: Option<u64>,
     /// Folder that recordings are written to
     #[arg(long, value_name = "FOLDER", default_value = ".")]
     recordings: PathBuf,
@@ -104,13 +116,39 @@ pub fn run(args: &Args) -> Result<(), Failure> {
 impl Args {
     /// The folder that was named, with its model.
     fn lab(&self) -> Result<Option<Session>, Failure> {
-        let open = |folder: &PathBuf| Session::open(folder, self.model.as_deref());
-        self.folder.as_ref().map(open).transpose().map_err(Failure::input)
+        let folder = if self.demo { Some(self.demo_folder()?) } else { self.folder.clone() };
+        let open = |folder: PathBuf| Session::open(&folder, self.model.as_deref());
+        folder.map(open).transpose().map_err(Failure::input)
+    }
+
+    /// The practice set of the demo: that of an earlier start, or a new one.
+    fn demo_folder(&self) -> Result<PathBuf, Failure> {
+        let folder = self.folder.clone().unwrap_or_else(|| DEMO.into());
+        let shown = folder.display();
+        if folder.join(SEALED).is_file() {
+            eprintln!("{shown}: the practice set that is there");
+            return Ok(folder);
+        }
+        check_empty(&folder).map_err(Failure::input)?;
+        let wait = progress::spinner("recording ten presses");
+        let seed = self.seed.unwrap_or(DEMO_SEED);
+        let practice = hide(&Choice::Any(1), 1.0, seed);
+        wait.finish_and_clear();
+        let practice = practice.map_err(Failure::work)?;
+        write_set(&folder, &practice).map_err(Failure::work)?;
+        eprintln!("{shown}: ten presses with a hidden effect, seed {seed}");
+        Ok(folder)
+    }
+
+    /// Whether the device is a simulated one. The demo does without where there cannot be one.
+    fn made_up(&self) -> bool {
+        self.simulate || (self.demo && cfg!(unix))
     }
 
     /// The device, or what stands for one; none beside a folder where none was named.
     fn live(&self, beside: bool) -> Result<Option<Live>, Failure> {
-        if beside && self.port.is_none() && self.replay.is_none() && !self.simulate {
+        let named = self.port.is_some() || self.replay.is_some() || self.made_up();
+        if beside && !named {
             return Ok(None);
         }
         let live = Live::begin(source(self)?, self.recordings.clone());
@@ -120,8 +158,8 @@ impl Args {
 
 #[cfg(unix)]
 fn source(args: &Args) -> Result<Source, Failure> {
-    if args.simulate {
-        return Ok(Source::Simulated { seed: args.seed });
+    if args.made_up() {
+        return Ok(Source::Simulated { seed: args.seed.unwrap_or(SEED) });
     }
     if let Some(path) = &args.replay {
         let mut traces =
@@ -146,6 +184,6 @@ fn source(args: &Args) -> Result<Source, Failure> {
 }
 
 fn device(args: &Args) -> Result<Source, Failure> {
-    let (port, session) = choose(args.port.as_deref()).map_err(Failure::input)?;
+    let (port, session) = discover::choose(args.port.as_deref()).map_err(Failure::input)?;
     Ok(Source::Device { port, session: Box::new(session) })
 }

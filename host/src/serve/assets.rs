@@ -12,7 +12,7 @@ const SCRIPT: &str = "text/javascript; charset=utf-8";
 const TEXT: &str = "text/plain; charset=utf-8";
 
 /// Path, content type, content.
-const FILES: [(&str, &str, &[u8]); 26] = [
+const FILES: &[(&str, &str, &[u8])] = &[
     ("/", HTML, include_bytes!("page/index.html")),
     ("/style.css", CSS, include_bytes!("page/style.css")),
     ("/shell.js", SCRIPT, include_bytes!("page/shell.js")),
@@ -30,6 +30,7 @@ const FILES: [(&str, &str, &[u8]); 26] = [
     ("/lab/candidates.js", SCRIPT, include_bytes!("page/lab/candidates.js")),
     ("/lab/covariate.js", SCRIPT, include_bytes!("page/lab/covariate.js")),
     ("/lab/dom.js", SCRIPT, include_bytes!("page/lab/dom.js")),
+    ("/lab/guide.js", SCRIPT, include_bytes!("page/lab/guide.js")),
     ("/lab/heatmap.js", SCRIPT, include_bytes!("page/lab/heatmap.js")),
     ("/lab/model.js", SCRIPT, include_bytes!("page/lab/model.js")),
     ("/lab/overlay.js", SCRIPT, include_bytes!("page/lab/overlay.js")),

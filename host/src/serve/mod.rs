@@ -98,6 +98,8 @@ pub fn run(
 fn router(live: Option<Live>, lab: Option<Session>, guard: Arc<Guard>) -> Router {
     let mut rooms = Vec::new();
     let mut api = Router::new();
+    // Who names a folder came for the Lab.
+    let first = if lab.is_some() { "lab" } else { "live" };
     if let Some(live) = live {
         rooms.push(json!({ "name": "live", "title": "Live" }));
         api = api.nest("/live", live::routes(live));
@@ -106,7 +108,7 @@ fn router(live: Option<Live>, lab: Option<Session>, guard: Arc<Guard>) -> Router
         rooms.push(json!({ "name": "lab", "title": "Lab" }));
         api = api.nest("/lab", lab::routes(session));
     }
-    let about = json!({ "version": env!("CARGO_PKG_VERSION"), "rooms": rooms });
+    let about = json!({ "version": env!("CARGO_PKG_VERSION"), "rooms": rooms, "first": first });
     let api = api
         .route("/rooms", get(move || async move { Json(about) }))
         .fallback(async || Problem::not_found("there is nothing of this name"));

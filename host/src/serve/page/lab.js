@@ -1,9 +1,10 @@
 // The Lab: a model beside recordings, what it lacks, and putting it right.
 
-import { bench } from "./lab/bench.js";
+import { bench, fitTask } from "./lab/bench.js";
 import { candidates } from "./lab/candidates.js";
 import { covariate } from "./lab/covariate.js";
 import { choice, h, number } from "./lab/dom.js";
+import { guide } from "./lab/guide.js";
 import { heatmap } from "./lab/heatmap.js";
 import { ladder } from "./lab/bars.js";
 import { model } from "./lab/model.js";
@@ -52,9 +53,10 @@ export function open(root, api) {
     practice: panel("Practice", "practice"),
   };
   const work = h("div", { class: "lab-work", role: "status", "aria-live": "polite" });
+  const way = h("div", {});
   const left = [panels.trace, panels.heat, panels.against].map((of) => of.place);
   const right = [panels.ladder, panels.missing, panels.model, panels.law, panels.practice].map((of) => of.place);
-  root.append(h("div", { class: "lab" }, panels.bench.place, work, h("div", { class: "lab-columns" }, h("div", { class: "lab-column" }, left), h("div", { class: "lab-column" }, right))));
+  root.append(h("div", { class: "lab" }, panels.bench.place, way, work, h("div", { class: "lab-columns" }, h("div", { class: "lab-column" }, left), h("div", { class: "lab-column" }, right))));
   const picker = h("div", { class: "tools" });
   panels.trace.body.append(picker);
   const plots = overlay(panels.trace.body, api.get);
@@ -175,6 +177,7 @@ export function open(root, api) {
 
   function drawBench() {
     panels.bench.show(bench(choices, state, drafts.fit, act));
+    way.replaceChildren(guide(state, () => fitTask(choices, drafts.fit), act) ?? "");
   }
 
   function draw() {

@@ -10,6 +10,7 @@ const themeButton = document.getElementById("theme");
 const KEYS = [["1 … 9", "go to a room"], ["t", "light or dark"], ["?", "these keys"]];
 
 let rooms = [];
+let first = "";
 let close = () => {};
 let opening = 0;
 
@@ -34,9 +35,10 @@ function say(text, warning = false) {
   main.replaceChildren(message);
 }
 
-/** Opens the room that the address names, or the first. */
+/** Opens the room that the address names, or the one that was asked for at the start. */
 async function enter() {
-  const room = rooms.find((room) => `#${room.name}` === location.hash) ?? rooms[0];
+  const named = (name) => rooms.find((room) => room.name === name);
+  const room = named(location.hash.slice(1)) ?? named(first) ?? rooms[0];
   const mine = ++opening;
   close();
   close = () => {};
@@ -90,7 +92,7 @@ async function begin() {
   document.addEventListener("keydown", pressed);
   if (!takeToken()) return say("Open the address that `palpate serve` printed: it holds the token without which nothing is shown.", true);
   try {
-    ({ rooms } = await api.get("/rooms"));
+    ({ rooms, first } = await api.get("/rooms"));
   } catch (error) {
     return say(error.message, true);
   }

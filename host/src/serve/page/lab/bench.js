@@ -31,8 +31,9 @@ function data(state, act) {
 }
 
 function law(choices, draft, act) {
-  const of = choices.laws.find((one) => one.name === draft.law);
-  const separations = choices.separations.filter((name) => of.bonded || name !== "bonded");
+  const of = lawOf(choices, draft);
+  const separations = separationsOf(choices, of);
+  const task = () => fitTask(choices, draft);
   const counts = Array.from({ length: choices.most_terms }, (_, k) => [String(k + 1), String(k + 1)]);
   const set = (name) => (value) => {
     draft[name] = value;
@@ -42,16 +43,6 @@ function law(choices, draft, act) {
     const input = h("input", { type: "number", min: "1", step: "any", value: draft[name] ?? "", placeholder: "free", onchange: () => (draft[name] = input.value) });
     return input;
   };
-  const number = (value) => (value === "" || value === undefined ? undefined : Number(value));
-  const task = () => ({
-    fit: {
-      law: draft.law,
-      ...(of.terms ? { terms: Number(draft.terms) } : {}),
-      separation: separations.includes(draft.separation) ? draft.separation : separations[0],
-      ...(of.segments && number(draft.segments) ? { segments: number(draft.segments) } : {}),
-      ...(of.exponent && number(draft.exponent) !== undefined ? { exponent: number(draft.exponent) } : {}),
-    },
-  });
   return h(
     "div",
     { class: "tools" },
@@ -63,4 +54,23 @@ function law(choices, draft, act) {
     h("button", { class: "lab-fit", onclick: () => act.start(task()) }, "Fit"),
     act.copy(task),
   );
+}
+
+const lawOf = (choices, draft) => choices.laws.find((one) => one.name === draft.law);
+const separationsOf = (choices, of) => choices.separations.filter((name) => of.bonded || name !== "bonded");
+
+/** The fit of the law that is picked. */
+export function fitTask(choices, draft) {
+  const of = lawOf(choices, draft);
+  const separations = separationsOf(choices, of);
+  const given = (value) => value !== "" && value !== undefined;
+  return {
+    fit: {
+      law: draft.law,
+      ...(of.terms ? { terms: Number(draft.terms) } : {}),
+      separation: separations.includes(draft.separation) ? draft.separation : separations[0],
+      ...(of.segments && given(draft.segments) ? { segments: Number(draft.segments) } : {}),
+      ...(of.exponent && given(draft.exponent) ? { exponent: Number(draft.exponent) } : {}),
+    },
+  };
 }

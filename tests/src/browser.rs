@@ -1,0 +1,269 @@
+//! A browser that does what its user does: looks, points, clicks, types.
+//!
+//! Chromium is driven by chromedriver; `cargo xtask browser` installs both. What cannot be done fails the test that asks
+//! for it, with what the page showed.
+#![allow(clippy::missing_panics_doc)]
+
+use std::io::{BufRead, BufReader};
+use std::path::PathBuf;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+use fantoccini::actions::{InputSource, MouseActions, PointerAction};
+use fantoccini::elements::Element;
+use fantoccini::{Client, ClientBuilder, Locator};
+use hyper_util::client::legacy::connect::HttpConnector;
+use serde_json::{Value, json};
+use tokio::runtime::Runtime;
+
+use crate::workspace;
+
+/// The program that drives the browser; Debian has it in `chromium-driver`.
+pub const DRIVER: &str = "chromedriver";
+/// How long anything may take to appear.
+const PATIENCE: Duration = Duration::from_secs(60);
+const LOOK: Duration = Duration::from_millis(50);
+
+/// A window with a page in it.
+pub struct Browser {
+    runtime: Runtime,
+    client: Client,
+    driver: Child,
+    _profile: tempfile::TempDir,
+}
+
+impl Browser {
+    /// Opens an address in a window of this size, px.
+    #[must_use]
+    pub fn open(url: &str, width: u32, height: u32) -> Self {
+        let profile = tempfile::tempdir().expect("a folder for the browser");
+        let mut driver = Command::new(DRIVER)
+            .arg("--port=0")
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null())
+            .spawn()
+            .expect("chromedriver is there: cargo xtask browser installs it");
+        let mut lines = BufReader::new(driver.stdout.take().expect("it is piped")).lines();
+        let port = lines.find_map(|line| {
+            let line = line.ok()?;
+            let (_, port) = line.split_once("started successfully on port ")?;
+            Some(port.trim_end_matches('.').to_owned())
+        });
+        let port = port.expect("chromedriver says its port");
+        // What it says later is read, so that it does not wait for a reader.
+        std::thread::spawn(move || lines.for_each(drop));
+        let options = json!({
+            "browserName": "chrome",
+            "goog:chromeOptions": { "args": [
+                "--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
+                "--disable-background-networking", "--disable-component-update", "--disable-sync",
+                "--hide-scrollbars", "--disable-dev-shm-usage",
+                format!("--user-data-dir={}", profile.path().display()),
+                format!("--window-size={width},{height}"),
+            ] },
+            "goog:loggingPrefs": { "browser": "ALL" },
+        });
+        let Value::Object(capabilities) = options else { unreachable!("it is an object") };
+        let runtime =
+            tokio::runtime::Builder::new_current_thread().enable_all().build().expect("a runtime");
+        let client = runtime.block_on(async {
+            let mut builder = ClientBuilder::new(HttpConnector::new());
+            let client = builder.capabilities(capabilities);
+            client.connect(&format!("http://127.0.0.1:{port}")).await.expect("Chromium starts")
+        });
+        let browser = Self { runtime, client, driver, _profile: profile };
+        browser.go(url);
+        browser
+    }
+
+    /// Opens an address.
+    pub fn go(&self, url: &str) {
+        self.runtime.block_on(self.client.goto(url)).expect("the page opens");
+    }
+
+    /// What a script gives, run as the body of a function.
+    #[must_use]
+    pub fn script(&self, body: &str) -> Value {
+        let outcome = self.runtime.block_on(self.client.execute(body, Vec::new()));
+        outcome.unwrap_or_else(|error| panic!("{body}: {error}"))
+    }
+
+    /// Waits until a script gives `true`.
+    pub fn until(&self, what: &str, condition: &str) {
+        self.within(PATIENCE, what, || self.script(&format!("return {condition}")) == true);
+    }
+
+    fn within(&self, patience: Duration, what: &str, mut is_so: impl FnMut() -> bool) {
+        let begun = Instant::now();
+        while !is_so() {
+            if begun.elapsed() > patience {
+                let file = self.picture("failed");
+                let text = self.script("return document.body.innerText");
+                panic!(
+                    "it never came to this: {what}; see {}; the page said {text}",
+                    file.display()
+                );
+            }
+            std::thread::sleep(LOOK);
+        }
+    }
+
+    /// The one element of a selector that can be seen.
+    fn element(&self, css: &str) -> Element {
+        self.within(PATIENCE, css, || {
+            self.runtime.block_on(async {
+                let Ok(element) = self.client.find(Locator::Css(css)).await else { return false };
+                element.is_displayed().await.unwrap_or(false)
+            })
+        });
+        self.runtime.block_on(self.client.find(Locator::Css(css))).expect("it was there")
+    }
+
+    /// What is written in an element.
+    #[must_use]
+    pub fn text(&self, css: &str) -> String {
+        self.element(css);
+        let text = self.script(&format!("return document.querySelector({}).innerText", json!(css)));
+        text.as_str().unwrap_or_default().to_owned()
+    }
+
+    /// Waits until an element says this.
+    pub fn says(&self, css: &str, words: &str) {
+        let condition = format!(
+            "(document.querySelector({})?.innerText ?? '').includes({})",
+            json!(css),
+            json!(words)
+        );
+        self.until(&format!("{css} says {words:?}"), &condition);
+    }
+
+    /// How many elements there are.
+    #[must_use]
+    pub fn count(&self, css: &str) -> u64 {
+        let count =
+            self.script(&format!("return document.querySelectorAll({}).length", json!(css)));
+        count.as_u64().unwrap_or_default()
+    }
+
+    /// Clicks with the mouse, when the element can be clicked.
+    pub fn click(&self, css: &str) {
+        self.within(PATIENCE, &format!("a click on {css}"), || {
+            // An element that was drawn anew in between is looked for again.
+            self.runtime.block_on(async {
+                match self.client.find(Locator::Css(css)).await {
+                    Ok(element) => {
+                        element.is_enabled().await.unwrap_or(false) && element.click().await.is_ok()
+                    }
+                    Err(_) => false,
+                }
+            })
+        });
+    }
+
+    /// Puts the pointer over an element.
+    pub fn point(&self, css: &str) {
+        let element = self.element(css);
+        let mouse = MouseActions::new("mouse".into()).then(PointerAction::MoveToElement {
+            element,
+            duration: None,
+            x: 0.0,
+            y: 0.0,
+        });
+        self.runtime.block_on(self.client.perform_actions(mouse)).expect("the pointer moves");
+    }
+
+    /// Drags over an element, from one part of its width to another.
+    pub fn drag(&self, css: &str, from: f64, to: f64) {
+        let element = self.element(css);
+        let (_, _, width, _) = self.runtime.block_on(element.rectangle()).expect("it has a size");
+        let at = |part: f64| PointerAction::MoveToElement {
+            element: element.clone(),
+            duration: Some(Duration::from_millis(100)),
+            x: (part - 0.5) * width,
+            y: 0.0,
+        };
+        let mouse = MouseActions::new("mouse".into())
+            .then(at(from))
+            .then(PointerAction::Down { button: 0 })
+            .then(at(to))
+            .then(PointerAction::Up { button: 0 });
+        self.runtime.block_on(self.client.perform_actions(mouse)).expect("the pointer drags");
+    }
+
+    /// Takes an option of a drop-down list.
+    pub fn choose(&self, css: &str, value: &str) {
+        let element = self.element(css);
+        self.runtime.block_on(element.select_by_value(value)).expect("there is such an option");
+    }
+
+    /// Types into a field instead of what is there.
+    pub fn write(&self, css: &str, text: &str) {
+        let element = self.element(css);
+        self.runtime.block_on(async {
+            element.clear().await.expect("it can be emptied");
+            element.send_keys(text).await.expect("it can be written into");
+        });
+    }
+
+    /// Presses keys where the focus is.
+    pub fn press(&self, keys: &str) {
+        self.runtime.block_on(async {
+            let focus = self.client.active_element().await.expect("something has the focus");
+            focus.send_keys(keys).await.expect("keys can be pressed");
+        });
+    }
+
+    /// Makes the window so large, px.
+    pub fn resize(&self, width: u32, height: u32) {
+        let resized = self.client.set_window_size(width, height);
+        self.runtime.block_on(resized).expect("the window has a size");
+    }
+
+    /// Keeps a picture of the window in `target/browser/`.
+    #[must_use]
+    pub fn picture(&self, name: &str) -> PathBuf {
+        let folder = workspace().join("target/browser");
+        let file = folder.join(format!("{name}.png"));
+        let png = self.runtime.block_on(self.client.screenshot()).expect("a picture");
+        std::fs::create_dir_all(&folder).expect("a folder for pictures");
+        std::fs::write(&file, png).expect("a picture can be kept");
+        file
+    }
+
+    /// Errors and warnings that the browser's console was told.
+    #[must_use]
+    pub fn complaints(&self) -> Vec<String> {
+        let told = self.runtime.block_on(self.client.issue_cmd(log::Take)).expect("a log");
+        let entries = told.as_array().cloned().unwrap_or_default();
+        let grave = |entry: &&Value| matches!(entry["level"].as_str(), Some("SEVERE" | "WARNING"));
+        entries.iter().filter(grave).map(|entry| entry["message"].to_string()).collect()
+    }
+}
+
+impl Drop for Browser {
+    fn drop(&mut self) {
+        // Whatever is left of it ends with the driver.
+        let _ = self.runtime.block_on(self.client.clone().close());
+        let _ = self.driver.kill();
+        let _ = self.driver.wait();
+    }
+}
+
+/// Chromium's own command for the lines of its console.
+mod log {
+    use fantoccini::wd::WebDriverCompatibleCommand;
+    use url::{ParseError, Url};
+
+    #[derive(Debug)]
+    pub struct Take;
+
+    impl WebDriverCompatibleCommand for Take {
+        fn endpoint(&self, base: &Url, session: Option<&str>) -> Result<Url, ParseError> {
+            base.join(&format!("session/{}/se/log", session.unwrap_or_default()))
+        }
+
+        fn method_and_body(&self, _: &Url) -> (http::Method, Option<String>) {
+            (http::Method::POST, Some(r#"{"type":"browser"}"#.into()))
+        }
+    }
+}
