@@ -342,13 +342,13 @@ fn a_page_that_stops_reading_loses_whole_frames_and_is_told_and_can_fetch_them()
     let server = Server::simulated();
     let mut page = Page::of(&server);
     let mut heard = 0;
-    while heard < 8 {
+    while heard < 16 {
         if let Heard::Rows(_) = page.hear(false) {
             heard += 1;
         }
     }
     std::thread::sleep(Duration::from_secs(1));
-    for _ in 0..8 {
+    for _ in 0..16 {
         page.socket.send(Message::text("ok")).unwrap();
     }
     let rows = page.rows();

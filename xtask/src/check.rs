@@ -6,9 +6,9 @@ use std::time::Instant;
 
 use miette::{IntoDiagnostic, bail};
 
-use crate::{emulate, firmware};
+use crate::{browser, emulate, firmware};
 
-/// How long the emulated device streams in the whole check, s.
+/// How long a device streams in the whole check, to the emulator's host and to a browser, s.
 const STEADY_S: u32 = 60;
 
 /// The top of the workspace.
@@ -30,6 +30,7 @@ pub fn run() -> miette::Result<()> {
         &["doc", "--workspace", "--no-deps"],
         &[("RUSTDOCFLAGS", "-D warnings")],
     )?;
+    browser::run(STEADY_S)?;
     firmware::set_up()?;
     let folder = firmware::folder();
     rust("format of the firmware", &folder, &["fmt", "--all", "--check"], &[])?;

@@ -7,12 +7,13 @@ use miette::{IntoDiagnostic, bail};
 use crate::check::{rust, workspace};
 use crate::firmware;
 use crate::golden::Golden;
+use crate::packages;
 
 const QEMU: &str = "qemu-system-arm";
 
 /// Sets up, builds and runs everything that the firmware promises, with a steady stream of so many seconds.
 pub fn run(steady_s: u32, update: bool) -> miette::Result<()> {
-    set_up()?;
+    packages::set_up(QEMU, &[QEMU], "to run the firmware")?;
     let mut golden = Golden::open("firmware.txt", update)?;
     firmware::check(&mut golden)?;
     cost(&mut golden)?;
@@ -57,33 +58,6 @@ pub fn cost(golden: &mut Golden) -> miette::Result<()> {
     }
     if figures < 7 {
         bail!("the count ended early: {text}{}", String::from_utf8_lossy(&output.stderr));
-    }
-    Ok(())
-}
-
-/// Installs the emulator where it is missing.
-pub fn set_up() -> miette::Result<()> {
-    let present =
-        Command::new(QEMU).arg("--version").output().is_ok_and(|out| out.status.success());
-    if present {
-        return Ok(());
-    }
-    println!("==> installing {QEMU} from the system's packages, to run the firmware");
-    let root =
-        Command::new("id").arg("-u").output().is_ok_and(|out| out.stdout.starts_with(b"0\n"));
-    for arguments in
-        [&["update", "-q"][..], &["install", "-y", "-q", "--no-install-recommends", QEMU]]
-    {
-        let mut command = if root { Command::new("apt-get") } else { Command::new("sudo") };
-        if !root {
-            command.arg("apt-get");
-        }
-        match command.args(arguments).status() {
-            Ok(status) if status.success() => {}
-            _ => bail!(
-                "{QEMU} is missing and could not be installed with apt-get; install it to run the firmware"
-            ),
-        }
     }
     Ok(())
 }

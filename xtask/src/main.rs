@@ -1,10 +1,12 @@
 //! Set-up, the whole check, generated recordings and pages: `cargo xtask --help`.
 
+mod browser;
 mod check;
 mod effects;
 mod emulate;
 mod firmware;
 mod golden;
+mod packages;
 mod traces;
 
 use std::process::ExitCode;
@@ -36,6 +38,12 @@ enum Task {
         #[arg(long)]
         update: bool,
     },
+    /// Show the local page in a real browser and hold it to everything it promises; an hour of stream.
+    Browser {
+        /// Seconds of steady stream.
+        #[arg(long, default_value_t = 3_600)]
+        steady: u32,
+    },
     /// Write the bundled recordings of tests/traces/ anew; the same bytes on every run.
     Traces,
     /// Write the pages of docs/effects/ anew, from the library's own declarations.
@@ -47,6 +55,7 @@ fn main() -> ExitCode {
         Task::Test => check::run(),
         Task::Firmware => firmware::build().map(drop),
         Task::Emulate { steady, update } => emulate::run(steady, update),
+        Task::Browser { steady } => browser::run(steady),
         Task::Effects => effects::write_all(),
         Task::Traces => traces::write_all(),
     };

@@ -20,12 +20,12 @@ use super::feed::lock;
 use super::pyramid::{SIGNALS, Values};
 use super::store::{Event, Store};
 
-/// Between two messages.
-const TICK: Duration = Duration::from_millis(16);
+/// Between two looks for rows; they come in blocks, each of which is sent as it comes.
+const TICK: Duration = Duration::from_millis(4);
 /// Between two messages of health.
 const HEALTH: Duration = Duration::from_millis(250);
 /// Messages that may be unanswered.
-const IN_FLIGHT: u32 = 8;
+const IN_FLIGHT: u32 = 16;
 /// Events that a page is told at first.
 const EVENTS: u64 = 200;
 
@@ -136,16 +136,16 @@ mod tests {
     fn a_page_that_does_not_answer_loses_whole_messages_and_is_told_how_many() {
         let mut store = Store::new();
         let mut page = Page::new(&store);
-        for row in 0..20 {
+        for row in 0..28 {
             store.pyramid.push(f64::from(row), &[0.0; SIGNALS]);
             page.due(&mut store);
         }
-        assert_eq!((page.in_flight, page.frames_dropped, page.rows_dropped), (8, 12, 12));
+        assert_eq!((page.in_flight, page.frames_dropped, page.rows_dropped), (16, 12, 12));
         page.in_flight = 0;
-        store.pyramid.push(20.0, &[0.0; SIGNALS]);
+        store.pyramid.push(28.0, &[0.0; SIGNALS]);
         let [Some(Message::Binary(bytes)), _] = page.due(&mut store) else { panic!("no rows") };
         let number = |at: usize| f64::from_le_bytes(bytes[at..at + 8].try_into().unwrap());
-        assert_eq!([8, 16, 32].map(number), [12.0, 12.0, 20.0]);
+        assert_eq!([8, 16, 32].map(number), [12.0, 12.0, 28.0]);
         assert_eq!(bytes.len(), 48 + 8 + 4 * SIGNALS);
     }
 }

@@ -2,7 +2,7 @@
 
 import { plot } from "./plot.js";
 import { element, healthPanel } from "./live/health.js";
-import { COLUMNS, Window, columnsOf, readRows, readView } from "./live/window.js";
+import { Window, columnsOf, readRows, readView } from "./live/window.js";
 import { controls } from "./live/controls.js";
 
 export const keys = [
@@ -23,6 +23,8 @@ const SIGNALS = [
 const REGION_COLOURS = [undefined, "c4", "c1", "c3", "c0", "c2", "c5"];
 const STRETCHES = [2, 5, 10, 30, 60];
 const LONGEST = 86_400;
+/** Bins across a plot, at least and at most; between, as many as it is wide in px. */
+const COLUMNS = [300, 1_000];
 
 export function open(root, api) {
   const room = element("div", { className: "live" });
@@ -34,7 +36,7 @@ export function open(root, api) {
   let rowsDropped = 0;
   let waiting = null;
   let closed = false;
-  const now = new Window(seconds);
+  const now = new Window(seconds, COLUMNS[0]);
   let regions = Array.from({ length: GAUGES }, () => []);
   let gaps = [];
   let pastDrawing = null;
@@ -81,6 +83,10 @@ export function open(root, api) {
   const panel = controls(side, api);
   const healthShown = healthPanel(side);
 
+  const columnsShown = () => Math.min(Math.max(2 * Math.round(gauges.firstElementChild.clientWidth / 2), COLUMNS[0]), COLUMNS[1]);
+  const resized = new ResizeObserver(() => refill());
+  resized.observe(gauges);
+
   // What comes.
   const closeSocket = api.socket("/live/stream", (data, send) => {
     if (typeof data === "string") return told(JSON.parse(data));
@@ -122,12 +128,12 @@ export function open(root, api) {
       const from = Math.max(0, (Number.isFinite(now.last) ? now.last : health.now_s) - seconds);
       try {
         const [bytes, events] = await Promise.all([
-          api.bytes(`/live/view?from=${from}&to=${to}&bins=${2 * COLUMNS}`), api.get(`/live/events?from=${from}&to=${to}`),
+          api.bytes(`/live/view?from=${from}&to=${to}&bins=${2 * columnsShown()}`), api.get(`/live/events?from=${from}&to=${to}`),
         ]);
         regions = regions.map(() => []);
         gaps = [];
         for (const event of events) if (event.kind !== "said") happenedQuietly(event);
-        now.resize(seconds);
+        now.resize(seconds, columnsShown());
         now.fill(readView(bytes));
       } catch (error) {
         where.textContent = error.message;
@@ -215,7 +221,11 @@ export function open(root, api) {
   function draw() {
     if (closed) return;
     requestAnimationFrame(draw);
+    drawWhatIsNew();
     measure();
+  }
+
+  function drawWhatIsNew() {
     const still = past !== null;
     if (still && !pastDrawing?.fresh) return;
     if (!still && now.bins === 0) return;
@@ -269,6 +279,7 @@ export function open(root, api) {
 
   return () => {
     closed = true;
+    resized.disconnect();
     closeSocket();
     document.removeEventListener("keydown", pressed);
     plots.forEach(({ drawn }) => drawn.close());

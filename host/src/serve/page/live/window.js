@@ -1,10 +1,8 @@
 // The last seconds of a session, in bins about a pixel wide, in memory of a fixed size.
 
 export const SIGNALS = 20;
-/** Bins across the window. */
-export const COLUMNS = 700;
-/** Room for so many bins; when it is full the older half goes. */
-const ROOM = 4 * COLUMNS;
+/** Windows that there is room for; when it is full the older half goes. */
+const ROOM = 4;
 
 /** Reads a binary message of the websocket. */
 export function readRows(buffer) {
@@ -52,16 +50,17 @@ export function columnsOf({ count, times, least, greatest }) {
 }
 
 export class Window {
-  constructor(seconds) {
-    this.resize(seconds);
+  constructor(seconds, columns) {
+    this.resize(seconds, columns);
   }
 
-  /** Forgets everything; from now on for so many seconds. */
-  resize(seconds) {
+  /** Forgets everything; from now on for so many seconds in so many bins. */
+  resize(seconds, columns) {
     this.seconds = seconds;
-    this.width = seconds / COLUMNS;
-    this.x = new Float64Array(2 * ROOM);
-    this.values = Array.from({ length: SIGNALS }, () => new Float32Array(2 * ROOM));
+    this.width = seconds / columns;
+    this.room = ROOM * columns;
+    this.x = new Float64Array(2 * this.room);
+    this.values = Array.from({ length: SIGNALS }, () => new Float32Array(2 * this.room));
     this.bins = 0;
     this.last = -Infinity;
     this.bin = NaN;
@@ -82,7 +81,7 @@ export class Window {
     this.last = time;
     const bin = Math.floor(time / this.width);
     if (bin !== this.bin) {
-      if (this.bins === ROOM) this.forget();
+      if (this.bins === this.room) this.forget();
       this.bin = bin;
       const place = 2 * this.bins++;
       this.x[place] = time;
@@ -103,7 +102,7 @@ export class Window {
   }
 
   forget() {
-    const half = ROOM / 2;
+    const half = this.room / 2;
     this.x.copyWithin(0, 2 * half);
     for (const all of this.values) all.copyWithin(0, 2 * half);
     this.bins -= half;
