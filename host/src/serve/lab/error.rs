@@ -29,6 +29,8 @@ pub enum LabError {
     NoForecast(String),
     #[error("no {what} is called `{name}`")]
     Unknown { what: &'static str, name: String },
+    #[error("{other} is of {theirs}, the model at hand of {ours}: they cannot be compared")]
+    OtherSignal { other: String, theirs: String, ours: String },
     #[error("nothing to undo")]
     NothingToUndo,
     #[error("something is being worked out: wait for it, or cancel it")]

@@ -12,9 +12,9 @@ use super::folder::Folder;
 use super::forecast::Forecast;
 use super::job::Job;
 use super::own_law::OwnLaw;
-use super::task::{Names, Task};
-use super::work::{Bench, Outcome, reveal};
-use crate::criticism::compare::Comparison;
+use super::spans::Spans;
+use super::task::{Names, Other, Task};
+use super::work::{Bench, Beside, Compared, Outcome, reveal};
 use crate::criticism::diagnose::Diagnosis;
 use crate::files::quoted;
 use crate::fit::data::Data;
@@ -39,8 +39,10 @@ struct Version {
 /// What is known of the model at hand beside the traces chosen.
 #[derive(Default)]
 struct Known {
-    comparison: Option<Comparison>,
-    drawings: Vec<Drawing>,
+    compared: Option<Compared>,
+    /// The traces without a model, as far as they were looked at.
+    measured: Vec<Option<Drawing>>,
+    beside: Option<Beside>,
     diagnosis: Option<Diagnosis>,
     forecast: Option<Forecast>,
     /// Answers by the name of the task: `fit`, `diagnosis`, `change`, with `candidates` beside.
@@ -59,6 +61,9 @@ pub struct Session {
     traces: Arc<Vec<Trace>>,
     /// Which of them are taken.
     chosen: Vec<bool>,
+    /// Those that are taken, and their regions.
+    taken: Arc<Vec<Trace>>,
+    spans: Vec<Spans>,
     signal: String,
     /// The models, the one at hand last.
     versions: Vec<Version>,
@@ -83,7 +88,8 @@ impl Session {
         let mut session = Self { folder: Some(Folder::open(folder)?), ..Self::empty() };
         let sets = session.folder()?.sets()?;
         if let Some(set) = sets.into_iter().next() {
-            session.take_set(&set)?;
+            let traces = read_set(&[session.folder()?.existing(&set)?])?;
+            session.take_set(set, traces);
         }
         if let Some(path) = model {
             session.take_model(Model::read(path)?, quoted(&path.display().to_string()));
@@ -100,33 +106,26 @@ impl Session {
         self.versions.last().map(|version| &version.model).ok_or(LabError::NoModel)
     }
 
-    /// The traces taken.
-    fn taken(&self) -> Vec<Trace> {
-        let taken = self.traces.iter().zip(&self.chosen).filter(|(_, chosen)| **chosen);
-        taken.map(|(trace, _)| trace.clone()).collect()
-    }
-
-    /// Opens another data set: a folder below that opened.
+    /// Sets another data set to be read: a folder below that opened.
     ///
     /// # Errors
-    /// When it leads outside, or its traces cannot be read, or something is at work.
+    /// When it leads outside, is not there, or something is at work.
     pub fn choose_set(&mut self, set: &str) -> Result<(), LabError> {
         self.check_idle()?;
-        self.take_set(set)?;
-        self.versions.clear();
-        Ok(())
+        self.folder()?.existing(set)?;
+        self.start(Task::Open(set.into()))
     }
 
-    fn take_set(&mut self, set: &str) -> Result<(), LabError> {
-        let traces = read_set(&[self.folder()?.existing(set)?])?;
+    fn take_set(&mut self, set: String, traces: Vec<Trace>) {
         self.chosen = vec![true; traces.len()];
         self.traces = Arc::new(traces);
-        self.set = set.into();
+        self.taken = self.traces.clone();
+        self.spans = Spans::of_set(&self.taken);
+        self.set = set;
         if !self.signals().contains(&self.signal) {
             self.signal = self.signals().into_iter().next().unwrap_or_else(|| FORCE.into());
         }
         self.forget();
-        Ok(())
     }
 
     /// Takes the traces of these numbers, and compares anew.
@@ -143,6 +142,13 @@ impl Session {
             return Err(LabError::NoTraces);
         }
         self.chosen = (0..self.traces.len()).map(|k| numbers.contains(&k)).collect();
+        self.taken = if self.chosen.iter().all(|chosen| *chosen) {
+            self.traces.clone()
+        } else {
+            let taken = self.traces.iter().zip(&self.chosen).filter(|(_, chosen)| **chosen);
+            Arc::new(taken.map(|(trace, _)| trace.clone()).collect())
+        };
+        self.spans = Spans::of_set(&self.taken);
         self.forget();
         self.look()
     }
@@ -216,8 +222,7 @@ impl Session {
             hide.seed.get_or_insert_with(seed_from_clock);
         }
         let practice = self.practice_name(&task)?;
-        let taken = self.taken();
-        if taken.is_empty() && !matches!(task, Task::Hide(_)) {
+        if self.taken.is_empty() && !matches!(task, Task::Hide(_) | Task::Open(_)) {
             return Err(LabError::NoTraces);
         }
         if let Task::Fit(fit) = &task {
@@ -225,7 +230,7 @@ impl Session {
         }
         let bench = Bench {
             folder: self.folder.clone(),
-            traces: Arc::new(taken),
+            traces: self.taken.clone(),
             model: self.versions.last().map(|version| version.model.clone()),
             signal: self.signal.clone(),
             next: NextCommand {
@@ -233,6 +238,7 @@ impl Session {
                 traces: self.traces_named()?,
             },
             command: self.command(&task)?,
+            other: self.other(&task)?,
             practice,
         };
         self.failed = None;
@@ -245,14 +251,36 @@ impl Session {
     /// # Errors
     /// When it takes a model or a folder and there is none.
     pub fn command(&self, task: &Task) -> Result<String, LabError> {
+        let set = match task {
+            Task::Open(set) => set.clone(),
+            _ => self.practice_name(task)?.0,
+        };
         let names = Names {
             model: self.versions.last().map(|version| version.file.clone()),
             traces: self.traces_named()?,
             written: self.folder()?.shown(&self.next_file()?),
             signal: self.signal.clone(),
-            practice: self.folder()?.shown(&self.practice_name(task)?.0),
+            other: self.other(task)?.map(|(_, file)| file),
+            set: self.folder()?.shown(&set),
         };
         task.command(&names)
+    }
+
+    /// The model that a task puts beside the one at hand, and its file.
+    fn other(&self, task: &Task) -> Result<Option<(Arc<Model>, String)>, LabError> {
+        let Task::Beside(other) = task else { return Ok(None) };
+        let folder = self.folder()?;
+        match other {
+            Other::File(name) => {
+                let model = Model::read(&folder.existing(name)?)?;
+                Ok(Some((Arc::new(model), folder.shown(name))))
+            }
+            Other::Version(number) => {
+                let unknown = || LabError::Unknown { what: "model", name: number.to_string() };
+                let version = self.versions.get(*number).ok_or_else(unknown)?;
+                Ok(Some((version.model.clone(), version.file.clone())))
+            }
+        }
     }
 
     fn practice_name(&self, task: &Task) -> Result<(String, u64), LabError> {
@@ -277,7 +305,7 @@ impl Session {
             "" => folder.shown(&trace.label()),
             set => folder.shown(&format!("{set}/{}", trace.label())),
         };
-        Ok(self.taken().iter().map(file).collect::<Vec<_>>().join(" "))
+        Ok(self.taken.iter().map(file).collect::<Vec<_>>().join(" "))
     }
 
     /// A model file that is not there yet.
@@ -318,10 +346,13 @@ impl Session {
     }
 
     fn take(&mut self, task: &Task, command: String, outcome: Outcome) -> Result<(), LabError> {
-        if let Some(folder) = outcome.practice {
-            self.take_set(&folder)?;
+        if let Some((set, traces)) = outcome.set {
+            self.take_set(set, traces);
             self.versions.clear();
-            self.known.answers.insert("practice".into(), outcome.answer);
+            return Ok(());
+        }
+        if outcome.beside.is_some() {
+            self.known.beside = outcome.beside;
             return Ok(());
         }
         if let Some(model) = outcome.model {
@@ -336,11 +367,8 @@ impl Session {
             self.versions.push(Version { model, file, saved: false, command, said });
             self.known = Known::default();
         }
-        if let Some(comparison) = outcome.comparison {
-            let traces = 0..comparison.labels.len();
-            self.known.drawings =
-                traces.map(|trace| Drawing::of_comparison(&comparison, trace)).collect();
-            self.known.comparison = Some(comparison);
+        if outcome.compared.is_some() {
+            self.known.compared = outcome.compared;
         }
         if let Some((diagnosis, candidates)) = outcome.diagnosis {
             self.known.answers.insert("candidates".into(), candidates);
@@ -351,7 +379,7 @@ impl Session {
             Task::Fit(_) => "fit",
             Task::Diagnose | Task::Explore => "diagnosis",
             Task::Add { .. } | Task::Drop { .. } => "change",
-            Task::Compare | Task::Hide(_) => {
+            Task::Compare | Task::Beside(_) | Task::Hide(_) | Task::Open(_) => {
                 self.keep(outcome.report);
                 return Ok(());
             }
@@ -469,6 +497,14 @@ impl Session {
                 "rms": version.model.fit.as_ref().map(|fit| fit.residual_rms),
             })
         };
+        let beside = |beside: &Beside| {
+            json!({
+                "file": beside.file,
+                "command": beside.command,
+                "model": beside.model.as_ref(),
+                "comparison": comparison_json(&beside.compared.comparison),
+            })
+        };
         let sealed = folder
             .and_then(|folder| folder.existing(&self.set).ok())
             .is_some_and(|path| path.join(SEALED).is_file());
@@ -483,7 +519,8 @@ impl Session {
             "unit": unit_of(&self.signal),
             "model": self.versions.last().map(|version| version.model.as_ref()),
             "versions": self.versions.iter().map(version).collect::<Vec<_>>(),
-            "comparison": self.known.comparison.as_ref().map(comparison_json),
+            "comparison": self.known.compared.as_ref().map(|of| comparison_json(&of.comparison)),
+            "beside": self.known.beside.as_ref().map(beside),
             "answers": self.known.answers,
             "reports": self.known.reports.iter().map(|(kind, _)| kind).collect::<Vec<_>>(),
             "practice": sealed,
@@ -505,13 +542,32 @@ impl Session {
     /// When there is no such trace.
     pub fn overlay(&mut self, view: &View) -> Result<Value, LabError> {
         self.settle();
-        if self.known.drawings.is_empty() {
-            let taken = self.taken();
-            let draw = |trace: &Trace| Drawing::of_trace(trace, &self.signal);
-            self.known.drawings = taken.iter().map(draw).collect();
-        }
         let unknown = || LabError::Unknown { what: "trace", name: view.trace.to_string() };
-        self.known.drawings.get(view.trace).map(|drawing| drawing.json(view)).ok_or_else(unknown)
+        let Some(compared) = &self.known.compared else {
+            return self.measured(view.trace).map(|drawing| drawing.json(view)).ok_or_else(unknown);
+        };
+        let mut found = compared.drawings.get(view.trace).ok_or_else(unknown)?.json(view);
+        let beside = self.known.beside.as_ref().and_then(|b| b.compared.drawings.get(view.trace));
+        found["beside"] = beside.map_or(Value::Null, |drawing| drawing.json(view));
+        Ok(found)
+    }
+
+    /// A trace without a model.
+    fn measured(&mut self, trace: usize) -> Option<&Drawing> {
+        let known = &mut self.known.measured;
+        known.resize(self.taken.len(), None);
+        let drawing = known.get_mut(trace)?;
+        if drawing.is_none() {
+            let spans = self.spans[trace].clone();
+            *drawing = Drawing::of_trace(&self.taken, trace, &self.signal, spans);
+        }
+        drawing.as_ref()
+    }
+
+    /// Takes the other model away.
+    pub fn alone(&mut self) {
+        self.settle();
+        self.known.beside = None;
     }
 
     /// What a candidate would make of part of a trace, before anything is refitted.
@@ -523,8 +579,7 @@ impl Session {
         let none = || LabError::NoForecast(effect.into());
         if self.known.forecast.as_ref().is_none_or(|known| known.effect != effect) {
             let diagnosis = self.known.diagnosis.as_ref().ok_or_else(none)?;
-            let taken = self.taken();
-            let data = Data::of_model(self.model()?, &taken)?;
+            let data = Data::of_model(self.model()?, &self.taken)?;
             self.known.forecast = Forecast::new(diagnosis, &data, effect);
         }
         self.known.forecast.as_ref().and_then(|known| known.json(view)).ok_or_else(none)
