@@ -85,7 +85,8 @@ impl Drop for Lab {
 
 /// Presses of a viscoelastic specimen, one every ten seconds at 1 kHz.
 fn long_trace(samples: usize) -> Trace {
-    let mut trace = Trace { time: (0..samples).map(|k| k as f64 / 1e3).collect(), ..Trace::default() };
+    let mut trace =
+        Trace { time: (0..samples).map(|k| k as f64 / 1e3).collect(), ..Trace::default() };
     let depth = |time: f64| -> f64 {
         let within = time % 10.0;
         let up = within.min(10.0 - within) - 1.0;
@@ -93,7 +94,8 @@ fn long_trace(samples: usize) -> Trace {
     };
     let mut state = 1_u64;
     let mut noise = || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        state =
+            state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (state >> 40) as f64 / f64::from(1 << 24) - 0.5
     };
     let displacement: Vec<f64> = trace.time.iter().map(|&time| depth(time)).collect();
@@ -141,7 +143,9 @@ fn ten_million_samples_open_and_pan() {
 
 /// Resident memory, MB.
 fn memory_mb(process: &Child) -> u64 {
-    let status = std::fs::read_to_string(format!("/proc/{}/status", process.id())).unwrap_or_default();
+    let status =
+        std::fs::read_to_string(format!("/proc/{}/status", process.id())).unwrap_or_default();
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
-    line.and_then(|line| line.trim().trim_end_matches(" kB").parse::<u64>().ok()).unwrap_or(0) / 1024
+    line.and_then(|line| line.trim().trim_end_matches(" kB").parse::<u64>().ok()).unwrap_or(0)
+        / 1024
 }

@@ -91,7 +91,12 @@ pub struct Drawing {
 impl Drawing {
     /// A column of a trace, without a model; none where there is no such trace.
     #[must_use]
-    pub fn of_trace(traces: &Arc<Vec<Trace>>, trace: usize, signal: &str, spans: Spans) -> Option<Self> {
+    pub fn of_trace(
+        traces: &Arc<Vec<Trace>>,
+        trace: usize,
+        signal: &str,
+        spans: Spans,
+    ) -> Option<Self> {
         let own = traces.get(trace)?;
         let column = own.columns.iter().position(|column| column.name == signal)?;
         Some(Self {
@@ -110,7 +115,8 @@ impl Drawing {
         let join = |value: fn(&Stretch) -> &[f64]| {
             stretches.iter().flat_map(|stretch| value(stretch)).copied().collect()
         };
-        let (measured, predicted): (Vec<f64>, Vec<f64>) = (join(|s| &s.measured), join(|s| &s.predicted));
+        let (measured, predicted): (Vec<f64>, Vec<f64>) =
+            (join(|s| &s.measured), join(|s| &s.predicted));
         let residual = measured.iter().zip(&predicted).map(|(y, f)| y - f).collect();
         let times: Vec<&[f64]> = stretches.iter().map(|stretch| &stretch.time[..]).collect();
         let lines = vec![("measured", measured), ("predicted", predicted), ("residual", residual)];
@@ -202,7 +208,9 @@ impl Drawing {
     /// The whole of one line in this many columns, as the least and the greatest value of each.
     #[must_use]
     pub fn picture(&self, name: &str, columns: usize) -> Value {
-        let Some(line) = self.lines.iter().find(|line| line.name == name) else { return Value::Null };
+        let Some(line) = self.lines.iter().find(|line| line.name == name) else {
+            return Value::Null;
+        };
         let edge = |k: usize| k * line.values.len() / columns.max(1);
         let filled = (0..columns).map(|k| edge(k)..edge(k + 1)).filter(|part| !part.is_empty());
         filled.map(|part| json!(line.envelope.pair(&line.values, part))).collect()
@@ -222,7 +230,8 @@ mod tests {
         let there = (0..4000).filter(|k| !(1000..1500).contains(k));
         let time: Vec<f64> = there.map(|k| f64::from(k) / 1e3).collect();
         let mut trace = Trace { time: time.clone(), ..Trace::default() };
-        trace.set_column("force_N", time.iter().map(|&t| if t == 2.0 { 99.0 } else { t }).collect());
+        trace
+            .set_column("force_N", time.iter().map(|&t| if t == 2.0 { 99.0 } else { t }).collect());
         Arc::new(vec![trace])
     }
 
@@ -237,8 +246,12 @@ mod tests {
             let (time, values) = (numbers(&found["time"]), numbers(&found["measured"]));
             assert_eq!(time.len(), values.len());
             assert!(time.len() <= 2 * width + 3 && time.windows(2).all(|pair| pair[0] < pair[1]));
-            let broken: Vec<f64> =
-                time.iter().zip(&values).filter(|(_, y)| y.is_none()).map(|(t, _)| t.unwrap()).collect();
+            let broken: Vec<f64> = time
+                .iter()
+                .zip(&values)
+                .filter(|(_, y)| y.is_none())
+                .map(|(t, _)| t.unwrap())
+                .collect();
             assert_eq!(broken.len(), 1, "{broken:?}");
             assert!((1.0..1.5).contains(&broken[0]));
             assert!(values.contains(&Some(99.0)), "the spike stays visible");
@@ -256,7 +269,8 @@ mod tests {
 
     #[test]
     fn a_window_without_samples_or_the_wrong_way_round_is_no_error() {
-        for (from, to) in [(1.1, 1.2), (3.0, 2.0), (9.0, 10.0), (-5.0, -1.0), (f64::NAN, f64::NAN)] {
+        for (from, to) in [(1.1, 1.2), (3.0, 2.0), (9.0, 10.0), (-5.0, -1.0), (f64::NAN, f64::NAN)]
+        {
             let found = drawn(View { trace: 0, from: Some(from), to: Some(to), width: 10 });
             assert!(numbers(&found["time"]).len() <= 4000, "{from} {to}");
         }

@@ -63,12 +63,15 @@ impl Job {
     #[must_use]
     pub fn json(&self) -> Value {
         let (searches, steps) = self.watch.progress();
+        let stage = self.watch.stage();
+        let stage = stage.map(|s| json!({"what": s.what, "of": s.of, "done": s.done}));
         json!({
             "what": self.task.in_words(),
             "command": self.command,
             "seconds": self.begun.elapsed().as_secs_f64(),
             "searches": searches,
             "steps": steps,
+            "stage": stage,
         })
     }
 }

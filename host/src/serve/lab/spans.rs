@@ -68,7 +68,10 @@ impl Spans {
         for (start, end, region) in spans {
             extents.entry(region.name()).or_insert([*start, *end])[1] = *end;
         }
-        (wide.map(|(start, end, region)| json!([start, end, region.name()])).collect(), json!(extents))
+        (
+            wide.map(|(start, end, region)| json!([start, end, region.name()])).collect(),
+            json!(extents),
+        )
     }
 }
 

@@ -113,34 +113,18 @@ impl FitTask {
     /// The choice of laws.
     ///
     /// # Errors
-    /// When the law is unknown or a number out of its range.
+    /// When the law is unknown.
     pub fn choice(&self) -> Result<Choice, LabError> {
         let unknown = || LabError::Unknown { what: "law", name: self.law.clone() };
         let family = Family::named(&self.law).ok_or_else(unknown)?;
-        let range =
-            |given: bool, text: String| if given { Ok(()) } else { Err(LabError::Law(text)) };
         let terms = match self.terms {
             Some(0) => Terms::Auto,
             terms => Terms::Fixed(terms.unwrap_or(TERMS)),
         };
-        if let Terms::Fixed(terms) = terms {
-            let most = crate::model::MAX_TERMS;
-            range((1..=most).contains(&terms), format!("1 to {most} exponentials, not {terms}"))?;
-        }
         let exponent = match self.exponent {
             Some(0.0) => Some(Exponent::Auto),
             given => given.map(Exponent::Given),
         };
-        if let Some(Exponent::Given(n)) = exponent {
-            let (lower, upper) = crate::model::EXPONENTS_N;
-            range(
-                (lower..=upper).contains(&n),
-                format!("an exponent from {lower} to {upper}, not {n}"),
-            )?;
-        }
-        if let Some(segments) = self.segments {
-            range(segments >= 2, format!("2 or more segments, not {segments}"))?;
-        }
         Ok(Choice { family, terms, separation: self.separation, segments: self.segments, exponent })
     }
 
