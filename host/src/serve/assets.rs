@@ -12,7 +12,7 @@ const SCRIPT: &str = "text/javascript; charset=utf-8";
 const TEXT: &str = "text/plain; charset=utf-8";
 
 /// Path, content type, content.
-const FILES: [(&str, &str, &[u8]); 26] = [
+const FILES: [(&str, &str, &[u8]); 27] = [
     ("/", HTML, include_bytes!("page/index.html")),
     ("/style.css", CSS, include_bytes!("page/style.css")),
     ("/shell.js", SCRIPT, include_bytes!("page/shell.js")),
@@ -27,6 +27,7 @@ const FILES: [(&str, &str, &[u8]); 26] = [
     ("/lab.js", SCRIPT, include_bytes!("page/lab.js")),
     ("/lab/bars.js", SCRIPT, include_bytes!("page/lab/bars.js")),
     ("/lab/bench.js", SCRIPT, include_bytes!("page/lab/bench.js")),
+    ("/lab/beside.js", SCRIPT, include_bytes!("page/lab/beside.js")),
     ("/lab/candidates.js", SCRIPT, include_bytes!("page/lab/candidates.js")),
     ("/lab/covariate.js", SCRIPT, include_bytes!("page/lab/covariate.js")),
     ("/lab/dom.js", SCRIPT, include_bytes!("page/lab/dom.js")),
