@@ -28,6 +28,8 @@ struct Version {
     model: Arc<Model>,
     /// Its file, as a command takes it.
     file: String,
+    /// Name of that file in the folder that was opened; none of one that lies elsewhere.
+    name: Option<String>,
     /// Whether that file holds it.
     saved: bool,
     /// The command that makes it; none for a model that was opened.
@@ -92,7 +94,7 @@ impl Session {
             session.take_set(set, traces);
         }
         if let Some(path) = model {
-            session.take_model(Model::read(path)?, quoted(&path.display().to_string()));
+            session.take_model(Model::read(path)?, quoted(&path.display().to_string()), None);
             session.look()?;
         }
         Ok(session)
@@ -176,15 +178,15 @@ impl Session {
         self.check_idle()?;
         let folder = self.folder()?;
         let (model, file) = (Model::read(&folder.existing(name)?)?, folder.shown(name));
-        self.take_model(model, file);
+        self.take_model(model, file, Some(name.into()));
         self.look()
     }
 
-    fn take_model(&mut self, model: Model, file: String) {
+    fn take_model(&mut self, model: Model, file: String, name: Option<String>) {
         let said = format!("opened {file}");
         self.signal.clone_from(&model.base.signal);
         let model = Arc::new(model);
-        self.versions.push(Version { model, file, saved: true, command: None, said });
+        self.versions.push(Version { model, file, name, saved: true, command: None, said });
         self.forget();
     }
 
@@ -238,6 +240,7 @@ impl Session {
                 traces: self.traces_named()?,
             },
             command: self.command(&task)?,
+            written: self.next_file()?,
             other: self.other(&task)?,
             practice,
         };
@@ -339,13 +342,21 @@ impl Session {
             return;
         }
         let Some(job) = self.job.take() else { return };
-        let (task, command) = (job.task().clone(), job.command.clone());
-        if let Err(error) = job.outcome().and_then(|outcome| self.take(&task, command, outcome)) {
+        let (task, command, written) =
+            (job.task().clone(), job.command.clone(), job.written.clone());
+        let taken = |outcome| self.take(&task, command, written, outcome);
+        if let Err(error) = job.outcome().and_then(taken) {
             self.failed = Some(error.to_string());
         }
     }
 
-    fn take(&mut self, task: &Task, command: String, outcome: Outcome) -> Result<(), LabError> {
+    fn take(
+        &mut self,
+        task: &Task,
+        command: String,
+        written: String,
+        outcome: Outcome,
+    ) -> Result<(), LabError> {
         if let Some((set, traces)) = outcome.set {
             self.take_set(set, traces);
             self.versions.clear();
@@ -356,7 +367,7 @@ impl Session {
             return Ok(());
         }
         if let Some(model) = outcome.model {
-            let file = self.folder()?.shown(&self.next_file()?);
+            let (file, name) = (self.folder()?.shown(&written), Some(written));
             let said = match task {
                 Task::Fit(fit) => fit.law.clone(),
                 Task::Add { effect, .. } => format!("+ {effect}"),
@@ -364,7 +375,7 @@ impl Session {
                 _ => "explored".into(),
             };
             let (model, command) = (Arc::new(model), Some(command));
-            self.versions.push(Version { model, file, saved: false, command, said });
+            self.versions.push(Version { model, file, name, saved: false, command, said });
             self.known = Known::default();
         }
         if outcome.compared.is_some() {
@@ -412,13 +423,14 @@ impl Session {
         }
         model.candidates.retain(|own| own.name != stored.name);
         model.candidates.push(stored);
-        let file = self.folder()?.shown(&self.next_file()?);
+        let name = self.next_file()?;
+        let (file, name) = (self.folder()?.shown(&name), Some(name));
         let (said, model) = (format!("law {}", law.name), Arc::new(model));
         // The model predicts what it did: what is known of it stays, but for what could be added.
         self.known.diagnosis = None;
         self.known.forecast = None;
         self.known.answers.clear();
-        self.versions.push(Version { model, file, saved: false, command: None, said });
+        self.versions.push(Version { model, file, name, saved: false, command: None, said });
         Ok(())
     }
 
@@ -445,13 +457,9 @@ impl Session {
     pub fn save(&mut self, name: Option<&str>) -> Result<Value, LabError> {
         self.settle();
         let folder = self.folder()?;
-        let known = || {
-            let file = self.versions.last()?.file.as_str();
-            folder.models().ok()?.into_iter().find(|name| folder.shown(name) == file)
-        };
         let fresh = match name {
             Some(name) => name.to_owned(),
-            None => known().map_or_else(|| self.unsaved_name(), Ok)?,
+            None => self.own_name()?,
         };
         if Path::new(&fresh).extension().is_none_or(|extension| extension != "toml") {
             return Err(LabError::Law(format!("`{fresh}`: the name must end in .toml")));
@@ -459,17 +467,18 @@ impl Session {
         let (path, shown) = (folder.to_write(&fresh)?, folder.shown(&fresh));
         self.model()?.write(&path)?;
         if let Some(version) = self.versions.last_mut() {
-            (version.file, version.saved) = (shown.clone(), true);
+            (version.file, version.name, version.saved) = (shown.clone(), Some(fresh), true);
         }
         Ok(json!({"file": shown}))
     }
 
-    /// The name that commands give to the model at hand, which no file has yet.
-    fn unsaved_name(&self) -> Result<String, LabError> {
-        let folder = self.folder()?;
-        let file = self.versions.last().map(|version| version.file.as_str());
-        let mut names = (1..=self.versions.len()).map(|number| format!("model-{number}.toml"));
-        let own = names.find(|name| Some(folder.shown(name).as_str()) == file);
+    /// The name of the model at hand; another where it was never written and a file has come to be there.
+    fn own_name(&self) -> Result<String, LabError> {
+        let there = self.folder()?.models()?;
+        let free = |version: &&Version| {
+            version.saved || version.name.as_ref().is_some_and(|name| !there.contains(name))
+        };
+        let own = self.versions.last().filter(free).and_then(|version| version.name.clone());
         own.map_or_else(|| self.next_file(), Ok)
     }
 

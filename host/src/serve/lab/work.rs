@@ -39,6 +39,8 @@ pub struct Bench {
     pub next: NextCommand,
     /// The command that does the same.
     pub command: String,
+    /// Name of the model file that it writes, in the folder that was opened.
+    pub written: String,
     /// The model to put beside the one at hand, and its file.
     pub other: Option<(Arc<Model>, String)>,
     /// The folder of a practice set, below that opened, and its seed.
@@ -193,8 +195,12 @@ impl Bench {
         // After a climb, what could be added to the first model says nothing of the last.
         let list =
             if climb { Value::Null } else { candidates(&diagnosis, &data, &comparison, model) };
+        let mut answer = summary.json();
+        if let Some(folder) = self.folder.as_ref().filter(|_| climb) {
+            answer["model"] = folder.shown(&self.written).into();
+        }
         Ok(Outcome {
-            answer: summary.json(),
+            answer,
             report: Some(("diagnosis", self.page(title, summary.sections()))),
             compared: Some(Compared::new(comparison)),
             model: better,

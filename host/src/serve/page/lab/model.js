@@ -14,7 +14,7 @@ export function model(state, act) {
       { class: "tools" },
       h("button", { class: "lab-undo", disabled: versions.length < 2, onclick: act.undo }, "Undo"),
       h("button", { class: "lab-save", onclick: act.save }, last.saved ? `Saved: ${last.file}` : `Save ${last.file}`),
-      state.reports.map((kind) => h("button", { onclick: () => act.export(kind) }, `Report: ${kind}`)),
+      state.reports.map((kind) => h("button", { title: "Download the report that --report writes: one HTML file", onclick: () => act.export(kind) }, `Report: ${kind}`)),
     ),
     parameters(of),
     of.effect?.length ? h("ul", { class: "lab-effects" }, of.effect.map((effect) => inModel(effect, act))) : null,

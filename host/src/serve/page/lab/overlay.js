@@ -23,9 +23,8 @@ export function overlay(root, ask, fail) {
     h("button", { onclick: () => scale(2), "aria-label": "Zoom out" }, "−"),
     h("button", { onclick: () => pan(-0.5), "aria-label": "Earlier" }, "◀"),
     h("button", { onclick: () => pan(0.5), "aria-label": "Later" }, "▶"),
-    told,
   );
-  root.append(buttons, place);
+  root.append(buttons, told, place);
   let info = null;
   let shown = { from: null, to: null };
   let data = null;
