@@ -1,12 +1,13 @@
 //! What the page shows: traces, models, answers, and the way back.
 
+mod told;
+
 use std::path::Path;
 use std::sync::Arc;
 
 use serde_json::{Map, Value, json};
 
-use super::comparison::comparison_json;
-use super::drawing::{Drawing, View};
+use super::drawing::Drawing;
 use super::error::LabError;
 use super::folder::Folder;
 use super::forecast::Forecast;
@@ -14,13 +15,12 @@ use super::job::Job;
 use super::own_law::OwnLaw;
 use super::spans::Spans;
 use super::task::{Names, Other, Task};
-use super::work::{Bench, Beside, Compared, Outcome, reveal};
+use super::work::{Bench, Beside, Compared, Outcome};
 use crate::criticism::diagnose::Diagnosis;
 use crate::files::quoted;
-use crate::fit::data::Data;
 use crate::model::Model;
-use crate::practice::{SEALED, seed_from_clock};
-use crate::summary::{NextCommand, unit_of};
+use crate::practice::seed_from_clock;
+use crate::summary::NextCommand;
 use crate::trace::{DISPLACEMENT, FORCE, Trace, read_set};
 
 /// A model with how it came about.
@@ -482,138 +482,9 @@ impl Session {
         own.map_or_else(|| self.next_file(), Ok)
     }
 
-    /// All that the page shows beside the plots.
-    #[must_use]
-    pub fn state(&mut self) -> Value {
-        self.settle();
-        let folder = self.folder.as_ref();
-        let sets = folder.and_then(|folder| folder.sets().ok()).unwrap_or_default();
-        let models = folder.and_then(|folder| folder.models().ok()).unwrap_or_default();
-        let trace = |(trace, chosen): (&Trace, &bool)| {
-            json!({
-                "name": trace.label(),
-                "samples": trace.len(),
-                "duration_s": trace.duration(),
-                "chosen": chosen,
-            })
-        };
-        let version = |version: &Version| {
-            json!({
-                "file": version.file,
-                "saved": version.saved,
-                "command": version.command,
-                "said": version.said,
-                "rms": version.model.fit.as_ref().map(|fit| fit.residual_rms),
-            })
-        };
-        let beside = |beside: &Beside| {
-            json!({
-                "file": beside.file,
-                "command": beside.command,
-                "model": beside.model.as_ref(),
-                "comparison": comparison_json(&beside.compared.comparison),
-            })
-        };
-        let sealed = folder
-            .and_then(|folder| folder.existing(&self.set).ok())
-            .is_some_and(|path| path.join(SEALED).is_file());
-        json!({
-            "folder": folder.map(|folder| folder.shown("")),
-            "sets": sets,
-            "set": self.set,
-            "models": models,
-            "traces": self.traces.iter().zip(&self.chosen).map(trace).collect::<Vec<_>>(),
-            "signals": self.signals(),
-            "signal": self.signal,
-            "unit": unit_of(&self.signal),
-            "model": self.versions.last().map(|version| version.model.as_ref()),
-            "versions": self.versions.iter().map(version).collect::<Vec<_>>(),
-            "comparison": self.known.compared.as_ref().map(|of| comparison_json(&of.comparison)),
-            "beside": self.known.beside.as_ref().map(beside),
-            "answers": self.known.answers,
-            "reports": self.known.reports.iter().map(|(kind, _)| kind).collect::<Vec<_>>(),
-            "practice": sealed,
-            "job": self.job.as_ref().map(Job::json),
-            "failed": self.failed,
-        })
-    }
-
-    /// What is at work, how far it is, or why it gave nothing.
-    #[must_use]
-    pub fn progress(&mut self) -> Value {
-        self.settle();
-        json!({"job": self.job.as_ref().map(Job::json), "failed": self.failed})
-    }
-
-    /// Part of a trace, with the model where it was compared.
-    ///
-    /// # Errors
-    /// When there is no such trace.
-    pub fn overlay(&mut self, view: &View) -> Result<Value, LabError> {
-        self.settle();
-        let unknown = || LabError::Unknown { what: "trace", name: view.trace.to_string() };
-        let Some(compared) = &self.known.compared else {
-            return self.measured(view.trace).map(|drawing| drawing.json(view)).ok_or_else(unknown);
-        };
-        let mut found = compared.drawings.get(view.trace).ok_or_else(unknown)?.json(view);
-        let beside = self.known.beside.as_ref().and_then(|b| b.compared.drawings.get(view.trace));
-        found["beside"] = beside.map_or(Value::Null, |drawing| drawing.json(view));
-        Ok(found)
-    }
-
-    /// A trace without a model.
-    fn measured(&mut self, trace: usize) -> Option<&Drawing> {
-        let known = &mut self.known.measured;
-        known.resize(self.taken.len(), None);
-        let drawing = known.get_mut(trace)?;
-        if drawing.is_none() {
-            let spans = self.spans[trace].clone();
-            *drawing = Drawing::of_trace(&self.taken, trace, &self.signal, spans);
-        }
-        drawing.as_ref()
-    }
-
     /// Takes the other model away.
     pub fn alone(&mut self) {
         self.settle();
         self.known.beside = None;
-    }
-
-    /// What a candidate would make of part of a trace, before anything is refitted.
-    ///
-    /// # Errors
-    /// When nothing was diagnosed, or the screen foretells nothing for it.
-    pub fn forecast(&mut self, effect: &str, view: &View) -> Result<Value, LabError> {
-        self.settle();
-        let none = || LabError::NoForecast(effect.into());
-        if self.known.forecast.as_ref().is_none_or(|known| known.effect != effect) {
-            let diagnosis = self.known.diagnosis.as_ref().ok_or_else(none)?;
-            let data = Data::of_model(self.model()?, &self.taken)?;
-            self.known.forecast = Forecast::new(diagnosis, &data, effect);
-        }
-        self.known.forecast.as_ref().and_then(|known| known.json(view)).ok_or_else(none)
-    }
-
-    /// The last report of a kind: `fit`, `compare`, `diagnosis` or `change`.
-    ///
-    /// # Errors
-    /// When there is none.
-    pub fn report(&mut self, kind: &str) -> Result<Value, LabError> {
-        self.settle();
-        let own = self.known.reports.iter().find(|(known, _)| *known == kind);
-        let unknown = || LabError::Unknown { what: "report", name: kind.into() };
-        let (kind, page) = own.ok_or_else(unknown)?;
-        Ok(json!({"file": format!("{kind}.html"), "html": page}))
-    }
-
-    /// What is hidden in the practice set at hand.
-    ///
-    /// # Errors
-    /// When it is none.
-    pub fn reveal(&self) -> Result<Value, LabError> {
-        let mut truth = reveal(&self.folder()?.existing(&self.set)?)?;
-        truth["command"] =
-            format!("palpate hide --open {}", self.folder()?.shown(&self.set)).into();
-        Ok(truth)
     }
 }

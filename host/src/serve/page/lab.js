@@ -159,7 +159,7 @@ export function open(root, api) {
       return;
     }
     work.replaceChildren();
-    if (failed) say(capital(failed), true);
+    if (failed) say(failed === "cancelled" ? "Cancelled. The model is as it was." : failed, true);
     await refresh();
   }
 
@@ -307,7 +307,6 @@ export function open(root, api) {
     acts[event.key]();
     event.preventDefault();
   }
-  const capital = (text) => text[0].toUpperCase() + text.slice(1);
   document.addEventListener("keydown", pressed);
 
   guarded(async () => {

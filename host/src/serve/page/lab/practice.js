@@ -19,7 +19,7 @@ export function practice(choices, state, draft, act) {
   const tell = () => {
     if (draft.truth?.set !== state.set) return;
     const { found } = draft.truth;
-    const effect = (of) => h("li", {}, h("strong", {}, of.effect), ` (${of.law}): `, Object.entries(of.parameters).map(([name, value]) => `${name} = ${number(value.value)} ${value.unit}`).join(", "));
+    const effect = (of) => h("li", {}, h("strong", {}, of.effect), ` (${of.law}): `, Object.entries(of.parameters).map(([name, value]) => `${name} = ${number(value.value)} ${value.unit}`.trim()).join(", "));
     truth.replaceChildren(
       h("p", {}, `Hidden was, at ${number(found.misfit_over_noise, 2)} times the noise:`),
       h("ul", {}, found.effects.map(effect)),
