@@ -14,7 +14,7 @@ export function candidates(answers, unit, act) {
   if (found) {
     const scale = Math.max(reach(found.now), ...found.list.map((of) => reach(of.picture)));
     children.push(
-      h("p", { class: "lab-note" }, `Pictures: what would be left of ${found.trace}, on one scale. Now:`, sparkline(found.now, scale, `the residual of ${found.trace} now`)),
+      h("p", { class: "lab-note" }, `Pictures: what would be left of ${found.trace}, on one scale. Now: `, sparkline(found.now, scale, `the residual of ${found.trace} now`)),
       h("ol", { class: "lab-candidates" }, found.list.filter((of) => !of.untestable).map((of) => candidate(of, diagnosis, scale, unit, act))),
       untestable(found.list.filter((of) => of.untestable)),
     );
@@ -43,7 +43,8 @@ function candidate(of, diagnosis, scale, unit, act) {
     of.gain_foretold > 0 ? (of.rms_foretold ? `would leave ${number(of.rms_foretold)} ${unit} RMS` : null) : "explains nothing here",
     of.gain_foretold > 0 ? `Δχ² ${number(of.gain_foretold)}` : null,
     of.gain_foretold > 0 ? `chance alone p = ${number(of.chance, 2)}` : null,
-    rival ? `refitted it leaves ${number(rival.rms_N)} ${unit}, ${number(rival.delta_bic_to_best)} BIC behind the best` : null,
+    rival ? `refitted it leaves ${number(rival.rms_N)} ${unit}` : null,
+    rival?.delta_bic_to_best > 0 ? `${number(rival.delta_bic_to_best)} BIC behind the best` : null,
   ];
   const leave = () => act.hover(null);
   const enter = () => act.hover(of.gain_foretold > 0 ? of.effect : null);
