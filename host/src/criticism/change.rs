@@ -11,6 +11,7 @@ use crate::fit::data::{Data, DataError};
 use crate::fit::least_squares::Effort;
 use crate::fit::problem::Problem;
 use crate::fit::warning::{Warning, warnings};
+use crate::fit::watch;
 use crate::fit::whitening::Whitening;
 use crate::fit::whole_motion::{MotionFit, fit, held_out, over_traces, refit};
 use crate::model::{Chain, Model, Rung, StoredEffect};
@@ -216,9 +217,12 @@ fn try_laws(chain: &Chain, values: &[f64], data: &Data, candidate: &Candidate) -
         }
         start
     };
+    watch::stage("starts of the new laws", directions.len());
     let fitted = |direction: &Direction| {
         let (chain, found) = search.try_out(&from, &start(direction));
-        Fitted::new(&problem.with_chain(&chain), &found.point, Effort::QUICK)
+        let fitted = Fitted::new(&problem.with_chain(&chain), &found.point, Effort::QUICK);
+        watch::done();
+        fitted
     };
     let mut fits: Vec<Fitted> = directions.par_iter().map(fitted).collect();
     fits.sort_by(|a, b| a.bic().total_cmp(&b.bic()));

@@ -5,6 +5,7 @@ use rand_chacha::ChaCha8Rng;
 
 use super::covariate::Covariate;
 use super::residuals::Stretch;
+use crate::fit::watch;
 
 /// Mean residual in one bin of a covariate.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,9 +50,14 @@ pub const SEED: u64 = 7;
 /// shifts are seeded.
 #[must_use]
 pub fn dependences(stretches: &[Stretch]) -> Vec<Dependence> {
+    watch::stage("quantities that the residual could depend on", Covariate::ALL.len());
     let mut found: Vec<Dependence> = Covariate::ALL
         .into_iter()
-        .filter_map(|covariate| dependence(stretches, covariate))
+        .filter_map(|covariate| {
+            let found = dependence(stretches, covariate);
+            watch::done();
+            found
+        })
         .collect();
     found.sort_by(|a, b| b.explained.total_cmp(&a.explained));
     found
@@ -73,6 +79,7 @@ pub fn dependence(stretches: &[Stretch], covariate: Covariate) -> Option<Depende
     let explained = explained(&residuals, &places, count, &unshifted);
     let mut random = ChaCha8Rng::seed_from_u64(SEED);
     let as_much = (0..SHIFTS)
+        .take_while(|_| !watch::ended())
         .filter(|_| {
             let shifts: Vec<usize> =
                 residuals.iter().map(|r| random.random_range(0..r.len().max(1))).collect();

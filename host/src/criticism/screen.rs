@@ -148,7 +148,9 @@ fn gram(
         })
         .collect();
     let mut gram = DMatrix::zeros(size + 1, size + 1);
+    watch::stage("stretches screened", data.pieces.len());
     problem.derivatives(point, |piece, residual, derivatives| {
+        watch::done();
         if watch::ended() {
             return;
         }

@@ -13,6 +13,7 @@ use crate::effects::Candidate;
 use crate::fit::data::Data;
 use crate::fit::least_squares::{Effort, LeastSquares, Solution, minimise_with};
 use crate::fit::problem::Problem;
+use crate::fit::watch;
 use crate::fit::whitening::Whitening;
 use crate::model::Chain;
 
@@ -197,10 +198,12 @@ impl Search<'_> {
             );
         }
         // A few steps for all tell which are worth going on with.
+        watch::stage("laws tried", chosen.len());
         let mut tried: Vec<(&Direction, Chain, Solution)> = chosen
             .par_iter()
             .map(|direction| {
                 let (chain, found) = self.try_out(from, direction);
+                watch::done();
                 (*direction, chain, found)
             })
             .collect();
@@ -231,11 +234,14 @@ impl Search<'_> {
 
     /// Fits each to its end, from where it was tried; the best law of each effect, best effect first.
     fn refitted(&self, tried: Vec<(&Direction, Chain, Solution)>, effort: Effort) -> Vec<Rival> {
+        watch::stage("laws refitted", tried.len());
         let fits: Vec<(usize, Fitted)> = tried
             .into_par_iter()
             .map(|(direction, chain, trial)| {
                 let problem = self.problem.with_chain(&chain);
-                (direction.candidate, Fitted::new(&problem, &trial.point, effort))
+                let fitted = Fitted::new(&problem, &trial.point, effort);
+                watch::done();
+                (direction.candidate, fitted)
             })
             .collect();
         self.by_effect(fits)

@@ -1,7 +1,7 @@
 //! Which base laws are tried: a family with its options.
 
 use super::hold::Terms;
-use crate::model::{BaseLaw, Family, MAX_TERMS, Separation};
+use crate::model::{BaseLaw, Family, MAX_TERMS, OptionError, Separation};
 
 /// A family of base laws with its options.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,47 +30,28 @@ pub enum Exponent {
 /// Exponents among which the lowest that fits best is chosen: odd ones, as in 7.2.
 pub const ODD: [f64; 5] = [1.0, 3.0, 5.0, 7.0, 9.0];
 
-/// Why there is no such law.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[allow(missing_docs)]
-pub enum ChoiceError {
-    #[error("`{0}` is stated for compression and cannot be bonded")]
-    Bonded(&'static str),
-    #[error("--segments is for the latency models, not for `{0}`")]
-    Segments(&'static str),
-    #[error("--exponent is for `latency-power`, not for `{0}`")]
-    Exponent(&'static str),
-}
-
 impl Choice {
     /// The laws to try: one, or one for each number of exponentials or each exponent.
     ///
     /// # Errors
-    /// When the family does not have an option.
-    pub fn laws(&self) -> Result<Vec<BaseLaw>, ChoiceError> {
-        let (family, name) = (self.family, self.family.name());
-        let law = BaseLaw { segments: self.segments, ..BaseLaw::new(family, 1, self.separation) };
-        if law.separation == Separation::Bonded && !family.can_be_bonded() {
-            return Err(ChoiceError::Bonded(name));
-        }
-        if self.segments.is_some() && !family.has_segments() {
-            return Err(ChoiceError::Segments(name));
-        }
-        match self.exponent {
-            Some(_) if family != Family::LatencyPower => return Err(ChoiceError::Exponent(name)),
-            Some(Exponent::Given(n)) => return Ok(vec![BaseLaw { exponent: Some(n), ..law }]),
-            Some(Exponent::Auto) => {
-                return Ok(ODD.map(|n| BaseLaw { exponent: Some(n), ..law }).to_vec());
-            }
-            None => {}
-        }
-        if !family.has_terms() {
-            return Ok(vec![law]);
-        }
-        let terms = match self.terms {
-            Terms::Fixed(terms) => terms..=terms,
-            Terms::Auto => 1..=MAX_TERMS,
+    /// When the family does not have an option, or not so much of it.
+    pub fn laws(&self) -> Result<Vec<BaseLaw>, OptionError> {
+        let law = |terms: usize, exponent: Option<f64>| BaseLaw {
+            segments: self.segments,
+            exponent,
+            ..BaseLaw::new(self.family, terms, self.separation)
         };
-        Ok(terms.map(|terms| BaseLaw { terms, ..law }).collect())
+        let terms = match self.terms {
+            Terms::Auto if self.family.has_terms() => 1..=MAX_TERMS,
+            Terms::Auto => 1..=1,
+            Terms::Fixed(terms) => terms..=terms,
+        };
+        let laws: Vec<BaseLaw> = match self.exponent {
+            Some(Exponent::Auto) => ODD.map(|n| law(1, Some(n))).to_vec(),
+            Some(Exponent::Given(n)) => vec![law(1, Some(n))],
+            None => terms.map(|terms| law(terms, None)).collect(),
+        };
+        laws.iter().try_for_each(BaseLaw::check)?;
+        Ok(laws)
     }
 }

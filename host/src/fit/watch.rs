@@ -2,11 +2,12 @@
 //!
 //! Work runs [`under`] a watch on threads of its own, all of which know it, so that nothing between needs
 //! to hand it on. Every search for a minimum counts its steps there, and ends where the watch says so;
-//! what comes out of work that was ended means nothing.
+//! what comes out of work that was ended means nothing. Where so many alike are to be done one after the
+//! other, that is a stage, and each of them is counted.
 
 use std::cell::RefCell;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use rayon::{ThreadPoolBuildError, ThreadPoolBuilder};
 
@@ -16,6 +17,18 @@ pub struct Watch {
     ended: AtomicBool,
     searches: AtomicUsize,
     steps: AtomicUsize,
+    stage: Mutex<Option<Stage>>,
+}
+
+/// Things to be done that are alike, as far as they are done.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Stage {
+    /// What they are, in words.
+    pub what: &'static str,
+    /// How many they are.
+    pub of: usize,
+    /// How many are done.
+    pub done: usize,
 }
 
 thread_local! {
@@ -38,6 +51,17 @@ impl Watch {
     #[must_use]
     pub fn progress(&self) -> (usize, usize) {
         (self.searches.load(Ordering::Relaxed), self.steps.load(Ordering::Relaxed))
+    }
+
+    /// What is being done, where it is known how much there is of it.
+    #[must_use]
+    pub fn stage(&self) -> Option<Stage> {
+        *self.stage.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn set_stage(&self, change: impl FnOnce(Option<Stage>) -> Option<Stage>) {
+        let mut stage = self.stage.lock().unwrap_or_else(PoisonError::into_inner);
+        *stage = change(*stage);
     }
 }
 
@@ -66,6 +90,20 @@ pub(super) fn step() -> bool {
     !ended()
 }
 
+/// A stage begins: so many alike are to be done.
+pub fn stage(what: &'static str, of: usize) {
+    seen(|watch| watch.set_stage(|_| Some(Stage { what, of, done: 0 })));
+}
+
+/// One more of the stage is done; with the last the stage ends.
+pub fn done() {
+    let next = |stage: Stage| {
+        let done = stage.done + 1;
+        (done < stage.of).then_some(Stage { done, ..stage })
+    };
+    seen(|watch| watch.set_stage(|stage| stage.and_then(next)));
+}
+
 /// Whether the work at hand was asked to end; never where nobody watches.
 #[must_use]
 pub fn ended() -> bool {
@@ -89,5 +127,22 @@ mod tests {
         assert_eq!(went_on(&other), (true, true));
         assert_eq!(other.progress(), (0, 2));
         assert!(step(), "nobody watches here");
+    }
+
+    #[test]
+    fn a_stage_counts_what_is_done_and_ends_with_the_last() {
+        let watch = Arc::new(Watch::default());
+        let seen = under(&watch, || {
+            stage("starts", 3);
+            let seen = [(), (), ()].map(|()| {
+                done();
+                watch.stage().map(|stage| (stage.what, stage.of, stage.done))
+            });
+            done();
+            seen
+        });
+        assert_eq!(seen.unwrap(), [Some(("starts", 3, 1)), Some(("starts", 3, 2)), None]);
+        stage("unseen", 1);
+        assert_eq!(watch.stage(), None);
     }
 }

@@ -10,6 +10,7 @@ use super::least_squares::{LeastSquares, Solution, Stop, minimise};
 use super::problem::Problem;
 use super::start::starts;
 use super::uncertainty::{Uncertainty, uncertainty};
+use super::watch;
 use super::whitening::Whitening;
 use crate::model::{BaseLaw, Chain, Elasticity, FitRecord, History, Parameter};
 use crate::trace::units;
@@ -91,7 +92,9 @@ pub fn fit(law: BaseLaw, data: &Data) -> Result<MotionFit, DataError> {
     let white = Whitening::none();
     let problem = Problem::new(&chain, data, &white, None);
     // Several starts: the sum of squares may have more than one minimum in the exponents and the rates.
-    let best = starts(&law, data)
+    let starts = starts(&law, data);
+    watch::stage("starts of the search", starts.len());
+    let best = starts
         .into_iter()
         .map(|start| {
             let found = minimise(&problem, &problem.point(&start));
@@ -102,6 +105,7 @@ pub fn fit(law: BaseLaw, data: &Data) -> Result<MotionFit, DataError> {
                 found.iterations,
                 found.normal.cost
             );
+            watch::done();
             found
         })
         .min_by(|a, b| a.normal.cost.total_cmp(&b.normal.cost))
@@ -126,6 +130,7 @@ pub fn refit(chain: &Chain, from: &[f64], data: &Data) -> Result<MotionFit, Data
 /// has more of its own stays as it was fitted.
 #[must_use]
 pub fn held_out(fit: &MotionFit, data: &Data) -> Vec<f64> {
+    watch::stage("traces left out, each in turn", data.labels.len());
     (0..data.labels.len())
         .map(|trace| {
             let white = Whitening::none();
@@ -137,7 +142,9 @@ pub fn held_out(fit: &MotionFit, data: &Data) -> Vec<f64> {
                 from[own[0]] = 0.0;
             }
             let found = minimise(&problem, &problem.point(&from));
-            error_on(&problem, data, &found.point, trace, zero)
+            let error = error_on(&problem, data, &found.point, trace, zero);
+            watch::done();
+            error
         })
         .collect()
 }

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 
-use super::{BaseLaw, EXPONENTS_N, Family, MAX_TERMS, Parameter, Separation, Stage};
+use super::{BaseLaw, Family, Parameter, Separation, Stage};
 use crate::files::write_whole;
 
 /// Major version of the model file that this program reads and writes.
@@ -114,35 +114,15 @@ impl Base {
             let known = Family::ALL.map(Family::name).join(", ");
             format!("unknown law `{name}`; known: {known}")
         })?;
-        let (each, what) = match family {
-            Family::GeneralizedMaxwell => ("eta", "dampers"),
-            _ => ("c", "shares"),
-        };
+        // One of these stands for each exponential or branch.
+        let each = if family == Family::GeneralizedMaxwell { "eta" } else { "c" };
         let terms = self.parameters.keys().filter(|name| name.starts_with(each)).count();
-        if family.has_terms() && !(1..=MAX_TERMS).contains(&terms) {
-            return Err(format!("{terms} {what} {each}1…; `{name}` takes 1 to {MAX_TERMS}"));
-        }
-        let mut law = BaseLaw::new(family, terms, self.separation);
-        if self.separation == Separation::Bonded && !family.can_be_bonded() {
-            return Err(format!("`{name}` is stated for compression and cannot be bonded"));
-        }
-        if let Some(segments) = self.segments {
-            if !family.has_segments() || segments < 2 {
-                return Err(format!(
-                    "`segments = {segments}` is not for `{name}`: the latency models take 2 or more"
-                ));
-            }
-            law.segments = Some(segments);
-        }
-        if let Some(exponent) = self.exponent {
-            let (lower, upper) = EXPONENTS_N;
-            if family != Family::LatencyPower || !(lower..=upper).contains(&exponent) {
-                return Err(format!(
-                    "`exponent = {exponent}` is not for `{name}`: `latency-power` takes {lower} to {upper}"
-                ));
-            }
-            law.exponent = Some(exponent);
-        }
+        let law = BaseLaw {
+            segments: self.segments,
+            exponent: self.exponent,
+            ..BaseLaw::new(family, terms, self.separation)
+        };
+        law.check().map_err(|error| error.to_string())?;
         Ok(law)
     }
 }

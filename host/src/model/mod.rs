@@ -14,6 +14,7 @@ mod file;
 mod force_control;
 mod hereditary;
 mod motion;
+mod options;
 mod parameter;
 mod profile;
 mod relaxation;
@@ -31,6 +32,7 @@ pub use file::{Base, FileError, FitRecord, Model, Rung, StoredEffect, StoredPara
 pub use force_control::{Controlled, ForceProfile, ForceProfileError, ForceStep, Loading};
 pub use hereditary::{Growth, Hereditary, HereditaryState};
 pub use motion::{Motion, MotionError};
+pub use options::OptionError;
 pub use parameter::Parameter;
 pub use profile::{Hold, Move, Profile, ProfileError, Step};
 pub use relaxation::{Branch, Memory, Relaxation};

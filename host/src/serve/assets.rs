@@ -27,6 +27,7 @@ const FILES: &[(&str, &str, &[u8])] = &[
     ("/lab.js", SCRIPT, include_bytes!("page/lab.js")),
     ("/lab/bars.js", SCRIPT, include_bytes!("page/lab/bars.js")),
     ("/lab/bench.js", SCRIPT, include_bytes!("page/lab/bench.js")),
+    ("/lab/beside.js", SCRIPT, include_bytes!("page/lab/beside.js")),
     ("/lab/candidates.js", SCRIPT, include_bytes!("page/lab/candidates.js")),
     ("/lab/covariate.js", SCRIPT, include_bytes!("page/lab/covariate.js")),
     ("/lab/dom.js", SCRIPT, include_bytes!("page/lab/dom.js")),

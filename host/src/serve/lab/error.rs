@@ -5,9 +5,8 @@ use std::path::PathBuf;
 use crate::criticism::change::ChangeError;
 use crate::criticism::compare::CompareError;
 use crate::criticism::diagnose::DiagnoseError;
-use crate::fit::choice::ChoiceError;
 use crate::fit::data::DataError;
-use crate::model::FileError;
+use crate::model::{FileError, OptionError};
 use crate::practice::{FolderError, HideError, SealError};
 use crate::trace;
 
@@ -29,6 +28,8 @@ pub enum LabError {
     NoForecast(String),
     #[error("no {what} is called `{name}`")]
     Unknown { what: &'static str, name: String },
+    #[error("{other} is of {theirs}, the model at hand of {ours}: they cannot be compared")]
+    OtherSignal { other: String, theirs: String, ours: String },
     #[error("nothing to undo")]
     NothingToUndo,
     #[error("something is being worked out: wait for it, or cancel it")]
@@ -46,7 +47,7 @@ pub enum LabError {
     #[error(transparent)]
     Model(#[from] FileError),
     #[error(transparent)]
-    Choice(#[from] ChoiceError),
+    Options(#[from] OptionError),
     #[error(transparent)]
     Data(#[from] DataError),
     #[error(transparent)]

@@ -45,7 +45,7 @@ impl Forecast {
         let squares: f64 = left.iter().flatten().map(|r| r * r).sum();
         let drawing = |trace: usize| {
             let own = || data.pieces.iter().enumerate().filter(move |(_, p)| p.trace == trace);
-            let pick = |of: &[Vec<f64>]| own().map(|(k, _)| of[k].clone()).collect();
+            let pick = |of: &[Vec<f64>]| own().flat_map(|(k, _)| &of[k]).copied().collect();
             let times: Vec<&[f64]> = own().map(|(_, piece)| &piece.motion.time[..]).collect();
             Drawing::of_lines(&times, vec![("foretold", pick(&predicted)), ("left", pick(&left))])
         };

@@ -16,6 +16,8 @@ pub struct Job {
     task: Task,
     /// The command that does the same.
     pub command: String,
+    /// Name of the model file that it writes.
+    pub written: String,
     begun: Instant,
     watch: Arc<Watch>,
     thread: JoinHandle<Result<Outcome, LabError>>,
@@ -26,12 +28,13 @@ impl Job {
     #[must_use]
     pub fn new(task: Task, bench: Bench) -> Self {
         let watch = Arc::new(Watch::default());
-        let (own, asked, command) = (watch.clone(), task.clone(), bench.command.clone());
+        let (own, asked) = (watch.clone(), task.clone());
+        let (command, written) = (bench.command.clone(), bench.written.clone());
         let thread = std::thread::spawn(move || {
             let outcome = under(&own, || run(&asked, &bench))?;
             if own.ended() { Err(LabError::Cancelled) } else { outcome }
         });
-        Self { task, command, begun: Instant::now(), watch, thread }
+        Self { task, command, written, begun: Instant::now(), watch, thread }
     }
 
     /// What is asked for.
@@ -63,12 +66,15 @@ impl Job {
     #[must_use]
     pub fn json(&self) -> Value {
         let (searches, steps) = self.watch.progress();
+        let stage = self.watch.stage();
+        let stage = stage.map(|s| json!({"what": s.what, "of": s.of, "done": s.done}));
         json!({
             "what": self.task.in_words(),
             "command": self.command,
             "seconds": self.begun.elapsed().as_secs_f64(),
             "searches": searches,
             "steps": steps,
+            "stage": stage,
         })
     }
 }

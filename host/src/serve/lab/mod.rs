@@ -10,7 +10,7 @@
 //! - `job`: a task at work.
 //! - `session`: traces, models, answers, undo.
 //! - `choices`, `comparison`: what there is to choose from, and where the model fails.
-//! - `drawing`, `envelope`: traces as few points as a plot is wide.
+//! - `drawing`, `envelope`, `spans`: traces as few points as a plot is wide.
 //! - `forecast`: what candidates would make of the prediction.
 //! - `own_law`: a law of one's own, and what is wrong with it.
 //! - `routes`: all of it over HTTP.
@@ -26,6 +26,7 @@ mod job;
 mod own_law;
 mod routes;
 mod session;
+mod spans;
 mod task;
 #[cfg(test)]
 mod tests;
@@ -37,4 +38,4 @@ pub use folder::Folder;
 pub use own_law::OwnLaw;
 pub use routes::routes;
 pub use session::Session;
-pub use task::Task;
+pub use task::{FitTask, HideTask, Other, Task};

@@ -36,6 +36,7 @@ pub fn routes<S: Clone + Send + Sync + 'static>(session: Session) -> Router<S> {
         .route("/check", post(check))
         .route("/undo", post(undo))
         .route("/save", post(save))
+        .route("/alone", post(alone))
         .route("/reveal", post(reveal))
         .with_state(Arc::new(Mutex::new(session)))
 }
@@ -174,6 +175,14 @@ struct Save {
 
 async fn save(State(session): State<Shared>, Json(wanted): Json<Save>) -> Answer {
     with(session, move |session| session.save(wanted.file.as_deref())).await
+}
+
+async fn alone(State(session): State<Shared>) -> Answer {
+    with(session, |session| {
+        session.alone();
+        Ok(session.state())
+    })
+    .await
 }
 
 async fn reveal(State(session): State<Shared>) -> Answer {

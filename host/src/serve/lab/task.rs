@@ -34,8 +34,22 @@ pub enum Task {
         /// Its name.
         effect: String,
     },
+    /// Put another model beside the one at hand.
+    Beside(Other),
     /// Make a practice set with a hidden effect, and open it.
     Hide(HideTask),
+    /// Read the traces of a folder below that opened: its name, empty for that itself.
+    Open(String),
+}
+
+/// A model that is not the one at hand: `{"version": 0}`, `{"file": "model-1.toml"}`.
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub enum Other {
+    /// One of this session, from 0.
+    Version(usize),
+    /// A model file of the folder.
+    File(String),
 }
 
 /// A base law with its options, as on the command line.
@@ -86,8 +100,10 @@ pub struct Names {
     pub written: String,
     /// The column that is fitted.
     pub signal: String,
-    /// The folder of a practice set.
-    pub practice: String,
+    /// The model beside.
+    pub other: Option<String>,
+    /// The folder of a practice set, or of one to read.
+    pub set: String,
 }
 
 /// Most effects that are drawn, as on the command line.
@@ -97,34 +113,18 @@ impl FitTask {
     /// The choice of laws.
     ///
     /// # Errors
-    /// When the law is unknown or a number out of its range.
+    /// When the law is unknown.
     pub fn choice(&self) -> Result<Choice, LabError> {
         let unknown = || LabError::Unknown { what: "law", name: self.law.clone() };
         let family = Family::named(&self.law).ok_or_else(unknown)?;
-        let range =
-            |given: bool, text: String| if given { Ok(()) } else { Err(LabError::Law(text)) };
         let terms = match self.terms {
             Some(0) => Terms::Auto,
             terms => Terms::Fixed(terms.unwrap_or(TERMS)),
         };
-        if let Terms::Fixed(terms) = terms {
-            let most = crate::model::MAX_TERMS;
-            range((1..=most).contains(&terms), format!("1 to {most} exponentials, not {terms}"))?;
-        }
         let exponent = match self.exponent {
             Some(0.0) => Some(Exponent::Auto),
             given => given.map(Exponent::Given),
         };
-        if let Some(Exponent::Given(n)) = exponent {
-            let (lower, upper) = crate::model::EXPONENTS_N;
-            range(
-                (lower..=upper).contains(&n),
-                format!("an exponent from {lower} to {upper}, not {n}"),
-            )?;
-        }
-        if let Some(segments) = self.segments {
-            range(segments >= 2, format!("2 or more segments, not {segments}"))?;
-        }
         Ok(Choice { family, terms, separation: self.separation, segments: self.segments, exponent })
     }
 
@@ -171,7 +171,7 @@ impl Task {
     /// # Errors
     /// When it takes a model and there is none.
     pub fn command(&self, names: &Names) -> Result<String, LabError> {
-        let Names { traces, written, signal, practice, .. } = names;
+        let Names { traces, written, signal, set, .. } = names;
         let model = || names.model.as_deref().ok_or(LabError::NoModel);
         Ok(match self {
             Self::Fit(fit) => {
@@ -191,7 +191,12 @@ impl Task {
             Self::Drop { effect } => {
                 format!("palpate drop {} {} {traces} -o {written}", quoted(effect), model()?)
             }
-            Self::Hide(hide) => format!("palpate hide{} -o {practice}", hide.options()),
+            Self::Beside(_) => {
+                let other = names.other.as_deref().ok_or(LabError::NoModel)?;
+                format!("palpate compare {} {traces}; palpate compare {other} {traces}", model()?)
+            }
+            Self::Hide(hide) => format!("palpate hide{} -o {set}", hide.options()),
+            Self::Open(_) => format!("palpate serve {set}"),
         })
     }
 
@@ -205,7 +210,9 @@ impl Task {
             Self::Explore => "climbing the ladder".into(),
             Self::Add { effect, .. } => format!("refitting with {effect}"),
             Self::Drop { effect } => format!("refitting without {effect}"),
-            Self::Hide(_) => "recording a practice set".into(),
+            Self::Beside(_) => "comparing with another model".into(),
+            Self::Hide(_) => "making a practice set".into(),
+            Self::Open(_) => "reading traces".into(),
         }
     }
 }

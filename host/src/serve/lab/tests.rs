@@ -184,6 +184,7 @@ fn nothing_outside_the_folder_is_opened_or_written() {
         assert!(matches!(session.choose_set("link"), Err(LabError::Outside(_))));
     }
     session.choose_set("").unwrap();
+    assert_eq!(wait(&mut session)["failed"], Value::Null);
     done(&mut session, json!({"fit": {"law": "maxwell"}}));
     for name in ["../model.toml", "/tmp/model.toml", "../other/model.toml"] {
         assert!(matches!(session.save(Some(name)), Err(LabError::Outside(_))), "{name}");

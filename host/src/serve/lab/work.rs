@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use serde_json::Value;
 
+use super::drawing::Drawing;
 use super::error::LabError;
 use super::folder::Folder;
 use super::forecast::candidates;
@@ -21,7 +22,7 @@ use crate::summary::{
     DiagnosisSummary, FitSummary, NextCommand, change_json, change_report, compare_json,
     compare_sections, practice_json, unit_of,
 };
-use crate::trace::{Trace, pooled_noise};
+use crate::trace::{Trace, pooled_noise, read_set};
 
 /// All that a piece of work needs, by itself.
 #[derive(Clone)]
@@ -38,6 +39,10 @@ pub struct Bench {
     pub next: NextCommand,
     /// The command that does the same.
     pub command: String,
+    /// Name of the model file that it writes, in the folder that was opened.
+    pub written: String,
+    /// The model to put beside the one at hand, and its file.
+    pub other: Option<(Arc<Model>, String)>,
     /// The folder of a practice set, below that opened, and its seed.
     pub practice: (String, u64),
 }
@@ -52,11 +57,42 @@ pub struct Outcome {
     /// A new model.
     pub model: Option<Model>,
     /// The model at hand, or the new one, beside the traces.
-    pub comparison: Option<Comparison>,
+    pub compared: Option<Compared>,
+    /// Another model beside the same traces.
+    pub beside: Option<Beside>,
     /// What the model lacks, with the candidates.
     pub diagnosis: Option<(Diagnosis, Value)>,
-    /// A practice set to open.
-    pub practice: Option<String>,
+    /// The traces of a folder, by its name.
+    pub set: Option<(String, Vec<Trace>)>,
+}
+
+/// A model beside the traces, as it is told and drawn.
+pub struct Compared {
+    /// Where it fails; without the samples, which the drawings have.
+    pub comparison: Comparison,
+    /// Every trace.
+    pub drawings: Vec<Drawing>,
+}
+
+/// Another model beside the same traces.
+pub struct Beside {
+    /// Its file.
+    pub file: String,
+    /// The model.
+    pub model: Arc<Model>,
+    /// How it does.
+    pub compared: Compared,
+    /// The command that says the same.
+    pub command: String,
+}
+
+impl Compared {
+    fn new(mut comparison: Comparison) -> Self {
+        let traces = 0..comparison.labels.len();
+        let drawings = traces.map(|trace| Drawing::of_comparison(&comparison, trace)).collect();
+        comparison.stretches = Vec::new();
+        Self { comparison, drawings }
+    }
 }
 
 /// Does what is asked for.
@@ -75,7 +111,9 @@ pub fn run(task: &Task, bench: &Bench) -> Result<Outcome, LabError> {
             bench.changed(change)
         }
         Task::Drop { effect } => bench.changed(change::drop(model()?, effect, &bench.traces)?),
+        Task::Beside(_) => bench.beside(model()?),
         Task::Hide(hide) => bench.hide(hide),
+        Task::Open(set) => bench.open(set),
     }
 }
 
@@ -101,7 +139,7 @@ impl Bench {
         Ok(Outcome {
             answer: summary.json(),
             report: Some(("fit", self.page("A fit over whole motions", summary.sections()))),
-            comparison: Some(compare(&model, &self.traces)?),
+            compared: Some(Compared::new(compare(&model, &self.traces)?)),
             model: Some(model),
             ..Outcome::default()
         })
@@ -113,9 +151,37 @@ impl Bench {
         Ok(Outcome {
             answer: compare_json(&comparison),
             report: Some(("compare", self.page("Model against measurement", sections))),
-            comparison: Some(comparison),
+            compared: Some(Compared::new(comparison)),
             ..Outcome::default()
         })
+    }
+
+    /// Another model beside the same traces.
+    fn beside(&self, model: &Model) -> Result<Outcome, LabError> {
+        let (other, file) = self.other.clone().ok_or(LabError::NoModel)?;
+        let (theirs, ours) = (&other.base.signal, &model.base.signal);
+        if theirs != ours {
+            let (theirs, ours) = (theirs.clone(), ours.clone());
+            return Err(LabError::OtherSignal { other: file, theirs, ours });
+        }
+        let comparison = compare(&other, &self.traces)?;
+        Ok(Outcome {
+            answer: compare_json(&comparison),
+            beside: Some(Beside {
+                file,
+                model: other,
+                compared: Compared::new(comparison),
+                command: self.command.clone(),
+            }),
+            ..Outcome::default()
+        })
+    }
+
+    /// The traces of a folder.
+    fn open(&self, set: &str) -> Result<Outcome, LabError> {
+        let opened = self.folder.as_ref().ok_or(LabError::NoFolder)?;
+        let traces = read_set(&[opened.existing(set)?])?;
+        Ok(Outcome { set: Some((set.into(), traces)), ..Outcome::default() })
     }
 
     /// What the model lacks; with everything found added, where asked.
@@ -129,13 +195,17 @@ impl Bench {
         // After a climb, what could be added to the first model says nothing of the last.
         let list =
             if climb { Value::Null } else { candidates(&diagnosis, &data, &comparison, model) };
+        let mut answer = summary.json();
+        if let Some(folder) = self.folder.as_ref().filter(|_| climb) {
+            answer["model"] = folder.shown(&self.written).into();
+        }
         Ok(Outcome {
-            answer: summary.json(),
+            answer,
             report: Some(("diagnosis", self.page(title, summary.sections()))),
-            comparison: Some(comparison),
+            compared: Some(Compared::new(comparison)),
             model: better,
             diagnosis: Some((diagnosis, list)),
-            practice: None,
+            ..Outcome::default()
         })
     }
 
@@ -145,7 +215,7 @@ impl Bench {
         Ok(Outcome {
             answer: change_json(&change),
             report: Some(("change", page)),
-            comparison: Some(comparison),
+            compared: Some(Compared::new(comparison)),
             model: Some(change.model),
             ..Outcome::default()
         })
@@ -167,7 +237,7 @@ impl Bench {
         write_set(&folder, &practice)?;
         Ok(Outcome {
             answer: practice_json(&practice, &opened.shown(name)),
-            practice: Some(name.clone()),
+            set: Some((name.clone(), read_set(&[folder])?)),
             ..Outcome::default()
         })
     }

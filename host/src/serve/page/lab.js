@@ -1,9 +1,10 @@
 // The Lab: a model beside recordings, what it lacks, and putting it right.
 
 import { bench, fitTask } from "./lab/bench.js";
+import { beside } from "./lab/beside.js";
 import { candidates } from "./lab/candidates.js";
 import { covariate } from "./lab/covariate.js";
-import { choice, h, number } from "./lab/dom.js";
+import { choice, h, keepingFocus, number } from "./lab/dom.js";
 import { guide } from "./lab/guide.js";
 import { heatmap } from "./lab/heatmap.js";
 import { ladder } from "./lab/bars.js";
@@ -28,6 +29,7 @@ export function open(root, api) {
     fit: { law: "fung", terms: "2", separation: "clamp" },
     law: { name: "mine", stage: "contact", expression: "k * tanh(v / w)", parameters: "k = 0 N, w = 1 mm/s" },
     practice: { effect: "", size: 1 },
+    beside: {},
   };
   let choices = null;
   let state = null;
@@ -35,31 +37,34 @@ export function open(root, api) {
   let against = null;
   let timer = null;
   let closed = false;
+  let busy = false;
 
-  const panel = (title, name) => {
+  const panel = (title, name, note) => {
     const body = h("div", {});
-    const place = h("section", { class: `panel lab-${name}`, "aria-label": title }, h("h2", {}, title), body);
+    const told = note ? h("p", { class: "lab-note" }, note) : null;
+    const place = h("section", { class: `panel lab-${name}`, "aria-label": title }, h("h2", {}, title), told, body);
     return { place, show: (...children) => body.replaceChildren(...children), hide: (hidden) => (place.hidden = hidden), body };
   };
   const panels = {
     bench: panel("Traces and base law", "bench"),
-    trace: panel("Measurement and model", "trace"),
-    heat: panel("Where it fails", "where"),
-    against: panel("What the failure depends on", "against"),
-    ladder: panel("Ladder", "rungs"),
-    missing: panel("What is missing", "missing"),
+    trace: panel("Measurement and model", "trace", "Drag over a stretch to zoom; double click for the whole trace."),
+    heat: panel("Where it fails", "where", "How the error beyond the noise is shared among traces and parts of the press. A click shows the place."),
+    against: panel("What the failure depends on", "against", "A model that lacks nothing leaves the same, zero, everywhere. A slope or a step here is a hint."),
+    ladder: panel("Ladder", "rungs", "The error (RMS, root mean square) after each addition. Fitted: of these traces. Held out: of each trace, predicted by a fit to the others. No model gets below the noise."),
+    missing: panel("What is missing", "missing", "Diagnose looks for physical effects that the model lacks. Then add the one you believe."),
     model: panel("Model", "model"),
-    law: panel("A law of one's own", "own"),
+    beside: panel("Two models", "two", "Another model over the same traces, and both drawn."),
+    law: panel("A law of one's own", "own", "An expression of force, N, or of whatever acts at its place in the chain. Try it like an effect."),
     practice: panel("Practice", "practice"),
   };
   const work = h("div", { class: "lab-work", role: "status", "aria-live": "polite" });
   const way = h("div", {});
   const left = [panels.trace, panels.heat, panels.against].map((of) => of.place);
-  const right = [panels.ladder, panels.missing, panels.model, panels.law, panels.practice].map((of) => of.place);
+  const right = [panels.ladder, panels.missing, panels.model, panels.beside, panels.law, panels.practice].map((of) => of.place);
   root.append(h("div", { class: "lab" }, panels.bench.place, way, work, h("div", { class: "lab-columns" }, h("div", { class: "lab-column" }, left), h("div", { class: "lab-column" }, right))));
   const picker = h("div", { class: "tools" });
   panels.trace.body.append(picker);
-  const plots = overlay(panels.trace.body, api.get);
+  const plots = overlay(panels.trace.body, api.get, (error) => say(error.message, true));
 
   // ── What can be done ──
 
@@ -77,11 +82,12 @@ export function open(root, api) {
     watch();
   });
   const choose = guarded(async (what) => {
-    if ("set" in what) trace = 0;
+    if ("set" in what) [trace, against] = [0, null];
     await api.post("/lab/choose", what);
     watch();
   });
   const cancel = guarded(async () => {
+    if (!busy) return;
     await api.post("/lab/cancel", {});
     watch();
   });
@@ -118,6 +124,10 @@ export function open(root, api) {
       await api.post("/lab/law", law);
       await start({ add: { effect: law.name } });
     },
+    alone: guarded(async () => {
+      await api.post("/lab/alone", {});
+      await refresh();
+    }),
     undo: guarded(async () => {
       await api.post("/lab/undo", {});
       watch();
@@ -142,19 +152,24 @@ export function open(root, api) {
     if (closed) return;
     const { job, failed } = await api.get("/lab/progress").catch((error) => ({ job: null, failed: error.message }));
     if (closed) return;
-    root.querySelector(".lab").classList.toggle("lab-busy", Boolean(job));
+    busy = Boolean(job);
+    root.querySelector(".lab").classList.toggle("lab-busy", busy);
     if (job) {
       atWork(job);
       timer = setTimeout(watch, ASK);
       return;
     }
     work.replaceChildren();
-    if (failed) say(failed, true);
+    if (failed) say(failed === "cancelled" ? "Cancelled. The model is as it was." : failed, true);
     await refresh();
   }
 
+  /** How far it is: a share of a stage where its length is known, else what was done so far. */
   function atWork(job) {
-    const far = `${number(job.seconds, 2)} s, ${job.searches} refits, ${job.steps} steps`;
+    const { stage } = job;
+    const part = stage ? `${stage.what}: ${stage.done} of ${stage.of}` : "";
+    const done = job.searches ? `${job.searches} refits, ${job.steps} steps` : "";
+    const far = [part, done, `${number(job.seconds, 2)} s`].filter(Boolean).join(" · ");
     if (work.dataset.at !== job.what || !work.querySelector(".lab-far")) {
       work.dataset.at = job.what;
       work.replaceChildren(
@@ -165,6 +180,9 @@ export function open(root, api) {
         copy(job.command),
       );
     } else work.querySelector(".lab-far").textContent = far;
+    const bar = work.querySelector("progress");
+    if (stage) [bar.max, bar.value] = [stage.of, stage.done];
+    else bar.removeAttribute("value");
   }
 
   // ── Drawing ──
@@ -172,12 +190,14 @@ export function open(root, api) {
   const refresh = guarded(async () => {
     state = await api.get("/lab/state");
     if (closed) return;
-    draw();
+    keepingFocus(root, draw);
   });
 
   function drawBench() {
-    panels.bench.show(bench(choices, state, drafts.fit, act));
-    way.replaceChildren(guide(state, () => fitTask(choices, drafts.fit), act) ?? "");
+    keepingFocus(root, () => {
+      panels.bench.show(bench(choices, state, drafts.fit, act));
+      way.replaceChildren(guide(state, () => fitTask(choices, drafts.fit), act));
+    });
   }
 
   function draw() {
@@ -188,7 +208,7 @@ export function open(root, api) {
     panels.against.hide(!comparison);
     if (comparison) {
       const report = h("div", { class: "tools" }, copy({ compare: null }));
-      panels.heat.show(h("p", {}, comparison.in_words), heatmap(comparison, choices.regions, goTo), report);
+      panels.heat.show(h("p", {}, comparison.in_words), h("div", { class: "lab-scroll" }, heatmap(comparison, choices.regions, goTo)), report);
       drawAgainst();
     }
     panels.ladder.hide(!state.model?.ladder);
@@ -200,8 +220,10 @@ export function open(root, api) {
     if (state.model) drawMissing();
     panels.model.hide(!state.model);
     if (state.model) panels.model.show(model(state, act));
+    panels.beside.hide(!comparison);
+    if (comparison) panels.beside.show(beside(state, drafts.beside, act));
     panels.law.hide(!state.model);
-    if (state.model) panels.law.show(ownLaw(choices, drafts.law, act));
+    if (state.model && !panels.law.body.hasChildNodes()) panels.law.show(ownLaw(choices, drafts.law, act));
     panels.practice.show(practice(choices, state, drafts.practice, act));
   }
 
@@ -221,7 +243,7 @@ export function open(root, api) {
   }
 
   function drawAgainst() {
-    panels.against.show(covariate(state.comparison, against, (symbol) => ((against = symbol), drawAgainst())));
+    keepingFocus(root, () => panels.against.show(covariate(state.comparison, against, (symbol) => ((against = symbol), drawAgainst()))));
   }
 
   const taken = () => state.traces.filter((of) => of.chosen);
@@ -232,22 +254,28 @@ export function open(root, api) {
     if (!labels.length) return;
     trace = Math.min(trace, labels.length - 1);
     picker.replaceChildren(choice("Trace", labels.map((label, k) => [String(k), label]), String(trace), (k) => show(Number(k))));
-    plots.update({ trace, label: labels[trace], signal: state.signal, unit: state.unit, noise: state.comparison?.noise_rms }).catch((error) => say(error.message, true));
+    plots.update(drawn());
+  }
+
+  /** What is drawn: of the signal of the model where it was compared. */
+  function drawn() {
+    const { comparison, beside: other } = state;
+    const { signal, unit } = comparison ?? state;
+    return { trace, label: taken()[trace].name, signal, unit, noise: comparison?.noise_rms, beside: other?.file };
   }
 
   function show(k) {
     trace = k;
-    drawTrace();
+    keepingFocus(root, drawTrace);
   }
 
   const goTo = guarded(async (k, region) => {
     trace = k;
-    const labels = taken().map((of) => of.name);
     picker.querySelector("select").value = String(k);
-    await plots.update({ trace, label: labels[trace], signal: state.signal, unit: state.unit, noise: state.comparison?.noise_rms });
-    const found = plots.regions(region);
-    if (found.length) {
-      const [from, to] = [found[0][0], found.at(-1)[1]];
+    await plots.update(drawn());
+    const found = plots.extent(region);
+    if (found) {
+      const [from, to] = found;
       const room = 0.1 * (to - from);
       await plots.go(from - room, to + room);
     }

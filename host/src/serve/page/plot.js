@@ -69,6 +69,9 @@ export function plot(root, { x, series, axes = {}, bands = [], onZoom, height = 
     u.redraw(false, true);
   };
   document.addEventListener("palpate-theme", themed);
+  // On paper everything is light.
+  const paper = matchMedia("print");
+  paper.addEventListener("change", themed);
 
   let shownRange = null;
   return {
@@ -87,6 +90,7 @@ export function plot(root, { x, series, axes = {}, bands = [], onZoom, height = 
     close() {
       resize.disconnect();
       document.removeEventListener("palpate-theme", themed);
+      paper.removeEventListener("change", themed);
       u.destroy();
       place.remove();
     },

@@ -2,9 +2,9 @@
 
 import { h, number, s } from "./dom.js";
 
-const WIDTH = 380;
+const WIDTH = 440;
 const ROW = 46;
-const LEFT = 118;
+const LEFT = 160;
 
 /** The ladder of a model, on one scale with the noise. */
 export function ladder(model, noise, unit) {
@@ -40,4 +40,4 @@ export function ladder(model, noise, unit) {
   );
 }
 
-const shortened = (name) => (name.length > 17 ? `${name.slice(0, 16)}…` : name);
+const shortened = (name) => (name.length > 24 ? `${name.slice(0, 23)}…` : name);

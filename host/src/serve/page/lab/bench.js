@@ -1,6 +1,8 @@
 // What is on the bench: data set, traces, signal, base law, model file.
 
-import { choice, h, number } from "./dom.js";
+import { choice, fold, h, number } from "./dom.js";
+
+const PARTING = { clamp: "clamp: no pull", free: "free: recovers by itself", bonded: "bonded: it pulls" };
 
 /** The panel. `act` has `choose(what)`, `fit(task)` and `copy(task)`. `draft` is the law that is picked. */
 export function bench(choices, state, draft, act) {
@@ -18,16 +20,20 @@ function data(state, act) {
     sets.length ? choice("Data set", sets, state.set, (set) => act.choose({ set })) : null,
     state.signals.length ? choice("Signal", state.signals, state.signal, (signal) => act.choose({ signal })) : null,
     state.traces.length
-      ? h(
-          "details",
-          { class: "lab-traces" },
-          h("summary", {}, `${taken} of ${state.traces.length} traces`),
+      ? traces(
+          `${taken} of ${state.traces.length} traces`,
           h("ul", {}, boxes.map(([trace, box]) => h("li", {}, h("label", {}, box, `${trace.name}, ${trace.samples} samples, ${number(trace.duration_s)} s`)))),
-          h("button", { onclick: pick }, "Take these"),
+          h("button", { class: "lab-take", onclick: pick }, "Take these"),
         )
       : h("p", {}, "No traces in this folder. Hide an effect below, and find it."),
     state.models.length ? choice("Model file", [["", "open …"], ...state.models], "", (model) => model && act.choose({ model })) : null,
   );
+}
+
+function traces(...children) {
+  const details = fold("traces", ...children);
+  details.classList.add("lab-traces");
+  return details;
 }
 
 function law(choices, draft, act) {
@@ -40,20 +46,27 @@ function law(choices, draft, act) {
     act.redraw();
   };
   const optional = (name) => {
-    const input = h("input", { type: "number", min: "1", step: "any", value: draft[name] ?? "", placeholder: "free", onchange: () => (draft[name] = input.value) });
+    const input = h("input", { type: "number", min: "0", step: "any", value: draft[name] ?? "", placeholder: "free", onchange: () => (draft[name] = input.value) });
     return input;
   };
   return h(
     "div",
-    { class: "tools" },
-    choice("Base law", choices.laws.map((one) => one.name), draft.law, set("law")),
-    of.terms ? choice("Exponentials", [...counts, ["0", "auto"]], draft.terms, set("terms")) : null,
-    of.segments ? h("label", { class: "lab-field" }, h("span", {}, "Segments m"), optional("segments")) : null,
-    of.exponent ? h("label", { class: "lab-field" }, h("span", {}, "Exponent n, 0 for auto"), optional("exponent")) : null,
-    choice("Where contact breaks", separations, draft.separation, set("separation")),
-    h("button", { class: "lab-fit", onclick: () => act.start(task()) }, "Fit"),
-    act.copy(task),
+    {},
+    h("div", { class: "tools" }, options()),
+    h("p", { class: "lab-note" }, `${of.name}: ${of.meaning}.`),
   );
+
+  function options() {
+    return [
+      choice("Base law", choices.laws.map((one) => one.name), draft.law, set("law")),
+      of.terms ? choice("Exponentials", [...counts, ["0", "auto"]], draft.terms, set("terms")) : null,
+      of.segments ? h("label", { class: "lab-field" }, h("span", {}, "Segments m"), optional("segments")) : null,
+      of.exponent ? h("label", { class: "lab-field" }, h("span", {}, "Exponent n, 0 for auto"), optional("exponent")) : null,
+      choice("Where contact breaks", separations.map((name) => [name, PARTING[name] ?? name]), draft.separation, set("separation")),
+      h("button", { class: "lab-fit", onclick: () => act.start(task()) }, "Fit"),
+      act.copy(task),
+    ];
+  }
 }
 
 const lawOf = (choices, draft) => choices.laws.find((one) => one.name === draft.law);

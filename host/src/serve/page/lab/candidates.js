@@ -1,6 +1,6 @@
 // What could be missing, with what speaks for it.
 
-import { h, number, percent } from "./dom.js";
+import { fold, h, number } from "./dom.js";
 import { reach, sparkline } from "./sparkline.js";
 
 /**
@@ -14,7 +14,7 @@ export function candidates(answers, unit, act) {
   if (found) {
     const scale = Math.max(reach(found.now), ...found.list.map((of) => reach(of.picture)));
     children.push(
-      h("p", { class: "lab-note" }, `Pictures: what would be left of ${found.trace}, on one scale. Now:`, sparkline(found.now, scale, `the residual of ${found.trace} now`)),
+      h("p", { class: "lab-note" }, `Pictures: what would be left of ${found.trace}, on one scale. Now: `, sparkline(found.now, scale, `the residual of ${found.trace} now`)),
       h("ol", { class: "lab-candidates" }, found.list.filter((of) => !of.untestable).map((of) => candidate(of, diagnosis, scale, unit, act))),
       untestable(found.list.filter((of) => of.untestable)),
     );
@@ -40,9 +40,11 @@ function candidate(of, diagnosis, scale, unit, act) {
   const credible = diagnosis.steps.some((step) => step.credible_set.includes(of.effect));
   const evidence = [
     named ? "named" : credible ? "cannot be told apart" : null,
-    of.gain_foretold > 0 ? `foretold Δχ² ${number(of.gain_foretold)}` : "explains nothing here",
-    of.gain_foretold > 0 ? `p = ${number(of.chance, 2)}` : null,
-    rival ? `refitted ${number(rival.rms_N)} ${unit}, ΔBIC behind ${number(rival.delta_bic_to_best)}` : null,
+    of.gain_foretold > 0 ? (of.rms_foretold ? `would leave ${number(of.rms_foretold)} ${unit} RMS` : null) : "explains nothing here",
+    of.gain_foretold > 0 ? `Δχ² ${number(of.gain_foretold)}` : null,
+    of.gain_foretold > 0 ? `chance alone p = ${number(of.chance, 2)}` : null,
+    rival ? `refitted it leaves ${number(rival.rms_N)} ${unit}` : null,
+    rival?.delta_bic_to_best > 0 ? `${number(rival.delta_bic_to_best)} BIC behind the best` : null,
   ];
   const leave = () => act.hover(null);
   const enter = () => act.hover(of.gain_foretold > 0 ? of.effect : null);
@@ -62,6 +64,7 @@ function candidate(of, diagnosis, scale, unit, act) {
   );
 }
 
+/** What is known of an effect, whatever the data. */
 function details(of) {
   const rows = [
     ["Meaning", of.meaning],
@@ -70,17 +73,16 @@ function details(of) {
     ["Told apart by", of.experiment],
     ["Laws", of.laws?.map((law) => `${law.name}: ${law.formula}`).join("; ") || of.expression],
   ];
-  return h(
-    "details",
-    {},
-    h("summary", {}, "what it is"),
+  return fold(
+    `candidate ${of.effect}`,
+    "what it is",
     h("dl", {}, rows.filter(([, text]) => text).flatMap(([name, text]) => [h("dt", {}, name), h("dd", {}, text)])),
   );
 }
 
 function untestable(list) {
   if (!list.length) return null;
-  return h("details", {}, h("summary", {}, `${list.length} cannot be tested on these traces`), h("ul", {}, list.map((of) => h("li", {}, `${of.effect}: ${of.untestable}`))));
+  return fold("untestable", `${list.length} cannot be tested on these traces`, h("ul", {}, list.map((of) => h("li", {}, `${of.effect}: ${of.untestable}`))));
 }
 
 const capital = (text) => text[0].toUpperCase() + text.slice(1);

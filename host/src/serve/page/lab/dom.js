@@ -19,6 +19,33 @@ export const h = (tag, attributes = {}, ...children) => fill(document.createElem
 /** An SVG element. */
 export const s = (tag, attributes = {}, ...children) => fill(document.createElementNS(SVG, tag), attributes, children);
 
+const open = new Set();
+
+/** A fold-out that stays as it was put when it is drawn anew; `name` tells it from all others. */
+export function fold(name, summary, ...children) {
+  const details = h("details", { open: open.has(name) }, h("summary", {}, summary), ...children);
+  details.addEventListener("toggle", () => (details.open ? open.add(name) : open.delete(name)));
+  return details;
+}
+
+const CONTROLS = "button,input,select,summary";
+const wordsOf = (control) => `${control.tagName} ${control.getAttribute("aria-label") ?? (control.labels?.[0] ?? control).textContent}`;
+const within = (panel) => [...panel.querySelectorAll(CONTROLS)];
+
+/** Draws anew without taking the keyboard away: the control of the same words in the same panel has it again, or the first of the
+ *  panel where there is none. */
+export function keepingFocus(root, draw) {
+  const before = document.activeElement;
+  const panel = root.contains(before) ? before.closest("section") : null;
+  const alike = (control) => wordsOf(control) === words;
+  const words = panel && wordsOf(before);
+  const place = panel ? within(panel).filter(alike).indexOf(before) : -1;
+  draw();
+  if (!panel || before.isConnected) return;
+  const same = within(panel).filter(alike);
+  (same[place] ?? same[0] ?? within(panel)[0])?.focus({ preventScroll: true });
+}
+
 /** A number as it is read, to so many significant digits. */
 export function number(value, digits = 3) {
   if (value === null || value === undefined || !Number.isFinite(value)) return "–";

@@ -6,16 +6,16 @@ const WAY = ["Fit a base law", "Ask what is missing", "Add it", "Nothing but noi
 
 /**
  * The strip. `act` has `start(task)`, `hover(effect or null)` and `copy(task)`; `fit()` gives the task of the law that is
- * picked. Gives nothing where there are no traces.
+ * picked.
  */
 export function guide(state, fit, act) {
-  if (!state.traces.length) return null;
+  if (!state.traces.length) return h("section", { class: "lab-guide", "aria-label": "What to do next" }, h("p", {}, "Open a folder with traces, or hide an effect under Practice and find it."));
   const { at, words, task, button, effect } = stand(state, fit);
   const step = (text, k) => h("li", k === at ? { "aria-current": "step" } : { class: k < at ? "lab-step-done" : "" }, text);
   const hover = effect ? { onmouseenter: () => act.hover(effect), onmouseleave: () => act.hover(null), onfocus: () => act.hover(effect), onblur: () => act.hover(null) } : {};
   return h(
-    "div",
-    { class: "lab-guide" },
+    "section",
+    { class: "lab-guide", "aria-label": "What to do next" },
     h("ol", { "aria-label": "The way to a better model" }, WAY.map(step)),
     h("p", {}, words),
     task ? h("div", { class: "tools" }, h("button", { class: "lab-next", onclick: () => act.start(task), ...hover }, button), act.copy(task)) : null,

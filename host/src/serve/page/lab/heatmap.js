@@ -5,7 +5,8 @@ import { h, number, percent } from "./dom.js";
 /** A table of shares; `go(trace, region)` shows a cell's place. */
 export function heatmap(comparison, regions, go) {
   const cells = new Map(comparison.where.map((cell) => [`${cell.trace}|${cell.phase}`, cell]));
-  const most = Math.max(...comparison.where.map((cell) => cell.share_of_excess), 1e-9);
+  // Where nothing but noise is left, no share of it stands out.
+  const most = Math.max(...comparison.where.map((cell) => cell.share_of_excess), comparison.only_noise ? 1 : 1e-9);
   const cell = (label, trace, region) => {
     const found = cells.get(`${label}|${region}`);
     if (!found) return h("td", {}, "–");

@@ -1,6 +1,6 @@
 // The model at hand: its parameters, its effects, how it came about.
 
-import { h, number } from "./dom.js";
+import { fold, h, number } from "./dom.js";
 
 /** The panel. `act` has `drop(effect)`, `add(effect)`, `undo()`, `save()`, `export(kind)` and `copy(task or text)`. */
 export function model(state, act) {
@@ -14,12 +14,12 @@ export function model(state, act) {
       { class: "tools" },
       h("button", { class: "lab-undo", disabled: versions.length < 2, onclick: act.undo }, "Undo"),
       h("button", { class: "lab-save", onclick: act.save }, last.saved ? `Saved: ${last.file}` : `Save ${last.file}`),
-      state.reports.map((kind) => h("button", { onclick: () => act.export(kind) }, `Report: ${kind}`)),
+      state.reports.map((kind) => h("button", { title: "Download the report that --report writes: one HTML file", onclick: () => act.export(kind) }, `Report: ${kind}`)),
     ),
     parameters(of),
     of.effect?.length ? h("ul", { class: "lab-effects" }, of.effect.map((effect) => inModel(effect, act))) : null,
     of.candidate?.length ? h("ul", { class: "lab-effects" }, of.candidate.map((own) => candidate(own, act))) : null,
-    h("details", {}, h("summary", {}, "how it came about"), h("ol", {}, versions.map((version) => came(version, act)))),
+    fold("history", "how it came about", h("ol", {}, versions.map((version) => came(version, act)))),
   );
 }
 
@@ -35,7 +35,7 @@ function parameters(of) {
       h("td", { class: "lab-number" }, value.standard_error === undefined ? "" : `± ${number(value.standard_error, 2)}`),
       h("td", {}, value.unit ?? ""),
     );
-  return h("details", {}, h("summary", {}, "parameters"), h("table", { class: "lab-parameters" }, h("tbody", {}, rows.flatMap(([name, list]) => Object.entries(list).map(row(name))))));
+  return fold("parameters", "parameters", h("table", { class: "lab-parameters" }, h("tbody", {}, rows.flatMap(([name, list]) => Object.entries(list).map(row(name))))));
 }
 
 function inModel(effect, act) {

@@ -5,12 +5,14 @@ import { h, number } from "./dom.js";
 
 const SHADES = { loading: "c2", "early hold": "c4", "late hold": "c0", unloading: "c3" };
 const MOST_NAMED = 12;
+/** When to ask again for regions that are still being looked for, ms. */
+const AGAIN = 1000;
 
 /**
- * The plots of one trace. `ask(path)` fetches; `trace()` gives its number. `update(info)` draws anew with
- * `{label, signal, unit, noise}`; `go(from, to)` zooms; `hover(effect)` lays a candidate's forecast over.
+ * The plots of one trace. `ask(path)` fetches; `fail(error)` hears what went wrong; `trace()` gives its number. `update(info)` draws anew with
+ * `{trace, label, signal, unit, noise, beside}`; `go(from, to)` zooms; `hover(effect)` lays a candidate's forecast over.
  */
-export function overlay(root, ask) {
+export function overlay(root, ask, fail) {
   const place = h("div", { class: "lab-plots" });
   const told = h("p", { class: "lab-legend", "aria-live": "polite" });
   const buttons = h(
@@ -21,23 +23,35 @@ export function overlay(root, ask) {
     h("button", { onclick: () => scale(2), "aria-label": "Zoom out" }, "−"),
     h("button", { onclick: () => pan(-0.5), "aria-label": "Earlier" }, "◀"),
     h("button", { onclick: () => pan(0.5), "aria-label": "Later" }, "▶"),
-    told,
   );
-  root.append(buttons, place);
+  root.append(buttons, told, place);
   let info = null;
   let shown = { from: null, to: null };
   let data = null;
   let forecast = null;
   let plots = null;
-  let asked = 0;
+  let flight = null;
+  let wanted = false;
+  let again;
 
-  async function load() {
-    const mine = ++asked;
-    const found = await ask(`/lab/overlay?${query()}`);
-    if (mine !== asked) return;
-    data = found;
-    forecast = null;
-    draw();
+  /** Asks for what is to be seen. One question is under way at a time; when it is answered, the latest is asked next. */
+  function load() {
+    wanted = true;
+    flight ??= fly().catch(fail).finally(() => (flight = null));
+    return flight;
+  }
+
+  async function fly() {
+    while (wanted) {
+      wanted = false;
+      const [mine, asked] = [info, query()];
+      const found = await ask(`/lab/overlay?${asked}`);
+      if (mine !== info) continue;
+      [data, forecast] = [found, null];
+      draw();
+    }
+    clearTimeout(again);
+    if (data && data.regions === null) again = setTimeout(load, AGAIN);
   }
 
   function query() {
@@ -48,24 +62,26 @@ export function overlay(root, ask) {
 
   function draw() {
     const fits = Boolean(data.predicted);
-    if (!plots || plots.fits !== fits || plots.signal !== info.signal) build(fits);
-    const few = data.regions.length <= MOST_NAMED;
-    const bands = data.regions
+    if (!plots || plots.fits !== fits || plots.signal !== info.signal || plots.label !== info.label) build(fits);
+    const regions = data.regions ?? [];
+    const few = regions.length <= MOST_NAMED;
+    const bands = regions
       .filter(([, , name]) => SHADES[name])
       .map(([from, to, name]) => ({ from, to, colour: SHADES[name], text: few || shown.from !== null ? name : "" }));
     const same = forecast && forecast.time.length === data.time.length;
     const none = data.time.map(() => null);
     const level = (value) => data.time.map(() => value);
-    const above = [data.measured, ...(fits ? [data.predicted, same ? forecast.foretold : none] : [])];
+    const other = info.beside && data.beside?.time.length === data.time.length ? data.beside : null;
+    const above = [data.measured, ...(fits ? [other?.predicted ?? none, data.predicted, same ? forecast.foretold : none] : [])];
     plots.upper.set({ x: data.time, values: above, bands });
     plots.upper.range(shown.from ?? data.whole[0], shown.to ?? data.whole[1]);
     if (fits) {
       const noise = info.noise ?? null;
-      const below = [data.residual, same ? forecast.left : none, level(noise), level(noise === null ? null : -noise)];
+      const below = [other?.residual ?? none, data.residual, same ? forecast.left : none, level(noise), level(noise === null ? null : -noise)];
       plots.lower.set({ x: data.time, values: below, bands: bands.map((band) => ({ ...band, text: "" })) });
       plots.lower.range(shown.from ?? data.whole[0], shown.to ?? data.whole[1]);
     }
-    legend(fits, same);
+    legend(fits, same, other);
   }
 
   function build(fits) {
@@ -74,6 +90,7 @@ export function overlay(root, ask) {
     const group = "lab";
     const onZoom = (from, to) => go(from, to ?? null);
     const model = [
+      { label: "other model", colour: "c3", dash: [9, 3, 2, 3], width: 1.6 },
       { label: "model", colour: "c1", width: 1.6 },
       { label: "foretold", colour: "c2", dash: [6, 3], width: 1.6 },
     ].map((one) => ({ ...one, values: [] }));
@@ -87,6 +104,7 @@ export function overlay(root, ask) {
       group,
     });
     const residual = [
+      { label: "residual of the other", colour: "c3" },
       { label: "residual", colour: "c0" },
       { label: "foretold", colour: "c2" },
       { label: "noise", colour: "muted", dash: [4, 4] },
@@ -104,10 +122,10 @@ export function overlay(root, ask) {
           zero: true,
         })
       : null;
-    plots = { upper, lower, fits, signal: info.signal };
+    plots = { upper, lower, fits, signal: info.signal, label: info.label };
   }
 
-  function legend(fits, foretold) {
+  function legend(fits, foretold, other) {
     const key = (name, text) => h("span", { class: `lab-key lab-key-${name}` }, text);
     told.replaceChildren(
       ...[
@@ -115,6 +133,8 @@ export function overlay(root, ask) {
         fits && key("model", "model"),
         fits && key("residual", "residual"),
         fits && info.noise && key("floor", "noise"),
+        other && key("other", `other model: ${info.beside}`),
+        data.regions === null && h("span", { class: "muted" }, "regions are being looked for …"),
         foretold && key("foretold", `with ${forecast.effect} (${forecast.law}), foretold: ${number(forecast.rms)} ${info.unit} RMS`),
       ].filter(Boolean),
     );
@@ -148,13 +168,15 @@ export function overlay(root, ask) {
   }
 
   let waiting;
+  let hovered = null;
   function hover(effect) {
     clearTimeout(waiting);
+    hovered = effect;
     if (!info || !data?.predicted) return;
     waiting = setTimeout(async () => {
-      const mine = asked;
+      const mine = data;
       const found = effect && (await ask(`/lab/forecast?effect=${encodeURIComponent(effect)}&${query()}`).catch(() => null));
-      if (mine !== asked) return;
+      if (mine !== data || effect !== hovered) return;
       forecast = found;
       draw();
     }, effect ? 60 : 0);
@@ -171,10 +193,11 @@ export function overlay(root, ask) {
     hover,
     scale,
     pan,
-    /** The stretches of one region in what is shown. */
-    regions: (name) => (data ? data.regions.filter(([, , own]) => own === name) : []),
+    /** Where a region begins and ends in the whole trace, s; none where it is not known. */
+    extent: (name) => data?.extents?.[name] ?? null,
     close() {
       clearTimeout(waiting);
+      clearTimeout(again);
       plots?.upper.close();
       plots?.lower?.close();
     },

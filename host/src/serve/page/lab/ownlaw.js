@@ -1,6 +1,6 @@
 // A law of one's own, with what is wrong with it shown in place.
 
-import { choice, h } from "./dom.js";
+import { choice, fold, h } from "./dom.js";
 
 /** The form. `act` has `check(law)` and `submit(law)`, which both give promises; `draft` is kept by the caller. */
 export function ownLaw(choices, draft, act) {
@@ -49,8 +49,8 @@ export function ownLaw(choices, draft, act) {
     h("label", { class: "lab-field lab-wide" }, h("span", {}, "Law"), expression),
     fault,
     h("label", { class: "lab-field lab-wide" }, h("span", {}, "Parameters, strength first"), parameters),
-    h("details", { id: "lab-law-known" }, h("summary", {}, "what it may speak of"), h("dl", {}, choices.variables.flatMap((of) => [h("dt", {}, h("code", {}, of.name)), h("dd", {}, of.meaning)]))),
-    h("details", {}, h("summary", {}, "the lines for a model file"), lines),
+    fold("law variables", "what it may speak of", h("dl", { id: "lab-law-known" }, choices.variables.flatMap((of) => [h("dt", {}, h("code", {}, of.name)), h("dd", {}, of.meaning)]))),
+    fold("law lines", "the lines for a model file", lines),
     add,
   );
   check();

@@ -1,0 +1,597 @@
+//! The Lab over HTTP: what the page asks for, what it is refused, and the same answers as the commands.
+#![cfg(unix)]
+
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::TcpStream;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+use palpate::serve::guard::{BODY_LIMIT, TOKEN_HEADER};
+use palpate::trace::{DISPLACEMENT, FORCE, Trace, write};
+use palpate_tests::palpate;
+use serde_json::{Value, json};
+
+const PATIENCE: Duration = Duration::from_secs(300);
+
+fn program() -> Command {
+    let mut command = Command::new(palpate().get_program());
+    command.env("NO_COLOR", "1").env_remove("PALPATE_LOG");
+    command
+}
+
+/// `palpate serve FOLDER` as a process, in the folder above.
+struct Lab {
+    process: Child,
+    above: tempfile::TempDir,
+    port: u16,
+    token: String,
+}
+
+impl Lab {
+    fn open(above: tempfile::TempDir, arguments: &[&str]) -> Self {
+        let mut process = program()
+            .arg("serve")
+            .args(arguments)
+            .current_dir(above.path())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap();
+        let mut url = String::new();
+        BufReader::new(process.stdout.take().unwrap()).read_line(&mut url).unwrap();
+        let (at, token) = url.trim().split_once("/#token=").expect("the address is printed");
+        let port = at.rsplit_once(':').unwrap().1.parse().unwrap();
+        Self { process, above, port, token: token.into() }
+    }
+
+    /// Status and body of the answer to a request.
+    fn ask(&self, method: &str, path: &str, body: Option<&[u8]>) -> (u16, Vec<u8>) {
+        let mut stream = TcpStream::connect(("127.0.0.1", self.port)).unwrap();
+        stream.set_read_timeout(Some(PATIENCE)).unwrap();
+        let mut head = format!(
+            "{method} /api/lab/{path} HTTP/1.1\r\nconnection: close\r\nhost: 127.0.0.1:{}\r\n{TOKEN_HEADER}: {}\r\n",
+            self.port, self.token
+        );
+        if let Some(body) = body {
+            let length = body.len();
+            head += &format!("content-type: application/json\r\ncontent-length: {length}\r\n");
+        }
+        stream.write_all(format!("{head}\r\n").as_bytes()).unwrap();
+        // A server that refuses may close before it has read everything.
+        let _ = stream.write_all(body.unwrap_or_default());
+        let mut bytes = Vec::new();
+        let _ = stream.read_to_end(&mut bytes);
+        let end = bytes.windows(4).position(|four| four == b"\r\n\r\n").expect("there is a head");
+        let head = String::from_utf8_lossy(&bytes[..end]);
+        (head.split(' ').nth(1).unwrap().parse().unwrap(), bytes[end + 4..].to_vec())
+    }
+
+    /// The answer to a question, or why there is none.
+    fn post(&self, path: &str, body: &Value) -> (u16, Value) {
+        let (status, answer) = self.ask("POST", path, Some(body.to_string().as_bytes()));
+        let text = || Value::String(String::from_utf8_lossy(&answer).into_owned());
+        (status, serde_json::from_slice(&answer).unwrap_or_else(|_| text()))
+    }
+
+    /// Does something that is done at once.
+    fn done(&self, path: &str, body: &Value) -> Value {
+        let (status, answer) = self.post(path, body);
+        assert_eq!(status, 200, "{path} {body}: {answer}");
+        answer
+    }
+
+    /// What is wrong with something, told with this status.
+    fn refused(&self, status: u16, path: &str, body: &Value) -> String {
+        let (found, answer) = self.post(path, body);
+        assert_eq!(found, status, "{path} {body}: {answer}");
+        answer["message"].as_str().or(answer.as_str()).unwrap_or_default().to_owned()
+    }
+
+    /// Waits until nothing is at work; why it failed, if it did.
+    fn wait(&self) -> Value {
+        let begun = Instant::now();
+        loop {
+            let progress = self.get("progress");
+            if progress["job"].is_null() {
+                return progress["failed"].clone();
+            }
+            assert!(begun.elapsed() < PATIENCE, "it takes too long: {progress}");
+            std::thread::sleep(Duration::from_millis(20));
+        }
+    }
+
+    /// Works something out; the state after it.
+    fn work(&self, task: &Value) -> Value {
+        self.done("start", task);
+        assert_eq!(self.wait(), Value::Null, "{task}");
+        self.get("state")
+    }
+
+    /// What the command of a task prints with `--json`.
+    fn command(&self, task: &Value) -> Value {
+        let command = self.done("command", task)["command"].as_str().unwrap().to_owned();
+        self.run(&command)
+    }
+
+    /// What a command that was copied from the page prints with `--json`.
+    fn run(&self, command: &str) -> Value {
+        let arguments = command.strip_prefix("palpate ").expect("a command of palpate");
+        let output = program()
+            .args(arguments.split(' '))
+            .arg("--json")
+            .current_dir(self.above.path())
+            .output()
+            .unwrap();
+        assert!(output.status.success(), "{command}: {}", String::from_utf8_lossy(&output.stderr));
+        serde_json::from_slice(&output.stdout).unwrap()
+    }
+
+    fn get(&self, path: &str) -> Value {
+        let (status, body) = self.ask("GET", path, None);
+        let answer: Value = serde_json::from_slice(&body).unwrap();
+        assert_eq!(status, 200, "{path}: {answer}");
+        answer
+    }
+}
+
+impl Drop for Lab {
+    fn drop(&mut self) {
+        // One that has ended on its own is as good.
+        let _ = self.process.kill();
+        let _ = self.process.wait();
+    }
+}
+
+/// A folder with the practice sets `friction` and `mullins` in `traces`, and one beside it.
+fn practice_sets() -> tempfile::TempDir {
+    let above = tempfile::tempdir().unwrap();
+    std::fs::create_dir(above.path().join("traces")).unwrap();
+    for (effect, seed, folder) in [
+        ("coulomb-friction", "3", "traces/friction"),
+        ("mullins", "4", "traces/mullins"),
+        ("drift", "5", "elsewhere"),
+    ] {
+        let made = program()
+            .args(["hide", effect, "--seed", seed, "-o", folder])
+            .current_dir(above.path())
+            .output()
+            .unwrap();
+        assert!(made.status.success());
+    }
+    above
+}
+
+fn lab() -> Lab {
+    Lab::open(practice_sets(), &["traces"])
+}
+
+fn fung() -> Value {
+    json!({"fit": {"law": "fung"}})
+}
+
+/// Every key of an answer of the command is in that of the page, with the same value.
+fn holds_all_of(page: &Value, command: &Value) {
+    for (key, value) in command.as_object().unwrap() {
+        assert_eq!(&page[key], value, "{key}");
+    }
+}
+
+#[test]
+fn fit_compare_diagnose_add_and_drop_answer_as_the_commands_that_are_copied() {
+    let lab = lab();
+    let state = lab.get("state");
+    assert_eq!(state["sets"], json!(["friction", "mullins"]));
+    assert_eq!((&state["set"], &state["signal"]), (&json!("friction"), &json!("force_N")));
+    let fit = lab.done("command", &fung())["command"].as_str().unwrap().to_owned();
+    let state = lab.work(&fung());
+    assert_eq!(lab.done("save", &json!({}))["file"], "traces/model-1.toml");
+    assert_eq!(state["versions"][0]["command"], fit);
+    assert_eq!(state["answers"]["fit"], lab.run(&fit));
+
+    let compared = lab.command(&json!("compare"));
+    holds_all_of(&lab.work(&json!("compare"))["comparison"], &compared);
+    assert_eq!(
+        lab.work(&json!("diagnose"))["answers"]["diagnosis"],
+        lab.command(&json!("diagnose"))
+    );
+    let forecast = lab.get("forecast?effect=coulomb-friction&trace=0&width=300");
+    let overlay = lab.get("overlay?trace=0&width=300");
+    assert_eq!(forecast["time"], overlay["time"]);
+    assert!(forecast["rms"].as_f64() < state["comparison"]["rms"].as_f64());
+
+    let add = json!({"add": {"effect": "coulomb-friction"}});
+    let command = lab.command(&add);
+    let state = lab.work(&add);
+    assert_eq!(state["answers"]["change"], command);
+    assert_eq!(state["comparison"]["only_noise"], true);
+    // The command has written model-2.toml by then, which is not written over.
+    assert_eq!(lab.done("save", &json!({}))["file"], "traces/model-3.toml");
+    lab.done("save", &json!({"file": "friction.toml"}));
+    let drop = json!({"drop": {"effect": "coulomb-friction"}});
+    let command = lab.command(&drop);
+    assert_eq!(lab.work(&drop)["answers"]["change"], command);
+    let report = lab.get("report?kind=change");
+    assert_eq!(report["file"], "change.html");
+    assert!(report["html"].as_str().unwrap().contains("palpate drop coulomb-friction"));
+    assert_eq!(lab.done("undo", &json!({}))["model"]["effect"][0]["name"], "coulomb-friction");
+    assert_eq!(lab.wait(), Value::Null);
+}
+
+#[test]
+fn exploring_reaches_the_noise_floor_and_answers_as_the_command() {
+    let lab = lab();
+    lab.work(&fung());
+    lab.done("save", &json!({}));
+    let command = lab.done("command", &json!("explore"))["command"].clone();
+    let state = lab.work(&json!("explore"));
+    assert_eq!(state["comparison"]["only_noise"], true);
+    assert_eq!(state["versions"][1]["command"], command);
+    let answer = lab.run(command.as_str().unwrap());
+    assert_eq!(state["answers"]["diagnosis"], answer);
+    assert_eq!(answer["model"], "traces/model-2.toml");
+}
+
+#[test]
+fn two_models_beside_the_same_traces_have_the_figures_of_two_comparisons() {
+    let lab = lab();
+    lab.work(&json!({"fit": {"law": "kelvin-voigt"}}));
+    lab.done("save", &json!({}));
+    lab.work(&fung());
+    lab.done("save", &json!({}));
+    let task = json!({"beside": {"version": 0}});
+    let commands = lab.done("command", &task)["command"].as_str().unwrap().to_owned();
+    let (now, other) = commands.split_once("; ").unwrap();
+    let state = lab.work(&task);
+    assert_eq!(state["beside"]["file"], "traces/model-1.toml");
+    holds_all_of(&state["comparison"], &lab.run(now));
+    holds_all_of(&state["beside"]["comparison"], &lab.run(other));
+    assert_eq!(lab.work(&json!({"beside": {"file": "model-1.toml"}}))["beside"], state["beside"]);
+    let overlay = lab.get("overlay?trace=2&width=200&from=1&to=3");
+    assert_eq!(overlay["beside"]["time"], overlay["time"]);
+    assert_ne!(overlay["beside"]["predicted"], overlay["predicted"]);
+    assert_eq!(lab.done("alone", &json!({}))["beside"], Value::Null);
+    assert_eq!(lab.get("overlay?trace=2")["beside"], Value::Null);
+
+    let said = lab.refused(422, "start", &json!({"beside": {"version": 7}}));
+    assert!(said.contains("no model is called `7`"), "{said}");
+    let said = lab.refused(422, "start", &json!({"beside": {"file": "../elsewhere/press.toml"}}));
+    assert!(said.contains("not in the folder"), "{said}");
+    let model = std::fs::read_to_string(lab.above.path().join("traces/model-1.toml")).unwrap();
+    let gauge = model.replace("\"force_N\"", "\"gauge1_ustrain\"");
+    std::fs::write(lab.above.path().join("traces/gauge.toml"), gauge).unwrap();
+    lab.done("start", &json!({"beside": {"file": "gauge.toml"}}));
+    let failed = lab.wait();
+    assert!(failed.as_str().unwrap().contains("of gauge1_ustrain"), "{failed}");
+}
+
+#[test]
+fn nothing_outside_the_folder_is_opened_or_written() {
+    let lab = lab();
+    lab.work(&json!({"fit": {"law": "maxwell"}}));
+    let before = std::fs::read_dir(lab.above.path()).unwrap().count();
+    for name in ["..", "../elsewhere", "/etc", "friction/../../elsewhere", "."] {
+        for body in [json!({"set": name}), json!({"model": name})] {
+            let said = lab.refused(422, "choose", &body);
+            assert!(said.contains("not in the folder that was opened"), "{said}");
+        }
+        let said = lab.refused(422, "start", &json!({"beside": {"file": name}}));
+        assert!(said.contains("not in the folder that was opened"), "{said}");
+        lab.done("start", &json!({"open": name}));
+        assert!(lab.wait().as_str().unwrap().contains("not in the folder"), "{name}");
+    }
+    std::os::unix::fs::symlink("../elsewhere", lab.above.path().join("traces/link")).unwrap();
+    lab.refused(422, "choose", &json!({"set": "link"}));
+    assert_eq!(lab.get("state")["sets"], json!(["friction", "mullins"]));
+    for name in ["../model.toml", "/tmp/model.toml", "link/model.toml", "model.html", ""] {
+        lab.refused(422, "save", &json!({"file": name}));
+    }
+    assert_eq!(std::fs::read_dir(lab.above.path()).unwrap().count(), before);
+    assert!(!lab.above.path().join("elsewhere/model.toml").exists());
+    assert_eq!(lab.get("state")["set"], "friction", "the set that was open stays");
+}
+
+#[test]
+fn what_cannot_be_done_is_refused_in_words() {
+    let lab = lab();
+    let wrong = |task: Value, words: &str| {
+        let said = lab.refused(422, "start", &task);
+        assert!(said.contains(words), "{task}: {said}");
+    };
+    wrong(json!("compare"), "no model yet");
+    wrong(json!({"add": {"effect": "drift"}}), "no model yet");
+    wrong(json!({"fit": {"law": "fang"}}), "no law is called `fang`");
+    wrong(json!({"fit": {"law": "fung", "terms": 9}}), "1 to 4");
+    wrong(json!({"fit": {"law": "fung", "segments": 8}}), "not for `fung`");
+    wrong(json!({"fit": {"law": "latency", "segments": 1}}), "2 or more");
+    wrong(json!({"fit": {"law": "latency-power", "exponent": 99.0}}), "from 1 to 9");
+    wrong(json!({"fit": {"law": "creep", "separation": "bonded"}}), "cannot be bonded");
+    for (path, body) in [
+        ("undo", json!({})),
+        ("save", json!({})),
+        ("law", json!({"name": "a", "stage": "contact", "expression": "k", "parameters": []})),
+        ("choose", json!({"traces": []})),
+        ("choose", json!({"traces": [99]})),
+        ("choose", json!({"signal": "no_such"})),
+        ("choose", json!({"model": "no-such.toml"})),
+    ] {
+        assert!(!lab.refused(422, path, &body).is_empty(), "{path} {body}");
+    }
+    for path in ["overlay?trace=99", "forecast?effect=drift&trace=0", "report?kind=fit"] {
+        assert_eq!(lab.ask("GET", path, None).0, 422, "{path}");
+    }
+    lab.work(&fung());
+    for (task, words) in [
+        (json!({"add": {"effect": "no-such"}}), "no effect of the library is called `no-such`"),
+        (json!({"drop": {"effect": "drift"}}), "`drift` is not in the model"),
+        (json!({"hide": {"effects": ["no-such"]}}), "no-such"),
+        (json!({"hide": {"any": 9}}), "1 to 5 effects, not 9"),
+    ] {
+        lab.done("start", &task);
+        let failed = lab.wait();
+        assert!(failed.as_str().unwrap().contains(words), "{task}: {failed}");
+    }
+    assert_eq!(lab.get("state")["versions"].as_array().unwrap().len(), 1);
+}
+
+#[test]
+fn a_request_that_is_none_is_refused() {
+    let lab = lab();
+    for (path, body, status) in [
+        ("start", &b"{"[..], 400),
+        ("start", b"{\"reboot\": null}", 422),
+        ("start", b"{\"add\": {}}", 422),
+        ("start", b"{\"fit\": {\"law\": \"fung\", \"more\": 1}}", 422),
+        ("choose", b"{\"folder\": \"/\"}", 422),
+        ("check", b"[]", 422),
+        ("save", b"{\"path\": \"a.toml\"}", 422),
+    ] {
+        let (found, answer) = lab.ask("POST", path, Some(body));
+        let answer = String::from_utf8_lossy(&answer).into_owned();
+        assert_eq!((found, answer.is_empty()), (status, false), "{path}: {answer}");
+    }
+    for path in
+        ["overlay", "overlay?trace=x", "overlay?trace=0&from=a", "forecast?trace=0", "report"]
+    {
+        assert_eq!(lab.ask("GET", path, None).0, 400, "{path}");
+    }
+    let large = vec![b' '; BODY_LIMIT + 1];
+    for path in ["start", "choose", "law", "check", "save", "command"] {
+        assert_eq!(lab.ask("POST", path, Some(&large)).0, 413, "{path}");
+        assert_eq!(lab.ask("GET", path, None).0, 405, "{path}");
+    }
+    assert_eq!(lab.ask("GET", "nothing", None).0, 404);
+    assert_eq!(lab.get("choices")["laws"].as_array().unwrap().len(), 7);
+}
+
+#[test]
+fn one_thing_is_worked_out_at_a_time_with_progress_and_it_can_be_cancelled() {
+    let lab = lab();
+    lab.work(&fung());
+    let model = lab.get("state")["model"].clone();
+    let job = lab.done("start", &json!("diagnose"))["job"].clone();
+    assert!(
+        job["command"]
+            .as_str()
+            .unwrap()
+            .starts_with("palpate diagnose --model traces/model-1.toml")
+    );
+    for (path, body) in [
+        ("start", json!("compare")),
+        ("choose", json!({"set": "mullins"})),
+        ("choose", json!({"traces": [0]})),
+        ("undo", json!({})),
+    ] {
+        let said = lab.refused(422, path, &body);
+        assert!(said.contains("something is being worked out"), "{path}: {said}");
+    }
+    let mut stages = Vec::new();
+    let begun = Instant::now();
+    while stages.is_empty() && begun.elapsed() < PATIENCE {
+        let progress = lab.get("progress");
+        assert!(!progress["job"].is_null(), "it was done before a stage of it was seen");
+        stages.extend(progress["job"]["stage"].as_object().cloned());
+    }
+    assert!(stages[0]["done"].as_u64() < stages[0]["of"].as_u64(), "{stages:?}");
+    assert_eq!(lab.done("cancel", &json!({})), json!({"job": null, "failed": "cancelled"}));
+    assert_eq!(lab.get("state")["model"], model);
+    let state = lab.work(&json!("compare"));
+    assert_eq!(state["failed"], Value::Null);
+    lab.done("cancel", &json!({}));
+    assert_eq!(lab.get("state")["failed"], Value::Null, "there was nothing to cancel");
+}
+
+#[test]
+fn a_law_of_ones_own_is_checked_in_place_and_added() {
+    let lab = lab();
+    lab.work(&fung());
+    let law = |expression: &str| {
+        let strength = json!({"name": "k", "value": 0.0, "unit": "N"});
+        json!({"name": "pull", "stage": "contact", "expression": expression, "parameters": [strength]})
+    };
+    let fault = lab.done("check", &law("k * tanh(vv)"))["fault"].clone();
+    assert_eq!((&fault["at"], &fault["length"]), (&json!(9), &json!(2)));
+    assert!(lab.refused(422, "law", &law("k * tanh(vv)")).contains("`vv` is unknown"));
+    let right = lab.done("check", &law("k * tanh(v)"));
+    assert_eq!(right["fault"], Value::Null);
+    assert!(right["toml"].as_str().unwrap().contains("[[candidate]]"));
+    let state = lab.done("law", &law("k * tanh(v)"));
+    assert_eq!(state["model"]["candidate"][0]["name"], "pull");
+    lab.done("save", &json!({}));
+    let add = json!({"add": {"effect": "pull"}});
+    let command = lab.command(&add);
+    assert_eq!(lab.work(&add)["answers"]["change"], command);
+    assert!(lab.refused(422, "law", &law("k * v")).contains("in the model already"));
+}
+
+#[test]
+fn practice_is_hidden_in_a_new_folder_and_revealed_as_by_the_command() {
+    let lab = lab();
+    let state = lab.work(&json!({"hide": {"any": 1, "seed": 11}}));
+    assert_eq!((&state["set"], &state["practice"]), (&json!("practice-11"), &json!(true)));
+    assert_eq!(state["traces"].as_array().unwrap().len(), 10);
+    let mut truth = lab.done("reveal", &json!({}));
+    let command = truth.as_object_mut().unwrap().remove("command").unwrap();
+    assert_eq!(command, "palpate hide --open traces/practice-11");
+    holds_all_of(&truth, &lab.run(command.as_str().unwrap()));
+    let sealed = std::fs::read_dir(lab.above.path().join("traces/mullins")).unwrap();
+    for file in sealed.map(|entry| entry.unwrap().path()) {
+        if file.extension().is_none_or(|extension| extension != "csv") {
+            std::fs::remove_file(file).unwrap();
+        }
+    }
+    lab.done("choose", &json!({"set": "mullins"}));
+    assert_eq!(lab.wait(), Value::Null);
+    assert_eq!(lab.get("state")["practice"], false);
+    lab.refused(422, "reveal", &json!({}));
+}
+
+#[test]
+fn sets_traces_and_signals_are_picked_and_a_set_that_cannot_be_read_leaves_the_other_open() {
+    let lab = lab();
+    lab.done("choose", &json!({"set": "mullins"}));
+    assert_eq!(lab.wait(), Value::Null);
+    let state = lab.done("choose", &json!({"traces": [0, 4], "signal": "force_N"}));
+    let chosen = state["traces"].as_array().unwrap().iter().filter(|of| of["chosen"] == true);
+    assert_eq!(chosen.count(), 2);
+    let command = lab.done("command", &fung())["command"].as_str().unwrap().to_owned();
+    assert_eq!(command.matches("traces/mullins/").count(), 2, "{command}");
+    let fit = lab.run(&command);
+    assert_eq!(lab.work(&fung())["answers"]["fit"], fit);
+    assert_eq!(lab.ask("GET", "overlay?trace=2", None).0, 422);
+
+    let broken = lab.above.path().join("traces/broken");
+    std::fs::create_dir(&broken).unwrap();
+    std::fs::write(broken.join("a.csv"), "time_s,force_N\n0,1\n1,x\n").unwrap();
+    lab.done("choose", &json!({"set": "broken"}));
+    let failed = lab.wait();
+    assert!(failed.as_str().unwrap().contains("a.csv"), "{failed}");
+    let state = lab.get("state");
+    assert_eq!(
+        (&state["set"], state["versions"].as_array().unwrap().len()),
+        (&json!("mullins"), 1)
+    );
+}
+
+#[test]
+fn lines_are_broken_where_rows_are_missing_with_and_without_a_model() {
+    let above = tempfile::tempdir().unwrap();
+    std::fs::create_dir(above.path().join("traces")).unwrap();
+    let mut trace = long_trace(20_000);
+    let kept: Vec<usize> = (0..20_000).filter(|k| !(9_600..10_400).contains(k)).collect();
+    let keep = |values: &[f64]| kept.iter().map(|&k| values[k]).collect::<Vec<_>>();
+    trace.time = keep(&trace.time);
+    for column in &mut trace.columns {
+        column.values = keep(&column.values);
+    }
+    write(&above.path().join("traces/gap.parquet"), &trace).unwrap();
+    let lab = Lab::open(above, &["traces"]);
+    let broken = |line: &str, overlay: &Value| -> Vec<f64> {
+        let (time, values) =
+            (overlay["time"].as_array().unwrap(), overlay[line].as_array().unwrap());
+        let missing = time.iter().zip(values).filter(|(_, value)| value.is_null());
+        missing.map(|(time, _)| time.as_f64().unwrap()).collect()
+    };
+    for window in ["", "&from=9&to=11"] {
+        let overlay = lab.get(&format!("overlay?trace=0&width=500{window}"));
+        let found = broken("measured", &overlay);
+        assert!(matches!(found[..], [at] if (9.599..10.4).contains(&at)), "{found:?}");
+    }
+    lab.work(&json!({"fit": {"law": "kelvin-voigt"}}));
+    let overlay = lab.get("overlay?trace=0&width=500");
+    for line in ["measured", "predicted", "residual"] {
+        assert_eq!(broken(line, &overlay).len(), 1, "{line}");
+    }
+    assert_eq!(overlay["extents"]["loading"][0].as_f64().unwrap().round(), 1.0, "{overlay}");
+}
+
+/// Presses of a viscoelastic specimen, one every ten seconds at 1 kHz.
+fn long_trace(samples: usize) -> Trace {
+    let mut trace =
+        Trace { time: (0..samples).map(|k| k as f64 / 1e3).collect(), ..Trace::default() };
+    let depth = |time: f64| -> f64 {
+        let within = time % 10.0;
+        let up = within.min(10.0 - within) - 1.0;
+        up.clamp(-0.5, 2.0)
+    };
+    let mut state = 1_u64;
+    let mut noise = || {
+        state =
+            state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 40) as f64 / f64::from(1 << 24) - 0.5
+    };
+    let displacement: Vec<f64> = trace.time.iter().map(|&time| depth(time)).collect();
+    let force = displacement.iter().map(|x| x.max(0.0).powf(1.5) + 0.01 * noise()).collect();
+    trace.set_column(DISPLACEMENT, displacement);
+    trace.set_column(FORCE, force);
+    trace
+}
+
+/// Times of opening and of panning, for docs/measured.md.
+#[test]
+#[ignore = "ten million samples: run it with --release"]
+fn ten_million_samples_open_and_pan() {
+    let trace = long_trace(10_000_000);
+    for format in ["parquet", "csv"] {
+        let above = tempfile::tempdir().unwrap();
+        std::fs::create_dir(above.path().join("traces")).unwrap();
+        let file = above.path().join(format!("traces/long.{format}"));
+        write(&file, &trace).unwrap();
+        let bytes = std::fs::metadata(&file).unwrap().len();
+        let begun = Instant::now();
+        let lab = Lab::open(above, &["traces"]);
+        let printed = begun.elapsed();
+        lab.get("state");
+        lab.get("overlay?trace=0&width=1200");
+        let opened = begun.elapsed();
+        println!(
+            "{format}: file of {:.0} MB, address after {printed:.2?}, drawn after {opened:.2?}, pan {}, {} MB",
+            bytes as f64 / 1e6,
+            panned(&lab),
+            memory_mb(&lab.process),
+        );
+    }
+}
+
+/// The same with a model: time of the comparison, in the background, and of panning all its lines.
+#[test]
+#[ignore = "ten million samples: run it with --release"]
+fn ten_million_samples_pan_beside_a_model() {
+    let above = tempfile::tempdir().unwrap();
+    std::fs::create_dir(above.path().join("traces")).unwrap();
+    let at = |name: &str| above.path().join(name);
+    write(&at("short.csv"), &long_trace(50_000)).unwrap();
+    write(&at("traces/long.parquet"), &long_trace(10_000_000)).unwrap();
+    let fit = ["fit", "fung", "short.csv", "-o", "model.toml"];
+    assert!(program().args(fit).current_dir(above.path()).output().unwrap().status.success());
+    let begun = Instant::now();
+    let lab = Lab::open(above, &["traces", "--model", "model.toml"]);
+    lab.get("overlay?trace=0&width=1200");
+    println!("drawn without the model after {:.2?}", begun.elapsed());
+    assert_eq!(lab.wait(), Value::Null);
+    println!("compared after {:.1?}", begun.elapsed());
+    println!("pan {}, {} MB", panned(&lab), memory_mb(&lab.process));
+    assert!(lab.get("overlay?trace=0")["residual"].is_array());
+}
+
+/// Median and worst time of 200 pans.
+fn panned(lab: &Lab) -> String {
+    let mut pans: Vec<Duration> = (0..200)
+        .map(|k| {
+            let (from, to) = (f64::from(k) * 40.0, f64::from(k) * 40.0 + 2_000.0);
+            let begun = Instant::now();
+            lab.get(&format!("overlay?trace=0&width=1200&from={from}&to={to}"));
+            begun.elapsed()
+        })
+        .collect();
+    pans.sort();
+    format!("median {:.1?}, worst {:.1?}", pans[100], pans[199])
+}
+
+/// Resident memory, MB.
+fn memory_mb(process: &Child) -> u64 {
+    let status =
+        std::fs::read_to_string(format!("/proc/{}/status", process.id())).unwrap_or_default();
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+    line.and_then(|line| line.trim().trim_end_matches(" kB").parse::<u64>().ok()).unwrap_or(0)
+        / 1024
+}
