@@ -178,6 +178,73 @@ fn a_tab_that_stops_reading_is_told_what_it_was_not_shown_and_sees_it_afterwards
     assert!(times.windows(2).all(|pair| pair[1] - pair[0] < 0.05), "the session has no hole");
 }
 
+/// What a process holds in memory now, MB.
+#[cfg(target_os = "linux")]
+fn resident_mb(process: u32) -> f64 {
+    let status = std::fs::read_to_string(format!("/proc/{process}/status")).unwrap();
+    let line = status.lines().find(|line| line.starts_with("VmRSS:")).expect("it runs");
+    line.split_whitespace().nth(1).unwrap().parse::<f64>().unwrap() / 1024.0
+}
+
+/// The part of values that is not greater.
+#[cfg(target_os = "linux")]
+fn quantile(values: &[f64], part: f64) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    sorted[(part * (sorted.len() - 1) as f64) as usize]
+}
+
+/// Times are printed, not tested; `cargo xtask browser` goes on for an hour.
+#[cfg(target_os = "linux")]
+#[test]
+#[ignore = "needs a browser: cargo xtask browser"]
+fn a_steady_stream_is_shown_without_a_loss_and_in_little_memory() {
+    let seconds = std::env::var("PALPATE_STEADY_S").map_or(60, |text| text.parse().unwrap());
+    let folder = tempfile::tempdir().unwrap();
+    let mut device = simulate(folder.path());
+    let server = Server::begin_in(folder, &["--port", "fingertip"]);
+    let browser = opened(&server);
+    browser.says(".health", "frames/s");
+    std::thread::sleep(Duration::from_secs(5));
+    let health = "return Object.fromEntries([...document.querySelectorAll('.health dt')].map((t) => [t.textContent, t.nextSibling.textContent]))";
+    let count = |text: &Value| text.as_str().unwrap().replace(',', "").parse::<u64>().unwrap();
+    let (mut frames, mut delays, mut memory) = (Vec::new(), Vec::new(), Vec::new());
+    let (begun, before) = (Instant::now(), browser.script(health));
+    let (mut after, mut passed) = (before.clone(), 0.0);
+    while begun.elapsed() < Duration::from_secs(seconds) {
+        std::thread::sleep(Duration::from_secs(1));
+        after = browser.script(health);
+        passed = begun.elapsed().as_secs_f64();
+        let display = after["display"].as_str().unwrap();
+        let mut numbers =
+            display.split(|c: char| !c.is_ascii_digit()).filter_map(|n| n.parse::<f64>().ok());
+        frames.push(numbers.next().unwrap());
+        delays.push(numbers.next().unwrap());
+        memory.push(resident_mb(server.process.id()));
+    }
+    let rows = count(&after["rows"]) - count(&before["rows"]);
+    println!(
+        "{passed:.0} s, {rows} rows, lost {}, not shown in time {}; frames/s: median {}, 1 % {}; behind, 99th percentile of \
+         each second: median {} ms, worst {} ms; memory {:.1} MB at first, {:.1} MB at last, {:.1} MB at most",
+        after["rows lost"],
+        after["not shown in time"],
+        quantile(&frames, 0.5),
+        quantile(&frames, 0.01),
+        quantile(&delays, 0.5),
+        quantile(&delays, 1.0),
+        memory[0],
+        memory[memory.len() - 1],
+        quantile(&memory, 1.0),
+    );
+    assert_eq!(count(&after["rows lost"]), 0);
+    assert!((rows as f64 / passed / 1_000.0 - 1.0).abs() < 0.05, "{rows} rows in {passed} s");
+    // The session that can be looked back at takes 9 MB when it is full.
+    assert!(memory[memory.len() - 1] - memory[0] < 10.0, "{memory:?}");
+    assert_eq!(browser.complaints(), Vec::<String>::new());
+    device.kill().unwrap();
+    device.wait().unwrap();
+}
+
 /// Text against what is behind it, as WCAG 2.1 counts (1.4.3, level AA); the worst that falls short.
 const CONTRAST: &str = r"
   const channel = (c) => ((c /= 255) <= 0.03928 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4);

@@ -74,7 +74,8 @@ export function open(root, api) {
     gauges.append(place);
     const drawn = plot(place, {
       x: [], label: `Strain of gauge ${gauge + 1} over time`, axes: { x: "s", y: "µε" }, height: 250, group: "live",
-      series: SIGNALS.map(([label, colour, dash, show]) => ({ label, colour, dash, show, values: [] })),
+      // Hairlines: those that are wider are stroked with joins, which without a GPU takes most of a frame.
+      series: SIGNALS.map(([label, colour, dash, show]) => ({ label, colour, dash, show, width: 1, values: [] })),
       onZoom: (from, to) => (from === null ? goOn() : look(from, to)),
     });
     return { drawn, reading };
