@@ -5,9 +5,10 @@ use std::path::PathBuf;
 
 use super::output::print;
 use super::{Failure, interrupt};
-use crate::device::discover::choose;
+use crate::device::discover::{DiscoverError, choose};
+use crate::device::session::LinkError;
 use crate::serve::lab::Session;
-use crate::serve::live::{Live, Source};
+use crate::serve::live::{Elf, Live, Source};
 use crate::serve::{Options, run as serve};
 
 /// Open a local page: a fingertip live, or a model beside recordings.
@@ -16,8 +17,8 @@ use crate::serve::{Options, run as serve};
 Prints the address to open in a browser, and serves until Ctrl-C. The page needs no network and no
 installation. Its address holds a token that is new at every start: without it nothing is shown.
 
-With a folder of traces it opens the Lab, with a device, a replay or a simulation the Live room, with
-both both. With neither, the only device that answers on any serial port is taken.
+With a folder of traces it opens the Lab, with a device, a replay or a simulation the rooms Live and
+Device, with both all. With neither, the only device that answers on any serial port is taken.
 
 Examples:
   palpate serve traces/ --open               a model beside recordings, and what it lacks
@@ -49,6 +50,12 @@ pub struct Args {
     /// Seed of the simulated device's noise
     #[arg(long, default_value_t = 1, requires = "simulate")]
     seed: u64,
+    /// ELF file of the firmware, to put the device's log into words
+    #[arg(long, value_name = "FILE")]
+    elf: Option<PathBuf>,
+    /// Take the ELF file even if it is not that of the device's firmware
+    #[arg(long, requires = "elf")]
+    force: bool,
     /// Folder that recordings are written to
     #[arg(long, value_name = "FOLDER", default_value = ".")]
     recordings: PathBuf,
@@ -113,8 +120,18 @@ impl Args {
         if beside && self.port.is_none() && self.replay.is_none() && !self.simulate {
             return Ok(None);
         }
-        let live = Live::begin(source(self)?, self.recordings.clone());
+        let live = Live::begin(source(self)?, self.recordings.clone(), self.elf()?);
         live.map(Some).map_err(Failure::input)
+    }
+}
+
+impl Args {
+    /// The words of the device's log, once it is known that there are any.
+    fn elf(&self) -> Result<Option<Elf>, Failure> {
+        let Some(path) = &self.elf else { return Ok(None) };
+        let elf = Elf { path: path.clone(), force: self.force };
+        elf.words("").map_err(Failure::input)?;
+        Ok(Some(elf))
     }
 }
 
@@ -146,6 +163,13 @@ fn source(args: &Args) -> Result<Source, Failure> {
 }
 
 fn device(args: &Args) -> Result<Source, Failure> {
-    let (port, session) = choose(args.port.as_deref()).map_err(Failure::input)?;
-    Ok(Source::Device { port, session: Box::new(session) })
+    match choose(args.port.as_deref()) {
+        Ok((port, session)) => Ok(Source::Device { port, session: Some(Box::new(session)) }),
+        // The page says what to do with it, and goes on when that was done.
+        Err(DiscoverError::Named { port, source: source @ LinkError::Schema { .. } }) => {
+            eprintln!("! {}: {source}", port.display());
+            Ok(Source::Device { port, session: None })
+        }
+        Err(error) => Err(Failure::input(error)),
+    }
 }

@@ -12,7 +12,7 @@ const SCRIPT: &str = "text/javascript; charset=utf-8";
 const TEXT: &str = "text/plain; charset=utf-8";
 
 /// Path, content type, content.
-const FILES: [(&str, &str, &[u8]); 26] = [
+const FILES: [(&str, &str, &[u8]); 35] = [
     ("/", HTML, include_bytes!("page/index.html")),
     ("/style.css", CSS, include_bytes!("page/style.css")),
     ("/shell.js", SCRIPT, include_bytes!("page/shell.js")),
@@ -23,6 +23,15 @@ const FILES: [(&str, &str, &[u8]); 26] = [
     ("/live/controls.js", SCRIPT, include_bytes!("page/live/controls.js")),
     ("/live/health.js", SCRIPT, include_bytes!("page/live/health.js")),
     ("/live/window.js", SCRIPT, include_bytes!("page/live/window.js")),
+    ("/live/margin.js", SCRIPT, include_bytes!("page/live/margin.js")),
+    ("/device.css", CSS, include_bytes!("page/device.css")),
+    ("/device.js", SCRIPT, include_bytes!("page/device.js")),
+    ("/device/calibration.js", SCRIPT, include_bytes!("page/device/calibration.js")),
+    ("/device/info.js", SCRIPT, include_bytes!("page/device/info.js")),
+    ("/device/parts.js", SCRIPT, include_bytes!("page/device/parts.js")),
+    ("/device/ports.js", SCRIPT, include_bytes!("page/device/ports.js")),
+    ("/device/selftest.js", SCRIPT, include_bytes!("page/device/selftest.js")),
+    ("/device/settings.js", SCRIPT, include_bytes!("page/device/settings.js")),
     ("/lab.css", CSS, include_bytes!("page/lab.css")),
     ("/lab.js", SCRIPT, include_bytes!("page/lab.js")),
     ("/lab/bars.js", SCRIPT, include_bytes!("page/lab/bars.js")),

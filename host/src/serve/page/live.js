@@ -4,6 +4,7 @@ import { plot } from "./plot.js";
 import { element, healthPanel } from "./live/health.js";
 import { COLUMNS, Window, columnsOf, readRows, readView } from "./live/window.js";
 import { controls } from "./live/controls.js";
+import { marginPanel } from "./live/margin.js";
 
 export const keys = [
   ["space", "pause and go on"], ["← →", "back and forth through the session"], ["+ −", "shorter or longer stretch"],
@@ -79,6 +80,7 @@ export function open(root, api) {
   });
 
   const panel = controls(side, api);
+  const closeMargin = marginPanel(side, api);
   const healthShown = healthPanel(side);
 
   // What comes.
@@ -270,6 +272,7 @@ export function open(root, api) {
   return () => {
     closed = true;
     closeSocket();
+    closeMargin();
     document.removeEventListener("keydown", pressed);
     plots.forEach(({ drawn }) => drawn.close());
   };
