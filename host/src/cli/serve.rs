@@ -5,10 +5,11 @@ use std::path::PathBuf;
 
 use super::output::print;
 use super::{Failure, interrupt, progress};
-use crate::device::discover;
+use crate::device::discover::{self, DiscoverError};
+use crate::device::session::LinkError;
 use crate::practice::{Choice, SEALED, check_empty, hide, write_set};
 use crate::serve::lab::Session;
-use crate::serve::live::{Live, Source};
+use crate::serve::live::{Elf, Live, Source};
 use crate::serve::{Options, run as serve};
 
 /// Folder of the demo, where none is named.
@@ -23,8 +24,8 @@ const DEMO_SEED: u64 = 6;
 Prints the address to open in a browser, and serves until Ctrl-C. The page needs no network and no
 installation. Its address holds a token that is new at every start: without it nothing is shown.
 
-With a folder of traces it opens the Lab, with a device, a replay or a simulation the rooms of a
-fingertip, with both all. With neither, the only device that answers on any serial port is taken.
+With a folder of traces it opens the Lab, with a device, a replay or a simulation the rooms Live and
+Device, with both all. With neither, the only device that answers on any serial port is taken.
 
 Examples:
   palpate serve --demo --open                 ten presses with a hidden effect and a simulated
@@ -61,6 +62,12 @@ pub struct Args {
     /// Seed of the simulated device's noise, and of what the demo hides [default: 1 and 6]
     #[arg(long, requires = "made-up")]
     seed: Option<u64>,
+    /// ELF file of the firmware, to put the device's log into words
+    #[arg(long, value_name = "FILE")]
+    elf: Option<PathBuf>,
+    /// Take the ELF file even if it is not that of the device's firmware
+    #[arg(long, requires = "elf")]
+    force: bool,
     /// Folder that recordings are written to
     #[arg(long, value_name = "FOLDER", default_value = ".")]
     recordings: PathBuf,
@@ -151,8 +158,18 @@ impl Args {
         if beside && !named {
             return Ok(None);
         }
-        let live = Live::begin(source(self)?, self.recordings.clone());
+        let live = Live::begin(source(self)?, self.recordings.clone(), self.elf()?);
         live.map(Some).map_err(Failure::input)
+    }
+}
+
+impl Args {
+    /// The words of the device's log, once it is known that there are any.
+    fn elf(&self) -> Result<Option<Elf>, Failure> {
+        let Some(path) = &self.elf else { return Ok(None) };
+        let elf = Elf { path: path.clone(), force: self.force };
+        elf.words("").map_err(Failure::input)?;
+        Ok(Some(elf))
     }
 }
 
@@ -184,6 +201,13 @@ fn source(args: &Args) -> Result<Source, Failure> {
 }
 
 fn device(args: &Args) -> Result<Source, Failure> {
-    let (port, session) = discover::choose(args.port.as_deref()).map_err(Failure::input)?;
-    Ok(Source::Device { port, session: Box::new(session) })
+    match discover::choose(args.port.as_deref()) {
+        Ok((port, session)) => Ok(Source::Device { port, session: Some(Box::new(session)) }),
+        // The page says what to do with it, and goes on when that was done.
+        Err(DiscoverError::Named { port, source: source @ LinkError::Schema { .. } }) => {
+            eprintln!("! {}: {source}", port.display());
+            Ok(Source::Device { port, session: None })
+        }
+        Err(error) => Err(Failure::input(error)),
+    }
 }

@@ -1,10 +1,12 @@
 //! Gain and offset of a gauge, from counts under known strains.
 
 use std::collections::BTreeMap;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
-use shared::calibration::Sheet;
+use serde_json::{Value, json};
+use shared::calibration::{Calibration, CalibrationError, Sheet};
 use shared::pipeline::GAUGES;
 
 /// One known strain, and what the converter made of it.
@@ -88,32 +90,62 @@ struct Record {
     counts: f64,
 }
 
-/// Points of each gauge, counted from 0, from a CSV file with the columns `gauge` (from 1), `strain_ustrain` and `counts`.
+/// Points of each gauge, counted from 0.
+pub type Points = Vec<(u8, Vec<Point>)>;
+
+/// The points of a CSV file with the columns `gauge` (from 1), `strain_ustrain` and `counts`.
 ///
 /// # Errors
 /// [`PointsError`] names the line.
-pub fn read_points(path: &Path) -> Result<Vec<(u8, Vec<Point>)>, PointsError> {
+pub fn read_points(path: &Path) -> Result<Points, PointsError> {
     let wrong = |reason: String| PointsError { path: path.into(), reason };
-    let mut reader = csv::ReaderBuilder::new()
-        .trim(csv::Trim::All)
-        .comment(Some(b'#'))
-        .from_path(path)
-        .map_err(|error| wrong(error.to_string()))?;
+    let file = std::fs::File::open(path).map_err(|error| wrong(error.to_string()))?;
+    points_of(file).map_err(wrong)
+}
+
+/// The same of what such a file holds.
+///
+/// # Errors
+/// Names the line.
+pub fn points_of(file: impl Read) -> Result<Points, String> {
+    let mut reader =
+        csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(file);
+    let rows = reader.deserialize().map(|record| {
+        let Record { gauge, strain_ustrain, counts } = record.map_err(|e| e.to_string())?;
+        Ok((gauge, Point { strain: strain_ustrain, counts }))
+    });
+    by_gauge(rows)
+}
+
+/// Points with the gauge that each is of, counted from 1, gauge by gauge.
+///
+/// # Errors
+/// Names the gauge that does not exist, or the point that is none.
+pub fn by_gauge(
+    rows: impl IntoIterator<Item = Result<(u8, Point), String>>,
+) -> Result<Points, String> {
     let mut points: BTreeMap<u8, Vec<Point>> = BTreeMap::new();
-    for record in reader.deserialize() {
-        let Record { gauge, strain_ustrain: strain, counts } =
-            record.map_err(|error| wrong(error.to_string()))?;
-        let at = gauge.checked_sub(1).filter(|at| usize::from(*at) < GAUGES);
-        let at = at.ok_or_else(|| wrong(format!("there is no gauge {gauge}; they are 1 to 4")))?;
-        if !(strain.is_finite() && counts.is_finite()) {
-            return Err(wrong(format!("gauge {gauge}: strain and counts must be finite")));
+    for row in rows {
+        let (gauge, point) = row?;
+        let at = from_one(gauge)?;
+        if !(point.strain.is_finite() && point.counts.is_finite()) {
+            return Err(format!("gauge {gauge}: strain and counts must be finite"));
         }
-        points.entry(at).or_default().push(Point { strain, counts });
+        points.entry(at).or_default().push(point);
     }
     if points.is_empty() {
-        return Err(wrong("there are no points in it".into()));
+        return Err("there are no points in it".into());
     }
     Ok(points.into_iter().collect())
+}
+
+/// A gauge counted from 0 of one counted from 1.
+///
+/// # Errors
+/// Says which there are.
+pub fn from_one(gauge: u8) -> Result<u8, String> {
+    let at = gauge.checked_sub(1).filter(|at| usize::from(*at) < GAUGES);
+    at.ok_or_else(|| format!("there is no gauge {gauge}; they are 1 to 4"))
 }
 
 impl Line {
@@ -126,6 +158,78 @@ impl Line {
             return Err(CalibrateError::Offset(self.offset));
         }
         Ok(Sheet { gain: self.gain, offset: self.offset.round() as i32, ..*before })
+    }
+
+    /// How far the line's strain is above that of a point, µε.
+    #[must_use]
+    pub fn residual(&self, point: &Point) -> f64 {
+        self.gain * (point.counts - self.offset) - point.strain
+    }
+}
+
+/// What a gauge's calibration is to become.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Calibrated {
+    /// The gauge, from 0.
+    pub gauge: u8,
+    /// Its new sheet, within the device's range.
+    pub sheet: Sheet,
+    /// The line that it came from; none if gain and offset were given.
+    pub line: Option<Line>,
+}
+
+/// Why a gauge cannot be calibrated so.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[allow(missing_docs)]
+pub enum SheetError {
+    #[error("gauge {}: {source}", gauge + 1)]
+    Line { gauge: u8, source: CalibrateError },
+    #[error("gauge {}: {source}", gauge + 1)]
+    Range { gauge: u8, source: CalibrationError },
+}
+
+impl Calibrated {
+    /// By the line through points; temperature is compensated as `before`.
+    ///
+    /// # Errors
+    /// [`SheetError`].
+    pub fn by_points(gauge: u8, points: &[Point], before: &Sheet) -> Result<Self, SheetError> {
+        let wrong = |source| SheetError::Line { gauge, source };
+        let line = line(points).map_err(wrong)?;
+        let sheet = line.sheet(before).map_err(wrong)?;
+        Self { gauge, sheet, line: Some(line) }.checked()
+    }
+
+    /// By gain, µε per count, and offset, counts.
+    ///
+    /// # Errors
+    /// [`SheetError::Range`].
+    pub fn by_numbers(
+        gauge: u8,
+        gain: f64,
+        offset: i32,
+        before: &Sheet,
+    ) -> Result<Self, SheetError> {
+        Self { gauge, sheet: Sheet { gain, offset, ..*before }, line: None }.checked()
+    }
+
+    fn checked(self) -> Result<Self, SheetError> {
+        let wrong = |source| SheetError::Range { gauge: self.gauge, source };
+        Calibration::new(&self.sheet).map(|_| self).map_err(wrong)
+    }
+
+    /// For a program.
+    #[must_use]
+    pub fn json(&self) -> Value {
+        let errors = self.line.and_then(|line| line.errors);
+        json!({
+            "gauge": self.gauge + 1,
+            "ustrain_per_count": self.sheet.gain,
+            "ustrain_per_count_standard_error": errors.map(|(gain, _)| gain),
+            "offset_counts": self.sheet.offset,
+            "offset_counts_standard_error": errors.map(|(_, offset)| offset),
+            "nonlinearity": self.line.map(|line| line.nonlinearity),
+        })
     }
 }
 
@@ -155,6 +259,47 @@ mod tests {
         assert!((gain - scatter / 5_f64.sqrt() / 4.0).abs() < 1e-12);
         assert!((offset - scatter * 1.5_f64.sqrt()).abs() < 1e-12);
         assert!((line.nonlinearity - 0.05 / 3.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_residual_is_the_strain_that_the_line_says_too_much() {
+        let given = points(&[(1.0, 1.9), (2.0, 4.1), (3.0, 6.1), (4.0, 7.9)]);
+        let line = line(&given).unwrap();
+        for (point, expected) in given.iter().zip([-0.05, 0.05, 0.05, -0.05]) {
+            assert!((line.residual(point) - expected).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn a_sheet_beyond_the_device_is_refused_with_its_gauge() {
+        let before =
+            Sheet { gain: 1e-3, offset: 0, temperature_coefficient: 0.5, reference_celsius: 20.0 };
+        let given = points(&[(0.0, 100.0), (500.0, 250_100.0)]);
+        let made = Calibrated::by_points(2, &given, &before).unwrap();
+        assert_eq!((made.sheet.offset, made.sheet.temperature_coefficient), (100, 0.5));
+        assert_eq!(made.json()["gauge"], 3);
+        let steep = points(&[(0.0, 0.0), (500.0, 1.0)]);
+        let refused = Calibrated::by_points(2, &steep, &before).unwrap_err().to_string();
+        assert!(refused.starts_with("gauge 3: gain of 500"), "{refused}");
+        let refused = Calibrated::by_numbers(0, f64::NAN, 0, &before).unwrap_err().to_string();
+        assert!(refused.starts_with("gauge 1: gain of NaN"), "{refused}");
+    }
+
+    #[test]
+    fn a_file_of_points_names_what_is_wrong_in_it() {
+        let read = |text: &str| points_of(text.as_bytes());
+        let found = read("gauge, strain_ustrain, counts\n2, 0, 5\n1, 3, 4\n").unwrap();
+        assert_eq!(found, [(0, points(&[(3.0, 4.0)])), (1, points(&[(0.0, 5.0)]))]);
+        for (text, expected) in [
+            ("gauge,strain_ustrain,counts\n5,1,2\n", "there is no gauge 5"),
+            ("gauge,strain_ustrain,counts\n1,x,2\n", "line"),
+            ("gauge,strain_ustrain,counts\n1,inf,2\n", "must be finite"),
+            ("gauge,strain_ustrain,counts\n", "no points"),
+            ("a,b\n1,2\n", "missing field"),
+        ] {
+            let refused = read(text).unwrap_err();
+            assert!(refused.contains(expected), "{text}: {refused}");
+        }
     }
 
     #[test]

@@ -124,6 +124,14 @@ pub fn rate_hz(oversampling: Oversampling, converter_clock_hz: u32) -> f64 {
     oversampling.interval_s(converter_clock_hz).recip()
 }
 
+/// What to say where the rate that was taken is not the one that was wanted.
+#[must_use]
+pub fn rate_note(wanted_hz: f64, now: &Settings, converter_clock_hz: u32) -> Option<String> {
+    let rate = rate_hz(now.oversampling, converter_clock_hz);
+    let is_off = (rate / wanted_hz - 1.0).abs() > 1e-3;
+    is_off.then(|| format!("the rate nearest to {wanted_hz} Hz is {rate} Hz"))
+}
+
 /// The oversampling whose rate is nearest, by ratio.
 #[must_use]
 pub fn nearest(wanted_hz: f64, converter_clock_hz: u32) -> Oversampling {

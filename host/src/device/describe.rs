@@ -2,19 +2,14 @@
 
 use serde_json::{Value, json};
 use shared::fixed::{celsius, microstrain};
-use shared::wire::{ClockSource, Counters, ResetCause, SelfTest, Settings, Source, Status};
+use shared::wire::{ClockSource, Counters, ResetCause, Settings, Source, Status};
 
 use super::change::{Threshold, rate_hz};
 use super::heard::Identity;
 use super::record::{View, parts};
 use super::refusal::Fault;
 use crate::report::number::significant;
-use crate::report::{Block, Callout, Column, Section, Table};
-
-/// Counts beyond this fraction of full scale are those of a bridge that is open or shorted.
-const NEAR_RAIL: f64 = 0.95;
-/// A rate further off than this is wrong.
-const RATE_TOLERANCE: f64 = 0.02;
+use crate::report::{Block, Column, Section, Table};
 
 /// Why a device began.
 #[must_use]
@@ -191,70 +186,6 @@ pub fn status_json(status: &Status) -> Value {
         "temperature_celsius": status.temperature.map(celsius),
         "converter": status.converter.map(|fault| Fault(fault).to_string()),
         "stack_used_bytes": status.stack_used,
-    })
-}
-
-/// What a self-test found wrong, in words; nothing if all is well.
-#[must_use]
-pub fn faults(test: &SelfTest) -> Vec<String> {
-    let mut faults: Vec<String> =
-        test.converter.err().map(|fault| Fault(fault).to_string()).into_iter().collect();
-    for (gauge, mean) in (1..).zip(test.mean_counts) {
-        let size = f64::from(mean).abs() / 8_388_608.0;
-        if size > NEAR_RAIL {
-            faults.push(format!(
-                "gauge {gauge} is at {:.0} % of full scale: its bridge is open or shorted",
-                size * 100.0
-            ));
-        }
-    }
-    if test.samples > 0 && (f64::from(test.rate_ratio) - 1.0).abs() > RATE_TOLERANCE {
-        faults.push(format!("samples come at {:.3} times the rate", test.rate_ratio));
-    }
-    faults
-}
-
-/// A self-test.
-#[must_use]
-pub fn self_test(test: &SelfTest, settings: &Settings) -> Vec<Section> {
-    let mut table = Table::new(
-        "",
-        vec![
-            Column::text("Gauge"),
-            Column::whole("Mean (counts)"),
-            Column::number("Noise", "counts"),
-            Column::number("Noise", "µε"),
-        ],
-    )
-    .note(format!(
-        "{} samples, at {:.4} times the rate that is set",
-        test.samples, test.rate_ratio
-    ));
-    for gauge in 0..test.mean_counts.len() {
-        let noise = f64::from(test.noise_counts[gauge]);
-        table = table.row([
-            (gauge + 1).to_string(),
-            test.mean_counts[gauge].to_string(),
-            format!("{noise:.1}"),
-            format!("{:.3}", noise * settings.calibration[gauge].gain.abs()),
-        ]);
-    }
-    let kind = Callout::Warning;
-    let warn = |text| Block::Callout { kind, title: String::new(), text };
-    let blocks = std::iter::once(Block::Table(table)).chain(faults(test).into_iter().map(warn));
-    vec![Section { title: "Self-test".into(), blocks: blocks.collect() }]
-}
-
-/// A self-test.
-#[must_use]
-pub fn self_test_json(test: &SelfTest) -> Value {
-    json!({
-        "passed": faults(test).is_empty(),
-        "faults": faults(test),
-        "samples": test.samples,
-        "rate_ratio": test.rate_ratio,
-        "mean_counts": test.mean_counts,
-        "noise_counts": test.noise_counts,
     })
 }
 

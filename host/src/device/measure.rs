@@ -1,4 +1,4 @@
-//! Short streams: to read zero, and to average counts.
+//! Short streams: to read zero, and to average counts; and whether a signal stands still enough to be averaged.
 
 use std::time::{Duration, Instant};
 
@@ -33,13 +33,57 @@ pub fn mean(session: &mut Session, over: Duration) -> Result<[Mean; GAUGES], Lin
     let began = Instant::now();
     let rows = hear_rows(session, |_| began.elapsed() >= over)?;
     session.quiet()?;
+    Ok(means(&rows))
+}
+
+/// The means of every gauge over rows of raw counts, of which there must be one.
+#[must_use]
+pub fn means(rows: &[[i32; GAUGES]]) -> [Mean; GAUGES] {
     let samples = rows.len();
     let count = samples as f64;
-    Ok([0, 1, 2, 3].map(|gauge| {
+    std::array::from_fn(|gauge| {
         let values = || rows.iter().map(|row| f64::from(row[gauge]));
         let counts = values().sum::<f64>() / count;
         let square = values().map(|value| (value - counts).powi(2)).sum::<f64>();
         Mean { counts, deviation: (square / (count - 1.0).max(1.0)).sqrt(), samples }
+    })
+}
+
+/// How far raw counts moved over a stretch, by the line of least squares through them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Drift {
+    /// From the beginning of the stretch to its end.
+    pub counts: f64,
+    /// Standard deviation about the line.
+    pub scatter: f64,
+}
+
+impl Drift {
+    /// Whether it moved by no more than its scatter, or by no more than the converter's last digit.
+    #[must_use]
+    pub fn is_settled(&self) -> bool {
+        self.counts.abs() <= self.scatter.max(1.0)
+    }
+}
+
+/// The drift of every gauge over evenly sampled rows; none of fewer than three.
+#[must_use]
+pub fn drifts(rows: &[[i32; GAUGES]]) -> Option<[Drift; GAUGES]> {
+    if rows.len() < 3 {
+        return None;
+    }
+    let count = rows.len() as f64;
+    let middle = (count - 1.0) / 2.0;
+    let spread: f64 = (0..rows.len()).map(|at| (at as f64 - middle).powi(2)).sum();
+    let means = means(rows);
+    Some(std::array::from_fn(|gauge| {
+        let mean = means[gauge].counts;
+        let values = || rows.iter().enumerate().map(|(at, row)| (at as f64 - middle, row[gauge]));
+        let common: f64 = values().map(|(at, counts)| at * (f64::from(counts) - mean)).sum();
+        let slope = common / spread;
+        let away = |(at, counts): (f64, i32)| (f64::from(counts) - mean - slope * at).powi(2);
+        let scatter = (values().map(away).sum::<f64>() / (count - 2.0)).sqrt();
+        Drift { counts: slope * (count - 1.0), scatter }
     }))
 }
 
@@ -78,4 +122,37 @@ fn hear_rows(
         }
     }
     Ok(counts)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Counts that climb so far over 1001 rows, with a scatter of about 7.
+    fn climbing(by: f64) -> Vec<[i32; GAUGES]> {
+        let row = |at: i32| (by * f64::from(at) / 1e3).round() as i32 + (at * 37 % 23) - 11;
+        (0..=1_000).map(|at| [row(at); GAUGES]).collect()
+    }
+
+    #[test]
+    fn means_and_scatter_are_those_of_the_counts() {
+        let means = means(&[[1, 0, -5, 7], [3, 0, -5, 7], [5, 0, -5, 7]]);
+        assert_eq!(means[0], Mean { counts: 3.0, deviation: 2.0, samples: 3 });
+        assert_eq!((means[2].counts, means[2].deviation), (-5.0, 0.0));
+    }
+
+    #[test]
+    fn what_moves_beyond_its_scatter_is_not_settled() {
+        let drift = |by| drifts(&climbing(by)).unwrap()[0];
+        for by in [0.0, 3.0, -3.0] {
+            assert!(drift(by).is_settled(), "{by}: {:?}", drift(by));
+        }
+        for by in [50.0, -50.0, 5_000.0] {
+            let drift = drift(by);
+            assert!((drift.counts - by).abs() < 1.0 && (6.0..8.0).contains(&drift.scatter));
+            assert!(!drift.is_settled(), "{by}: {drift:?}");
+        }
+        assert!(drifts(&[[5; GAUGES]; 3]).unwrap()[0].is_settled(), "nothing moves at all");
+        assert_eq!(drifts(&[[5; GAUGES]; 2]), None);
+    }
 }

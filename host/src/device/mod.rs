@@ -15,6 +15,8 @@
 //! - [`measure`]: short streams, to read zero and to average.
 //! - [`mod@watch`]: rows as they come.
 //! - [`calibrate`]: gain and offset of a gauge.
+//! - [`self_test`]: what the device's test of itself found.
+//! - [`release`]: whether firmware and program go together.
 //! - [`log`]: the device's log in words.
 //! - [`describe`]: everything else in words.
 //! - [`simulate`]: a device without hardware, behind a pseudo-terminal.
@@ -31,7 +33,9 @@ pub mod measure;
 pub mod pty;
 pub mod record;
 pub mod refusal;
+pub mod release;
 pub mod replay;
+pub mod self_test;
 pub mod session;
 #[cfg(unix)]
 pub mod simulate;

@@ -47,6 +47,10 @@ pub enum BodyError {
          block:LxWxH:POISSON"
     )]
     Text(String),
+    #[error("this contact grows as it is pressed: give --compression MM")]
+    Compression,
+    #[error("a ball touches from a compression above 0 on")]
+    Apart,
     #[error("the head of the trace lacks {0} in its [specimen]; write it there, or give --contact")]
     Head(&'static str),
 }
@@ -99,6 +103,17 @@ impl Body {
                 Some(Shape::Rectangle { length: length * factor, width: width * factor })
             }
         }
+    }
+
+    /// The contact at a compression, mm, which must be known if the contact depends on it.
+    ///
+    /// # Errors
+    /// [`BodyError::Compression`], [`BodyError::Apart`].
+    pub fn pressed(&self, compression: Option<f64>) -> Result<Shape, BodyError> {
+        if self.grows() && compression.is_none() {
+            return Err(BodyError::Compression);
+        }
+        self.contact(compression.unwrap_or_default()).ok_or(BodyError::Apart)
     }
 
     /// Whether the contact depends on the compression.
@@ -192,6 +207,8 @@ mod tests {
     fn a_ball_touches_over_a_circle_that_ends_at_its_equator() {
         let ball = Body::Sphere { radius: 35.0 };
         assert_eq!(ball.contact(-1.0), None);
+        assert_eq!(ball.pressed(None), Err(BodyError::Compression));
+        assert_eq!(ball.pressed(Some(0.0)), Err(BodyError::Apart));
         let radius = |compression| match ball.contact(compression) {
             Some(Shape::Circle { radius }) => radius,
             other => panic!("{other:?}"),

@@ -124,6 +124,90 @@ impl Fingertip {
     }
 }
 
+/// Forces and margins from time to time, over samples as they come.
+#[derive(Clone, Debug)]
+pub struct Watch {
+    fingertip: Fingertip,
+    rest_s: f64,
+    every_s: f64,
+    /// Samples of the rest, until it is over.
+    rest: Vec<Felt>,
+    /// Times of the first sample and of the next reading, s.
+    times: Option<(f64, f64)>,
+    passed_s: f64,
+}
+
+impl Watch {
+    /// With a reading every so many seconds. The strain over the first `rest_s` seconds, without a grasp, is zero.
+    #[must_use]
+    pub const fn new(fingertip: Fingertip, rest_s: f64, every_s: f64) -> Self {
+        Self { fingertip, rest_s, every_s, rest: Vec::new(), times: None, passed_s: 0.0 }
+    }
+
+    /// Another stream begins, with a rest of its own.
+    pub fn begin(&mut self) {
+        self.rest.clear();
+        (self.times, self.passed_s) = (None, 0.0);
+    }
+
+    /// Time begins anew, as after a reset; a zero that was taken stays.
+    pub fn go_on(&mut self) {
+        if !self.is_resting() {
+            self.rest_s = 0.0;
+        }
+        self.begin();
+    }
+
+    /// Whether the zero is still being taken.
+    #[must_use]
+    pub fn is_resting(&self) -> bool {
+        self.passed_s < self.rest_s
+    }
+
+    /// Time since the first sample, s.
+    #[must_use]
+    pub const fn passed_s(&self) -> f64 {
+        self.passed_s
+    }
+
+    /// Takes a sample; a reading where one is due.
+    pub fn take(&mut self, felt: &Felt) -> Option<Reading> {
+        let (began, next) = *self.times.get_or_insert((felt.time, felt.time + self.rest_s));
+        self.passed_s = felt.time - began;
+        if self.is_resting() {
+            self.rest.push(*felt);
+            return None;
+        }
+        if !self.rest.is_empty() {
+            self.fingertip.zero = mean_strain(&self.rest);
+            self.rest.clear();
+        }
+        if felt.time < next {
+            return None;
+        }
+        let late = ((felt.time - next) / self.every_s).floor();
+        self.times = Some((began, next + self.every_s * (late + 1.0)));
+        Some(self.fingertip.read(felt))
+    }
+}
+
+/// A weight for all gauges, or four with commas, N (or N mm) per µε.
+///
+/// # Errors
+/// Says what to give.
+pub fn weights(text: &str) -> Result<[f64; GAUGES], String> {
+    let number = |text: &str| {
+        let value = text.trim().parse().ok().filter(|value: &f64| value.is_finite());
+        value.ok_or_else(|| "give a number".to_owned())
+    };
+    let values = text.split(',').map(number).collect::<Result<Vec<f64>, _>>()?;
+    match values[..] {
+        [one] => Ok([one; GAUGES]),
+        [a, b, c, d] => Ok([a, b, c, d]),
+        _ => Err("give one number, or four with commas".into()),
+    }
+}
+
 /// The mean strain of a stretch of samples: what the gauges read without a grasp.
 #[must_use]
 pub fn mean_strain(felt: &[Felt]) -> [f64; GAUGES] {
@@ -175,6 +259,41 @@ mod tests {
         };
         let reading = loaded.read(&felt);
         assert!(!reading.slips() && reading.will_slip());
+    }
+
+    #[test]
+    fn a_watch_takes_its_zero_first_and_then_reads_from_time_to_time() {
+        let mut watch = Watch::new(fingertip(), 0.5, 0.2);
+        let felt = |time: f64, strain: f64| Felt {
+            time,
+            strain: [strain; GAUGES],
+            equilibrium: [strain; GAUGES],
+        };
+        let read = |from: f64, watch: &mut Watch| -> Vec<Reading> {
+            let at = |ms: i32| {
+                let passed = f64::from(ms) * 1e-3;
+                felt(from + passed, if passed < 0.5 { 40.0 } else { 540.0 })
+            };
+            (0..1_000).filter_map(|ms| watch.take(&at(ms))).collect()
+        };
+        let readings = read(10.0, &mut watch);
+        assert_eq!(readings.len(), 3, "at 0.5, 0.7 and 0.9 s");
+        assert!((readings[0].now.normal - 2.0).abs() < 1e-9, "the rest is zero");
+        watch.go_on();
+        let readings = read(0.0, &mut watch);
+        assert_eq!(readings.len(), 5, "the zero stays, so it reads from the beginning");
+        assert!(readings[0].now.normal.abs() < 1e-9);
+        watch.begin();
+        assert!(!watch.is_resting() && watch.passed_s() == 0.0);
+    }
+
+    #[test]
+    fn weights_are_one_or_four() {
+        assert_eq!(weights("0.5"), Ok([0.5; GAUGES]));
+        assert_eq!(weights("1,2, 3,-4"), Ok([1.0, 2.0, 3.0, -4.0]));
+        for wrong in ["", "1,2", "a", "inf", "1,2,3,4,5"] {
+            assert!(weights(wrong).is_err(), "{wrong}");
+        }
     }
 
     #[test]

@@ -9,10 +9,12 @@
 //! - [`assets`]: the files of the page.
 //! - [`live`]: a fingertip, while it feels.
 //! - [`lab`]: a model beside recordings, and putting it right.
+//! - [`device`]: the device behind the fingertip.
 //!
 //! A room is mounted only where it has something to show.
 
 pub mod assets;
+pub mod device;
 pub mod guard;
 pub mod lab;
 pub mod live;
@@ -100,13 +102,18 @@ fn router(live: Option<Live>, lab: Option<Session>, guard: Arc<Guard>) -> Router
     let mut api = Router::new();
     // Who names a folder came for the Lab.
     let first = if lab.is_some() { "lab" } else { "live" };
-    if let Some(live) = live {
+    let live = live.map(Arc::new);
+    if let Some(live) = &live {
         rooms.push(json!({ "name": "live", "title": "Live" }));
-        api = api.nest("/live", live::routes(live));
+        api = api.nest("/live", live::routes(Arc::clone(live)));
     }
     if let Some(session) = lab {
         rooms.push(json!({ "name": "lab", "title": "Lab" }));
         api = api.nest("/lab", lab::routes(session));
+    }
+    if let Some(live) = live {
+        rooms.push(json!({ "name": "device", "title": "Device" }));
+        api = api.nest("/device", device::routes(live));
     }
     let about = json!({ "version": env!("CARGO_PKG_VERSION"), "rooms": rooms, "first": first });
     let api = api

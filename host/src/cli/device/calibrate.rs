@@ -6,13 +6,12 @@ use std::time::Duration;
 
 use miette::miette;
 use serde_json::{Value, json};
-use shared::calibration::{Calibration, Sheet};
 use shared::wire::ToDevice;
 
 use super::{At, failed};
 use crate::cli::Failure;
 use crate::cli::output::{print_json, print_sections};
-use crate::device::calibrate::{Line, Point, line, read_points};
+use crate::device::calibrate::{Calibrated, Point, Points, read_points};
 use crate::device::measure;
 use crate::device::session::Session;
 use crate::report::number::significant;
@@ -65,39 +64,29 @@ pub struct Args {
     json: bool,
 }
 
-/// A gauge from 0, its new sheet, and the line it came from.
-type Calibrated = (u8, Sheet, Option<Line>);
-
 /// Measures, prints, sets and saves.
 pub fn run(args: &Args) -> Result<(), Failure> {
     let points = args.points.as_deref().map(points_of).transpose()?;
     let (_, mut session) = args.at.open()?;
     let before = session.settings().1.calibration;
     let fitted = |(gauge, points): (u8, Vec<Point>)| {
-        let sheet = before[usize::from(gauge)];
-        line(&points)
-            .and_then(|line| Ok((gauge, line.sheet(&sheet)?, Some(line))))
-            .map_err(|error| Failure::Input(miette!("gauge {}: {error}", gauge + 1)))
+        Calibrated::by_points(gauge, &points, &before[usize::from(gauge)]).map_err(Failure::input)
     };
     let calibrated: Vec<Calibrated> = match (points, args.gauge, args.gain, args.offset) {
         (Some(points), ..) => points.into_iter().map(fitted).collect::<Result<_, _>>()?,
         (None, Some(gauge), Some(gain), Some(offset)) => {
-            let sheet = Sheet { gain, offset, ..before[usize::from(gauge - 1)] };
-            vec![(gauge - 1, sheet, None)]
+            let sheet = &before[usize::from(gauge - 1)];
+            vec![Calibrated::by_numbers(gauge - 1, gain, offset, sheet).map_err(Failure::input)?]
         }
         (None, Some(gauge), ..) => vec![fitted((gauge - 1, ask(&mut session, gauge, args)?))?],
         (None, None, ..) => Vec::new(),
     };
-    for (gauge, sheet, _) in &calibrated {
-        Calibration::new(sheet)
-            .map_err(|error| Failure::Input(miette!("gauge {}: {error}", gauge + 1)))?;
-    }
     give(&calibrated, args.json)?;
     if args.dry_run {
         return Ok(());
     }
     session.quiet().map_err(failed)?;
-    for &(gauge, sheet, _) in &calibrated {
+    for &Calibrated { gauge, sheet, .. } in &calibrated {
         session.command(&ToDevice::SetCalibration { gauge, sheet }).map_err(failed)?;
     }
     session.command(&ToDevice::Save).map_err(failed)?;
@@ -105,7 +94,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     Ok(())
 }
 
-fn points_of(path: &Path) -> Result<Vec<(u8, Vec<Point>)>, Failure> {
+fn points_of(path: &Path) -> Result<Points, Failure> {
     read_points(path).map_err(Failure::input)
 }
 
@@ -140,7 +129,7 @@ fn ask(session: &mut Session, gauge: u8, args: &Args) -> Result<Vec<Point>, Fail
 
 fn give(calibrated: &[Calibrated], json: bool) -> Result<(), Failure> {
     if json {
-        let gauges: Vec<Value> = calibrated.iter().map(json_of).collect();
+        let gauges: Vec<Value> = calibrated.iter().map(Calibrated::json).collect();
         return print_json(&json!({ "palpate_calibration": 1, "gauges": gauges }));
     }
     let columns = vec![
@@ -151,7 +140,8 @@ fn give(calibrated: &[Calibrated], json: bool) -> Result<(), Failure> {
         Column::number("± s.e.", ""),
         Column::number("Nonlinearity", "% of range"),
     ];
-    let table = calibrated.iter().fold(Table::new("", columns), |table, (gauge, sheet, line)| {
+    let table = calibrated.iter().fold(Table::new("", columns), |table, of| {
+        let Calibrated { gauge, sheet, line } = of;
         let errors = line.and_then(|line| line.errors);
         let shown = |value: Option<f64>| value.map_or(String::new(), |value| significant(value, 3));
         table.row([
@@ -164,16 +154,4 @@ fn give(calibrated: &[Calibrated], json: bool) -> Result<(), Failure> {
         ])
     });
     print_sections(&[Section { title: "Calibration".into(), blocks: vec![Block::Table(table)] }])
-}
-
-fn json_of((gauge, sheet, line): &Calibrated) -> Value {
-    let errors = line.and_then(|line| line.errors);
-    json!({
-        "gauge": gauge + 1,
-        "ustrain_per_count": sheet.gain,
-        "ustrain_per_count_standard_error": errors.map(|(gain, _)| gain),
-        "offset_counts": sheet.offset,
-        "offset_counts_standard_error": errors.map(|(_, offset)| offset),
-        "nonlinearity": line.map(|line| line.nonlinearity),
-    })
 }

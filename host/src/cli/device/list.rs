@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 use crate::cli::Failure;
 use crate::cli::output::{print, print_json};
-use crate::device::describe::{identity_json, one_line};
+use crate::device::describe::one_line;
 use crate::device::discover::{Found, ask, ports};
 
 /// Say which ports have a device.
@@ -35,7 +35,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     );
     let found = ask(&asked);
     if args.json {
-        let ports: Vec<Value> = found.iter().map(json_of).collect();
+        let ports: Vec<Value> = found.iter().map(Found::json).collect();
         return print_json(&json!({ "palpate_devices": 1, "ports": ports }));
     }
     if found.is_empty() {
@@ -47,12 +47,4 @@ pub fn run(args: &Args) -> Result<(), Failure> {
 fn line(found: &Found) -> String {
     let said = found.answer.as_ref().map_or_else(|error| format!("- {error}"), one_line);
     format!("{}  {said}\n", found.port.display())
-}
-
-fn json_of(found: &Found) -> Value {
-    json!({
-        "port": found.port,
-        "device": found.answer.as_ref().ok().map(identity_json),
-        "error": found.answer.as_ref().err().map(ToString::to_string),
-    })
 }

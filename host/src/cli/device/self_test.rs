@@ -6,7 +6,7 @@ use shared::wire::{Done, ToDevice};
 use super::{At, failed};
 use crate::cli::Failure;
 use crate::cli::output::{print_json, print_sections};
-use crate::device::describe;
+use crate::device::self_test;
 use crate::device::session::LinkError;
 
 /// Test converter, bridges and rate.
@@ -34,11 +34,11 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         other => return Err(failed(LinkError::Unsuited(other))),
     };
     if args.json {
-        print_json(&describe::self_test_json(&test))?;
+        print_json(&self_test::json(&test))?;
     } else {
-        print_sections(&describe::self_test(&test, session.settings().1))?;
+        print_sections(&self_test::sections(&test, session.settings().1))?;
     }
-    match describe::faults(&test).len() {
+    match self_test::faults(&test).len() {
         0 => Ok(()),
         1 => Err(Failure::Work(miette!("the self-test found a fault"))),
         faults => Err(Failure::Work(miette!("the self-test found {faults} faults"))),

@@ -11,7 +11,7 @@ use super::{At, failed};
 use crate::cli::Failure;
 use crate::cli::output::{print_json, print_sections};
 use crate::decomposition::relaxation_of;
-use crate::device::change::{Change, Threshold, rate_hz};
+use crate::device::change::{Change, Threshold, rate_note};
 use crate::device::describe;
 use crate::model::Model;
 use crate::report::Section;
@@ -95,11 +95,8 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     session.command(&ToDevice::Settings).map_err(failed)?;
     session.status().map_err(failed)?;
     let (_, now) = session.settings();
-    if let Some(wanted) = args.rate {
-        let rate = rate_hz(now.oversampling, clock_hz);
-        if (rate / wanted - 1.0).abs() > 1e-3 {
-            eprintln!("! the rate nearest to {wanted} Hz is {rate} Hz");
-        }
+    if let Some(note) = args.rate.and_then(|wanted| rate_note(wanted, now, clock_hz)) {
+        eprintln!("! {note}");
     }
     if args.json {
         return print_json(&json!({

@@ -80,13 +80,6 @@ fn body(text: &str) -> Result<Body, String> {
 
 /// The contact of a body at a compression, which must be known if the contact depends on it.
 fn contact_of(body: &Body, compression: Option<f64>, law: PressureLaw) -> Result<Contact, Failure> {
-    if body.grows() && compression.is_none() {
-        return Err(Failure::Input(miette::miette!(
-            "this contact grows as it is pressed: give --compression MM"
-        )));
-    }
-    let shape = body.contact(compression.unwrap_or_default()).ok_or_else(|| {
-        Failure::Input(miette::miette!("a ball touches from a compression above 0 on"))
-    })?;
+    let shape = body.pressed(compression).map_err(Failure::input)?;
     Contact::new(shape, law).map_err(Failure::input)
 }

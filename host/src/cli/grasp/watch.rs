@@ -13,7 +13,7 @@ use crate::cli::{Failure, interrupt};
 use crate::decomposition::{decompose, default_relaxation, relaxation_of};
 use crate::device::watch::watch;
 use crate::grasp::Body;
-use crate::grasp::live::{Felt, Fingertip, Weights, mean_strain};
+use crate::grasp::live::{Felt, Fingertip, Reading, Watch, Weights, weights};
 use crate::model::Model;
 use crate::summary::{reading_json, reading_line};
 use crate::trace::{self, Trace, read_set};
@@ -82,22 +82,13 @@ pub struct Args {
     json: bool,
 }
 
-fn weights(text: &str) -> Result<[f64; GAUGES], String> {
-    let values = text.split(',').map(number).collect::<Result<Vec<f64>, _>>()?;
-    match values[..] {
-        [one] => Ok([one; GAUGES]),
-        [a, b, c, d] => Ok([a, b, c, d]),
-        _ => Err("give one number, or four with commas".into()),
-    }
-}
-
 /// Prints a line from time to time.
 pub fn run(args: &Args) -> Result<(), Failure> {
     let mut watcher = Watcher::new(args)?;
     match &args.recording {
         Some(path) => {
             for trace in &read_set(&[path]).map_err(Failure::input)? {
-                watcher.begin();
+                watcher.watch.begin();
                 let _ = felt(trace, args)?.iter().try_for_each(|felt| watcher.take(felt));
             }
         }
@@ -115,11 +106,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
 /// Turns samples into lines.
 struct Watcher<'a> {
     args: &'a Args,
-    fingertip: Fingertip,
-    /// Samples of the rest, until it is over.
-    rest: Vec<Felt>,
-    /// Times of the first sample and of the next line, s.
-    times: Option<(f64, f64)>,
+    watch: Watch,
     /// Whether all lines could be written.
     written: io::Result<()>,
 }
@@ -137,44 +124,23 @@ impl<'a> Watcher<'a> {
             threshold: args.contact_above,
             zero: [0.0; GAUGES],
         };
-        Ok(Self { args, fingertip, rest: Vec::new(), times: None, written: Ok(()) })
-    }
-
-    /// A stream begins.
-    fn begin(&mut self) {
-        self.rest.clear();
-        self.times = None;
+        let watch = Watch::new(fingertip, args.rest.unwrap_or_default(), args.every);
+        Ok(Self { args, watch, written: Ok(()) })
     }
 
     /// Takes a sample; breaks after the last one that is wanted.
     fn take(&mut self, felt: &Felt) -> ControlFlow<()> {
-        let rest = self.args.rest.unwrap_or_default();
-        let (began, next) = *self.times.get_or_insert((felt.time, felt.time + rest));
-        let passed = felt.time - began;
-        if passed < rest {
-            self.rest.push(*felt);
-            return Continue(());
+        if let Some(reading) = self.watch.take(felt) {
+            return self.say(&reading);
         }
-        if !self.rest.is_empty() {
-            self.fingertip.zero = mean_strain(&self.rest);
-            self.rest.clear();
-        }
-        if felt.time >= next {
-            let late = ((felt.time - next) / self.args.every).floor();
-            self.times = Some((began, next + self.args.every * (late + 1.0)));
-            return self.say(felt);
-        }
-        if self.args.duration.is_some_and(|most| passed >= most) { Break(()) } else { Continue(()) }
+        let is_over = self.args.duration.is_some_and(|most| self.watch.passed_s() >= most);
+        if is_over && !self.watch.is_resting() { Break(()) } else { Continue(()) }
     }
 
     /// Writes a line; breaks where nobody reads any more.
-    fn say(&mut self, felt: &Felt) -> ControlFlow<()> {
-        let reading = self.fingertip.read(felt);
-        let line = if self.args.json {
-            reading_json(&reading).to_string()
-        } else {
-            reading_line(&reading)
-        };
+    fn say(&mut self, reading: &Reading) -> ControlFlow<()> {
+        let line =
+            if self.args.json { reading_json(reading).to_string() } else { reading_line(reading) };
         let mut out = io::stdout().lock();
         match writeln!(out, "{line}").and_then(|()| out.flush()) {
             Ok(()) => Continue(()),

@@ -7,14 +7,19 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
-use shared::wire::{Columns, Source, Start, ToDevice};
+use shared::wire::{Columns, Row, Source, Start, ToDevice};
 
+use super::care::calibration;
+use super::counts::Counts;
+use super::grasp::Grasp;
+use super::log::Log;
 use super::recorder::Recorder;
 use super::replay::{Replay, Step};
 use super::store::{Event, Store};
-use super::wish::{Request, Wish, change, command, file_name};
+use super::wish::{Request, Wish, command, file_name};
 use crate::device::heard::{Heard, Said};
 use crate::device::record::begin;
+use crate::device::release::verdict;
 use crate::device::session::{LinkError, Session};
 use crate::device::stream::{Mark, Stream};
 use crate::recording::Gap;
@@ -29,7 +34,7 @@ const PATIENCE: Duration = Duration::from_millis(750);
 const PAUSE: Duration = Duration::from_millis(100);
 
 /// Locks the store; a panic elsewhere does not make its numbers unreadable.
-pub(super) fn lock(store: &Mutex<Store>) -> MutexGuard<'_, Store> {
+pub(in crate::serve) fn lock(store: &Mutex<Store>) -> MutexGuard<'_, Store> {
     store.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
@@ -49,15 +54,18 @@ pub(super) struct Feed {
     pub(super) replay: Option<Replay>,
     pub(super) stream: Stream,
     pub(super) recorder: Option<(String, Recorder)>,
+    pub(super) counts: Counts,
+    pub(super) grasp: Grasp,
+    pub(super) log: Log,
     /// Whether a stream is wanted.
     pub(super) wanted: bool,
     pub(super) heard_at: Instant,
 }
 
 impl Feed {
-    /// Talks until told to end.
-    pub(super) fn run(mut self, session: Session) {
-        let mut next = Some(session);
+    /// Talks until told to end, first over a conversation that is open, if one is.
+    pub(super) fn run(mut self, session: Option<Session>) {
+        let mut next = session;
         while !self.is_over() {
             match next.take().map_or_else(|| Session::open(&self.port, PATIENCE), Ok) {
                 Ok(session) => {
@@ -66,7 +74,13 @@ impl Feed {
                     }
                 }
                 Err(error) => {
-                    lock(&self.store).health.trouble = Some(error.to_string());
+                    {
+                        let mut store = lock(&self.store);
+                        store.health.trouble = Some(error.to_string());
+                        if let LinkError::Schema { theirs, .. } = &error {
+                            store.bench.release = Some(verdict(theirs, false));
+                        }
+                    }
                     self.refuse();
                     std::thread::sleep(PAUSE);
                 }
@@ -99,6 +113,7 @@ impl Feed {
             }
             let kept = self.recorder.as_mut().map_or(Ok(()), |(_, recorder)| recorder.tick());
             self.check_disk(kept);
+            self.counts.tick();
         }
         session.quiet()
     }
@@ -106,6 +121,7 @@ impl Feed {
     /// A device is there, perhaps again: what it streams goes on, or begins.
     fn meet(&mut self, session: &mut Session) -> Result<(), LinkError> {
         let status = session.status()?;
+        self.log.meet(session.identity(), &self.store);
         let goes_on = status.streaming == Some(self.start().source) && self.stream.tally().rows > 0;
         {
             let mut store = lock(&self.store);
@@ -114,6 +130,9 @@ impl Feed {
             store.health.identify(session.identity());
             store.health.status(&status);
             store.health.set(session.settings().1, session.identity().converter_clock_hz);
+            store.health.log = self.log.words();
+            store.bench.release = Some(verdict(&session.identity().version, true));
+            store.bench.generation = session.settings().0;
             store.say(if was_here { "the device is there again" } else { "the device is there" });
         }
         self.heard_at = Instant::now();
@@ -129,7 +148,7 @@ impl Feed {
     }
 
     /// Begins a stream.
-    fn begin(&mut self, session: &mut Session) -> Result<(), LinkError> {
+    pub(super) fn begin(&mut self, session: &mut Session) -> Result<(), LinkError> {
         begin(session, self.start())?;
         self.stream.restart();
         if let Some(replay) = &mut self.replay {
@@ -145,6 +164,7 @@ impl Feed {
     fn stop(&mut self, session: &mut Session) -> Result<(), LinkError> {
         session.quiet()?;
         self.wanted = false;
+        self.counts.end("the stream was stopped");
         lock(&self.store).health.streaming = false;
         Ok(())
     }
@@ -170,7 +190,8 @@ impl Feed {
             Source::Converter => session.interval_s(),
             Source::Link { interval_ns } => f64::from(interval_ns) * 1e-9,
         };
-        let mut store = lock(&self.store);
+        let store = Arc::clone(&self.store);
+        let mut store = lock(&store);
         for mark in marks {
             note(&mut store, mark, interval_s);
         }
@@ -183,16 +204,33 @@ impl Feed {
         self.heard_at = heard.at;
         match said {
             Said::Rows(rows) => match session.rows(rows) {
-                Some(rows) => store.take(&rows, interval_s),
+                Some(rows) => {
+                    store.take(&rows, interval_s);
+                    self.show(&mut store, &rows, interval_s);
+                }
                 None => store.say(format!("{} rows came before their settings", rows.len())),
             },
             Said::Status(status) => store.health.status(status),
-            Said::Settings(_, settings) => {
+            Said::Settings(generation, settings) => {
+                store.bench.generation = *generation;
                 store.health.set(settings, session.identity().converter_clock_hz);
             }
             Said::Hello(identity) => store.health.identify(identity),
-            Said::Log(_) | Said::Answer(_) | Said::Foreign { .. } => {}
+            Said::Log(piece) => {
+                self.log.take(piece);
+                store.health.log = self.log.words();
+            }
+            Said::Answer(_) | Said::Foreign { .. } => {}
         }
+    }
+
+    /// Shows the counts and the margin of rows.
+    fn show(&mut self, store: &mut Store, rows: &[Row], interval_s: f64) {
+        if let Some(counts) = self.counts.take(rows, interval_s) {
+            store.bench.counts = Some((Instant::now(), counts));
+        }
+        let now_s = store.now_s();
+        self.grasp.take(rows, now_s, &mut store.bench.readings);
     }
 
     /// Puts in what is due of a trace.
@@ -226,11 +264,16 @@ impl Feed {
 
     /// Does what a page asks for, and says what became of it. A line that fails meanwhile ends the conversation.
     fn answer(&mut self, request: Request, session: &mut Session) -> Result<(), LinkError> {
+        if let (Wish::Average(seconds), true) = (&request.wish, self.wanted) {
+            // Answered when its time is over; meanwhile all goes on.
+            self.counts.average(*seconds, request.answer);
+            return Ok(());
+        }
         let outcome = self.carry_out(&request.wish, session);
         let (answer, result) = match outcome {
-            Ok(()) => {
-                let port = self.port.to_string_lossy();
-                (Ok(json!({ "command": command(&request.wish, &port) })), Ok(()))
+            Ok(result) => {
+                let command = command(&request.wish, &self.port.to_string_lossy());
+                (Ok(json!({ "command": command, "result": result })), Ok(()))
             }
             Err(Trouble::Words(words)) => (Err(words), Ok(())),
             Err(Trouble::Link(error)) => {
@@ -244,29 +287,34 @@ impl Feed {
         result
     }
 
-    fn carry_out(&mut self, wish: &Wish, session: &mut Session) -> Result<(), Trouble> {
+    fn carry_out(&mut self, wish: &Wish, session: &mut Session) -> Result<Value, Trouble> {
         match wish {
-            Wish::Start if self.wanted => Ok(()),
-            Wish::Start => Ok(self.begin(session)?),
-            Wish::Stop => Ok(self.stop(session)?),
-            Wish::Tare => self.command(session, &ToDevice::Tare, "zero is read from here on"),
-            Wish::Untare => self.command(session, &ToDevice::Untare, "the tare is taken back"),
-            Wish::Set { filter, thresholds } => {
-                let change = change(*filter, thresholds).map_err(Trouble::Words)?;
-                let clock_hz = session.identity().converter_clock_hz;
-                let (_, commands) = change
-                    .of(session.settings().1, clock_hz)
-                    .map_err(|error| Trouble::Words(error.to_string()))?;
-                commands.iter().try_for_each(|command| session.command(command).map(drop))?;
-                lock(&self.store).say("other filter or thresholds from here on");
-                Ok(())
+            Wish::Start if self.wanted => {}
+            Wish::Start => self.begin(session)?,
+            Wish::Stop => self.stop(session)?,
+            Wish::Tare => self.command(session, &ToDevice::Tare, "zero is read from here on")?,
+            Wish::Untare => self.command(session, &ToDevice::Untare, "the tare is taken back")?,
+            Wish::Record { file } => self.begin_recording(file, session)?,
+            Wish::EndRecording => self.end_recording(),
+            Wish::Set(setting) => return self.set(setting, session),
+            Wish::SelfTest => return self.test(session),
+            Wish::Average(_) => {
+                return Err(Trouble::Words(
+                    "the stream is stopped; start it to read counts".into(),
+                ));
             }
-            Wish::Record { file } => self.begin_recording(file, session),
-            Wish::EndRecording => {
-                self.end_recording();
-                Ok(())
+            Wish::Fit(basis) => {
+                return calibration(basis, &session.settings().1.calibration).map(|(_, told)| told);
+            }
+            Wish::Calibrate(basis) => return self.calibrate(basis, session),
+            Wish::Grasp(holding) => {
+                self.grasp.watch(holding.as_ref()).map_err(Trouble::Words)?;
+                let mut store = lock(&self.store);
+                store.bench.holding = self.grasp.json();
+                store.bench.readings.clear();
             }
         }
+        Ok(Value::Null)
     }
 
     fn command(
@@ -330,6 +378,7 @@ impl Feed {
     /// The device went away.
     fn lose(&mut self, error: &LinkError) {
         self.note_gap(Gap::LinkLost);
+        self.counts.end("the device is gone; waiting for it");
         let mut store = lock(&self.store);
         store.health.gaps += 1;
         (store.health.linked, store.health.streaming) = (false, false);
@@ -346,7 +395,7 @@ impl Feed {
 }
 
 /// Why a wish was not carried out.
-enum Trouble {
+pub(super) enum Trouble {
     Words(String),
     Link(LinkError),
 }

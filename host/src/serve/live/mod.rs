@@ -12,7 +12,12 @@
 //! - `GET /api/live/events?from=S&to=S`: what happened then.
 //! - `POST /api/live/wish`: a [`Wish`].
 
+pub mod bench;
+mod care;
+mod counts;
 mod feed;
+pub mod grasp;
+pub mod log;
 mod push;
 pub mod pyramid;
 mod recorder;
@@ -35,7 +40,12 @@ use serde::Deserialize;
 use serde_json::{Value, json};
 use tokio::sync::oneshot;
 
-use self::feed::{Feed, lock};
+use self::counts::Counts;
+use self::feed::Feed;
+pub(super) use self::feed::lock;
+use self::grasp::Grasp;
+pub use self::log::Elf;
+use self::log::Log;
 use self::pyramid::{Bin, SIGNALS};
 use self::replay::Replay;
 use self::store::{Event, Store};
@@ -58,8 +68,8 @@ pub enum Source {
     Device {
         /// The port.
         port: PathBuf,
-        /// The conversation.
-        session: Box<Session>,
+        /// The conversation; none if the device could not be talked with yet.
+        session: Option<Box<Session>>,
     },
     /// A simulated device.
     #[cfg(unix)]
@@ -92,7 +102,8 @@ pub enum LiveError {
 
 /// A session with a fingertip. Its end is that of the session.
 pub struct Live {
-    store: Arc<Mutex<Store>>,
+    pub(super) store: Arc<Mutex<Store>>,
+    pub(super) port: PathBuf,
     requests: Sender<Request>,
     about: Value,
     ended: Arc<AtomicBool>,
@@ -100,35 +111,36 @@ pub struct Live {
 }
 
 impl Live {
-    /// Begins to listen; recordings go to `folder`.
+    /// Begins to listen; recordings go to `folder`, and the words of the device's log are in `elf`.
     ///
     /// # Errors
     /// [`LiveError`].
-    pub fn begin(source: Source, folder: PathBuf) -> Result<Self, LiveError> {
+    pub fn begin(source: Source, folder: PathBuf, elf: Option<Elf>) -> Result<Self, LiveError> {
         let ended = Arc::new(AtomicBool::new(false));
         let mut threads = Vec::new();
-        let (about, port, session, replay) = match source {
+        let (mut about, port, session, replay) = match source {
             Source::Device { port, session } => {
-                let about = json!({ "source": "device", "port": port });
-                (about, port, *session, None)
+                let about = json!({ "source": "device" });
+                (about, port, session.map(|session| *session), None)
             }
             #[cfg(unix)]
             Source::Simulated { seed } => {
                 let (port, session) = simulate(seed, &ended, &mut threads)?;
-                (json!({ "source": "simulated", "seed": seed }), port, session, None)
+                (json!({ "source": "simulated", "seed": seed }), port, Some(session), None)
             }
             #[cfg(unix)]
             Source::Replay { trace, speed } => {
                 let samples: Samples = samples(&trace)?;
                 let (port, session) = simulate(0, &ended, &mut threads)?;
                 let about = json!({ "source": "replay", "trace": trace.label(), "speed": speed });
-                (about, port, session, Some(Replay::new(samples, speed)))
+                (about, port, Some(session), Some(Replay::new(samples, speed)))
             }
         };
+        about["port"] = json!(port);
         let store = Arc::new(Mutex::new(Store::new()));
         let (requests, received) = channel();
         let feed = Feed {
-            port,
+            port: port.clone(),
             folder,
             store: Arc::clone(&store),
             requests: received,
@@ -136,12 +148,15 @@ impl Live {
             replay,
             stream: Stream::default(),
             recorder: None,
+            counts: Counts::new(),
+            grasp: Grasp::default(),
+            log: Log::new(elf),
             wanted: true,
             heard_at: Instant::now(),
         };
         // The device's end goes last, so that the stream is ended in order.
         threads.insert(0, std::thread::spawn(move || feed.run(session)));
-        Ok(Self { store, requests, about, ended, threads })
+        Ok(Self { store, port, requests, about, ended, threads })
     }
 }
 
@@ -179,14 +194,14 @@ fn simulate(
 }
 
 /// What the page asks of the room.
-pub fn routes(live: Live) -> Router {
+pub fn routes(live: Arc<Live>) -> Router {
     Router::new()
         .route("/about", get(about))
         .route("/stream", get(stream))
         .route("/view", get(view))
         .route("/events", get(events))
         .route("/wish", post(wish))
-        .with_state(Arc::new(live))
+        .with_state(live)
 }
 
 async fn about(State(live): State<Arc<Live>>) -> Json<Value> {

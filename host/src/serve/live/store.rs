@@ -9,6 +9,7 @@ use shared::phase::{Region, RelaxationType};
 use shared::pipeline::GAUGES;
 use shared::wire::{Row, Settings, Status};
 
+use super::bench::Bench;
 use super::pyramid::{Pyramid, SIGNALS, Values};
 use crate::device::describe::{identity_json, settings_json, status_json};
 use crate::device::heard::Identity;
@@ -100,12 +101,20 @@ pub struct Health {
     pub backlog: (usize, usize),
     /// Progress of a replay, 0 to 1.
     pub replayed: Option<f64>,
+    /// How the device's own log stands, in words.
+    pub log: String,
     device: Value,
     settings: Value,
     status: Value,
 }
 
 impl Health {
+    /// Who the device is, as the page reads it.
+    #[must_use]
+    pub fn device(&self) -> Value {
+        self.device.clone()
+    }
+
     /// Who the device is.
     pub fn identify(&mut self, identity: &Identity) {
         self.device = identity_json(identity);
@@ -128,6 +137,8 @@ pub struct Store {
     pub pyramid: Pyramid,
     /// How it is.
     pub health: Health,
+    /// What else is shown of it.
+    pub bench: Bench,
     began: Instant,
     /// Device time is so far behind that of the session, s; none before the first row of a stream.
     offset_s: Option<f64>,
@@ -154,6 +165,7 @@ impl Store {
         Self {
             pyramid: Pyramid::default(),
             health: Health::default(),
+            bench: Bench::default(),
             began: now,
             offset_s: None,
             arrived_ms: 0.0,
@@ -286,6 +298,7 @@ impl Store {
                 json!({ "file": file, "rows": rows })
             }),
             "replayed": self.health.replayed,
+            "log": self.health.log,
             "rate_hz": self.rate.hz,
             "rows": tally.rows,
             "rows_lost": tally.rows_lost,

@@ -4,6 +4,7 @@ import { plot } from "./plot.js";
 import { element, healthPanel } from "./live/health.js";
 import { Window, columnsOf, readRows, readView } from "./live/window.js";
 import { controls } from "./live/controls.js";
+import { marginPanel } from "./live/margin.js";
 
 export const keys = [
   ["space", "pause and go on"], ["← →", "back and forth through the session"], ["+ −", "shorter or longer stretch"],
@@ -82,6 +83,7 @@ export function open(root, api) {
   });
 
   const panel = controls(side, api);
+  const closeMargin = marginPanel(side, api);
   const healthShown = healthPanel(side);
 
   const columnsShown = () => Math.min(Math.max(2 * Math.round(gauges.firstElementChild.clientWidth / 2), COLUMNS[0]), COLUMNS[1]);
@@ -282,6 +284,7 @@ export function open(root, api) {
     closed = true;
     resized.disconnect();
     closeSocket();
+    closeMargin();
     document.removeEventListener("keydown", pressed);
     plots.forEach(({ drawn }) => drawn.close());
   };

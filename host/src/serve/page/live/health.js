@@ -23,11 +23,12 @@ export function healthPanel(root) {
   const state = element("p", { className: "state", role: "status" });
   const list = element("dl");
   const lost = element("dl");
+  const device = element("p", { className: "muted device-log" });
   const log = element("ol", { className: "log", tabIndex: 0, "aria-label": "Log of the session" });
   root.append(element("section", { className: "panel health", "aria-label": "Device" },
     element("h2", { textContent: "Device" }), state, list,
     element("details", {}, element("summary", { textContent: "Lost in the device" }), lost),
-    element("h3", { textContent: "Log" }), log));
+    element("h3", { textContent: "Log" }), device, log));
 
   const cells = new Map();
   const put = (where, name, text, bad = false) => {
@@ -47,7 +48,9 @@ export function healthPanel(root) {
 
   return {
     show(health) {
-      const { status, device } = health;
+      const { status } = health;
+      const words = health.log ? `The device's own log: ${health.log[0].toLowerCase()}${health.log.slice(1)}` : "";
+      if (device.textContent !== words) device.textContent = words;
       if (!health.linked) announce(`The device is gone; waiting for it. ${health.trouble ?? ""}`, "bad");
       else if (health.recording) announce(`Recording ${health.recording.file}, ${number(health.recording.rows)} rows`, "recording");
       else if (health.streaming) announce("Streaming", "good");
@@ -66,7 +69,8 @@ export function healthPanel(root) {
         put(list, "converter", status.converter ?? "as it should be", Boolean(status.converter));
         for (const [key, words] of Object.entries(COUNTERS)) put(lost, words, number(status.counters[key]), status.counters[key] > 0);
       }
-      if (device) put(list, "device", `${device.board}, firmware ${device.version}, serial ${device.serial}`);
+      const who = health.device;
+      if (who) put(list, "device", `${who.board}, firmware ${who.version}, serial ${who.serial}`);
     },
     frames(rate, delay) {
       put(list, "display", `${rate.toFixed(0)} frames/s, ${delay.toFixed(0)} ms behind`);

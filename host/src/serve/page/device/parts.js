@@ -1,0 +1,78 @@
+// What the panels of the Device room are made of.
+
+import { h } from "../lab/dom.js";
+
+/** A button that copies a command. */
+export function copyButton(command) {
+  const button = h("button", {
+    type: "button", class: "device-copy", title: `Copy: ${command}`, "aria-label": `Copy the command ${command}`,
+    onclick: async () => {
+      await navigator.clipboard.writeText(command).catch(() => {});
+      button.textContent = "copied";
+      setTimeout(() => (button.textContent = "$"), 1200);
+    },
+  }, "$");
+  return button;
+}
+
+/** A command to read and to copy. */
+export const commandLine = (command) => h("span", { class: "device-command" }, h("code", {}, command), copyButton(command));
+
+/** A panel: a heading, what is said when there is no device, and a body that is disabled then. `live` panels need one. */
+export function panel(title, { live = true } = {}) {
+  const away = h("p", { class: "device-away", role: "status", hidden: true }, "There is no device. This goes on by itself when it is back.");
+  const body = h("fieldset", { class: "device-body" });
+  const root = h("section", { class: "panel device-panel", "aria-label": title }, h("h2", {}, title), live ? away : null, body);
+  return {
+    root,
+    body,
+    linked(is) {
+      away.hidden = is;
+      body.disabled = live && !is;
+    },
+  };
+}
+
+/** A line that says what became of something. */
+export function answer() {
+  const root = h("p", { class: "device-answer", role: "status" });
+  return {
+    root,
+    say(words, command) {
+      root.replaceChildren(words, ...(command ? [" The same: ", commandLine(command)] : []));
+      root.classList.remove("bad");
+    },
+    fail(words) {
+      root.replaceChildren(words);
+      root.classList.add("bad");
+    },
+    clear() {
+      root.replaceChildren();
+      root.classList.remove("bad");
+    },
+  };
+}
+
+/** A labelled input; `unit` stands behind its name. */
+export function field(name, unit, input) {
+  return h("label", { class: "device-field" }, h("span", {}, name, unit ? h("span", { class: "unit" }, ` ${unit}`) : null), input);
+}
+
+/** A table; `columns` are its heads, `rows` arrays of cells. */
+export function table(caption, columns, rows) {
+  return h("div", { class: "device-scroll" }, h("table", {},
+    h("caption", {}, caption),
+    h("thead", {}, h("tr", {}, columns.map((name) => h("th", { scope: "col" }, name)))),
+    h("tbody", {}, rows.map((cells) => h("tr", {}, cells.map((cell, k) => (k === 0 ? h("th", { scope: "row" }, cell) : h("td", {}, cell))))))));
+}
+
+/** A number with its sign as it is printed, and groups of three digits. */
+export function figure(value, decimals = 0) {
+  if (value === null || value === undefined || !Number.isFinite(value)) return "–";
+  return value.toLocaleString("en", { minimumFractionDigits: decimals, maximumFractionDigits: decimals }).replace("-", "−");
+}
+
+/** Replaces what an element holds only where it would change, so that a screen reader is not told twice. */
+export function put(element, text) {
+  if (element.textContent !== text) element.textContent = text;
+}
