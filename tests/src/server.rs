@@ -15,7 +15,7 @@ use tungstenite::{ClientRequestBuilder, WebSocket};
 use crate::palpate;
 
 /// How long an answer may take.
-pub const PATIENCE: Duration = Duration::from_secs(20);
+pub const PATIENCE: Duration = Duration::from_secs(300);
 
 /// `palpate serve` as a process.
 pub struct Server {
@@ -198,4 +198,12 @@ pub fn simulate(folder: &Path) -> Child {
     let mut path = String::new();
     BufReader::new(process.stdout.take().unwrap()).read_line(&mut path).unwrap();
     process
+}
+
+/// What the server holds in memory, MB: `VmRSS` now, `VmHWM` at most.
+#[cfg(target_os = "linux")]
+pub fn memory_mb(server: &Server, kind: &str) -> f64 {
+    let status = std::fs::read_to_string(format!("/proc/{}/status", server.process.id())).unwrap();
+    let line = status.lines().find(|line| line.starts_with(kind)).expect("it runs");
+    line.split_whitespace().nth(1).unwrap().parse::<f64>().unwrap() / 1024.0
 }

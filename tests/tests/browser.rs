@@ -5,6 +5,8 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use palpate_tests::browser::Browser;
+#[cfg(target_os = "linux")]
+use palpate_tests::server::memory_mb;
 use palpate_tests::server::{Server, simulate};
 use palpate_tests::{bundled, palpate};
 use serde_json::Value;
@@ -178,14 +180,6 @@ fn a_tab_that_stops_reading_is_told_what_it_was_not_shown_and_sees_it_afterwards
     assert!(times.windows(2).all(|pair| pair[1] - pair[0] < 0.05), "the session has no hole");
 }
 
-/// What a process holds in memory now, MB.
-#[cfg(target_os = "linux")]
-fn resident_mb(process: u32) -> f64 {
-    let status = std::fs::read_to_string(format!("/proc/{process}/status")).unwrap();
-    let line = status.lines().find(|line| line.starts_with("VmRSS:")).expect("it runs");
-    line.split_whitespace().nth(1).unwrap().parse::<f64>().unwrap() / 1024.0
-}
-
 /// The part of values that is not greater.
 #[cfg(target_os = "linux")]
 fn quantile(values: &[f64], part: f64) -> f64 {
@@ -220,7 +214,7 @@ fn a_steady_stream_is_shown_without_a_loss_and_in_little_memory() {
             display.split(|c: char| !c.is_ascii_digit()).filter_map(|n| n.parse::<f64>().ok());
         frames.push(numbers.next().unwrap());
         delays.push(numbers.next().unwrap());
-        memory.push(resident_mb(server.process.id()));
+        memory.push(memory_mb(&server, "VmRSS"));
     }
     let rows = count(&after["rows"]) - count(&before["rows"]);
     println!(

@@ -1,69 +1,34 @@
 //! The Lab over HTTP: what the page asks for, what it is refused, and the same answers as the commands.
 #![cfg(unix)]
 
-use std::io::{BufRead, BufReader, Read, Write};
-use std::net::TcpStream;
-use std::process::{Child, Command, Stdio};
-use std::time::{Duration, Instant};
+use std::path::Path;
+use std::time::Instant;
 
-use palpate::serve::guard::{BODY_LIMIT, TOKEN_HEADER};
+use palpate::serve::guard::BODY_LIMIT;
 use palpate::trace::{DISPLACEMENT, FORCE, Trace, write};
-use palpate_tests::palpate;
+use palpate_tests::server::{PATIENCE, Server, memory_mb, program};
 use serde_json::{Value, json};
-
-const PATIENCE: Duration = Duration::from_secs(300);
-
-fn program() -> Command {
-    let mut command = Command::new(palpate().get_program());
-    command.env("NO_COLOR", "1").env_remove("PALPATE_LOG");
-    command
-}
 
 /// `palpate serve FOLDER` as a process, in the folder above.
 struct Lab {
-    process: Child,
-    above: tempfile::TempDir,
-    port: u16,
-    token: String,
+    server: Server,
 }
 
 impl Lab {
     fn open(above: tempfile::TempDir, arguments: &[&str]) -> Self {
-        let mut process = program()
-            .arg("serve")
-            .args(arguments)
-            .current_dir(above.path())
-            .stdout(Stdio::piped())
-            .stderr(Stdio::null())
-            .spawn()
-            .unwrap();
-        let mut url = String::new();
-        BufReader::new(process.stdout.take().unwrap()).read_line(&mut url).unwrap();
-        let (at, token) = url.trim().split_once("/#token=").expect("the address is printed");
-        let port = at.rsplit_once(':').unwrap().1.parse().unwrap();
-        Self { process, above, port, token: token.into() }
+        Self { server: Server::begin_in(above, arguments) }
+    }
+
+    /// The folder above.
+    fn above(&self) -> &Path {
+        self.server.folder.path()
     }
 
     /// Status and body of the answer to a request.
     fn ask(&self, method: &str, path: &str, body: Option<&[u8]>) -> (u16, Vec<u8>) {
-        let mut stream = TcpStream::connect(("127.0.0.1", self.port)).unwrap();
-        stream.set_read_timeout(Some(PATIENCE)).unwrap();
-        let mut head = format!(
-            "{method} /api/lab/{path} HTTP/1.1\r\nconnection: close\r\nhost: 127.0.0.1:{}\r\n{TOKEN_HEADER}: {}\r\n",
-            self.port, self.token
-        );
-        if let Some(body) = body {
-            let length = body.len();
-            head += &format!("content-type: application/json\r\ncontent-length: {length}\r\n");
-        }
-        stream.write_all(format!("{head}\r\n").as_bytes()).unwrap();
-        // A server that refuses may close before it has read everything.
-        let _ = stream.write_all(body.unwrap_or_default());
-        let mut bytes = Vec::new();
-        let _ = stream.read_to_end(&mut bytes);
-        let end = bytes.windows(4).position(|four| four == b"\r\n\r\n").expect("there is a head");
-        let head = String::from_utf8_lossy(&bytes[..end]);
-        (head.split(' ').nth(1).unwrap().parse().unwrap(), bytes[end + 4..].to_vec())
+        let (path, headers) = (format!("/api/lab/{path}"), self.server.headers());
+        let answer = self.server.ask(method, &path, &headers, body.unwrap_or_default());
+        (answer.status, answer.body)
     }
 
     /// The answer to a question, or why there is none.
@@ -119,7 +84,7 @@ impl Lab {
         let output = program()
             .args(arguments.split(' '))
             .arg("--json")
-            .current_dir(self.above.path())
+            .current_dir(self.above())
             .output()
             .unwrap();
         assert!(output.status.success(), "{command}: {}", String::from_utf8_lossy(&output.stderr));
@@ -131,14 +96,6 @@ impl Lab {
         let answer: Value = serde_json::from_slice(&body).unwrap();
         assert_eq!(status, 200, "{path}: {answer}");
         answer
-    }
-}
-
-impl Drop for Lab {
-    fn drop(&mut self) {
-        // One that has ended on its own is as good.
-        let _ = self.process.kill();
-        let _ = self.process.wait();
     }
 }
 
@@ -256,9 +213,9 @@ fn two_models_beside_the_same_traces_have_the_figures_of_two_comparisons() {
     assert!(said.contains("no model is called `7`"), "{said}");
     let said = lab.refused(422, "start", &json!({"beside": {"file": "../elsewhere/press.toml"}}));
     assert!(said.contains("not in the folder"), "{said}");
-    let model = std::fs::read_to_string(lab.above.path().join("traces/model-1.toml")).unwrap();
+    let model = std::fs::read_to_string(lab.above().join("traces/model-1.toml")).unwrap();
     let gauge = model.replace("\"force_N\"", "\"gauge1_ustrain\"");
-    std::fs::write(lab.above.path().join("traces/gauge.toml"), gauge).unwrap();
+    std::fs::write(lab.above().join("traces/gauge.toml"), gauge).unwrap();
     lab.done("start", &json!({"beside": {"file": "gauge.toml"}}));
     let failed = lab.wait();
     assert!(failed.as_str().unwrap().contains("of gauge1_ustrain"), "{failed}");
@@ -268,7 +225,7 @@ fn two_models_beside_the_same_traces_have_the_figures_of_two_comparisons() {
 fn nothing_outside_the_folder_is_opened_or_written() {
     let lab = lab();
     lab.work(&json!({"fit": {"law": "maxwell"}}));
-    let before = std::fs::read_dir(lab.above.path()).unwrap().count();
+    let before = std::fs::read_dir(lab.above()).unwrap().count();
     for name in ["..", "../elsewhere", "/etc", "friction/../../elsewhere", "."] {
         for body in [json!({"set": name}), json!({"model": name})] {
             let said = lab.refused(422, "choose", &body);
@@ -279,14 +236,14 @@ fn nothing_outside_the_folder_is_opened_or_written() {
         lab.done("start", &json!({"open": name}));
         assert!(lab.wait().as_str().unwrap().contains("not in the folder"), "{name}");
     }
-    std::os::unix::fs::symlink("../elsewhere", lab.above.path().join("traces/link")).unwrap();
+    std::os::unix::fs::symlink("../elsewhere", lab.above().join("traces/link")).unwrap();
     lab.refused(422, "choose", &json!({"set": "link"}));
     assert_eq!(lab.get("state")["sets"], json!(["friction", "mullins"]));
     for name in ["../model.toml", "/tmp/model.toml", "link/model.toml", "model.html", ""] {
         lab.refused(422, "save", &json!({"file": name}));
     }
-    assert_eq!(std::fs::read_dir(lab.above.path()).unwrap().count(), before);
-    assert!(!lab.above.path().join("elsewhere/model.toml").exists());
+    assert_eq!(std::fs::read_dir(lab.above()).unwrap().count(), before);
+    assert!(!lab.above().join("elsewhere/model.toml").exists());
     assert_eq!(lab.get("state")["set"], "friction", "the set that was open stays");
 }
 
@@ -433,7 +390,7 @@ fn practice_is_hidden_in_a_new_folder_and_revealed_as_by_the_command() {
     let command = truth.as_object_mut().unwrap().remove("command").unwrap();
     assert_eq!(command, "palpate hide --open traces/practice-11");
     holds_all_of(&truth, &lab.run(command.as_str().unwrap()));
-    let sealed = std::fs::read_dir(lab.above.path().join("traces/mullins")).unwrap();
+    let sealed = std::fs::read_dir(lab.above().join("traces/mullins")).unwrap();
     for file in sealed.map(|entry| entry.unwrap().path()) {
         if file.extension().is_none_or(|extension| extension != "csv") {
             std::fs::remove_file(file).unwrap();
@@ -459,7 +416,7 @@ fn sets_traces_and_signals_are_picked_and_a_set_that_cannot_be_read_leaves_the_o
     assert_eq!(lab.work(&fung())["answers"]["fit"], fit);
     assert_eq!(lab.ask("GET", "overlay?trace=2", None).0, 422);
 
-    let broken = lab.above.path().join("traces/broken");
+    let broken = lab.above().join("traces/broken");
     std::fs::create_dir(&broken).unwrap();
     std::fs::write(broken.join("a.csv"), "time_s,force_N\n0,1\n1,x\n").unwrap();
     lab.done("choose", &json!({"set": "broken"}));
@@ -547,7 +504,7 @@ fn ten_million_samples_open_and_pan() {
             "{format}: file of {:.0} MB, address after {printed:.2?}, drawn after {opened:.2?}, pan {}, {} MB",
             bytes as f64 / 1e6,
             panned(&lab),
-            memory_mb(&lab.process),
+            memory_mb(&lab.server, "VmHWM"),
         );
     }
 }
@@ -569,7 +526,7 @@ fn ten_million_samples_pan_beside_a_model() {
     println!("drawn without the model after {:.2?}", begun.elapsed());
     assert_eq!(lab.wait(), Value::Null);
     println!("compared after {:.1?}", begun.elapsed());
-    println!("pan {}, {} MB", panned(&lab), memory_mb(&lab.process));
+    println!("pan {}, {} MB", panned(&lab), memory_mb(&lab.server, "VmHWM"));
     assert!(lab.get("overlay?trace=0")["residual"].is_array());
 }
 
@@ -585,13 +542,4 @@ fn panned(lab: &Lab) -> String {
         .collect();
     pans.sort();
     format!("median {:.1?}, worst {:.1?}", pans[100], pans[199])
-}
-
-/// Resident memory, MB.
-fn memory_mb(process: &Child) -> u64 {
-    let status =
-        std::fs::read_to_string(format!("/proc/{}/status", process.id())).unwrap_or_default();
-    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
-    line.and_then(|line| line.trim().trim_end_matches(" kB").parse::<u64>().ok()).unwrap_or(0)
-        / 1024
 }
