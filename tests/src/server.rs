@@ -120,16 +120,17 @@ impl Server {
         (answer.status, serde_json::from_slice(&answer.body).unwrap_or_default())
     }
 
-    /// The stream of rows, asked for with these headers and protocols.
+    /// A websocket, asked for with these headers and protocols.
     ///
     /// # Errors
     /// Why it was refused.
     pub fn socket_with(
         &self,
+        path: &str,
         headers: &[(&str, &str)],
         protocols: &[&str],
     ) -> Result<WebSocket<TcpStream>, String> {
-        let uri = format!("ws://{}/api/live/stream", self.host()).parse().unwrap();
+        let uri = format!("ws://{}{path}", self.host()).parse().unwrap();
         let mut request = ClientRequestBuilder::new(uri);
         for (name, value) in headers {
             request = request.with_header(*name, *value);
@@ -186,10 +187,10 @@ impl Answer {
     }
 }
 
-/// `palpate device simulate` as a process, at the path `fingertip` of a folder.
+/// `palpate device simulate` as a process, at the path `fingertip` of a folder, where it keeps its settings.
 pub fn simulate(folder: &Path) -> Child {
     let mut process = program()
-        .args(["device", "simulate", "--link", "fingertip"])
+        .args(["device", "simulate", "--link", "fingertip", "--settings", "settings.bin"])
         .current_dir(folder)
         .stdout(Stdio::piped())
         .stderr(Stdio::null())

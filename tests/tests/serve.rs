@@ -14,6 +14,8 @@ use palpate_tests::server::{PATIENCE, Server, program, simulate};
 use serde_json::{Value, json};
 use tungstenite::{Message, WebSocket};
 
+const STREAM: &str = "/api/live/stream";
+
 /// The page's side of the stream.
 struct Page {
     socket: WebSocket<TcpStream>,
@@ -38,7 +40,8 @@ impl Page {
     fn of(server: &Server) -> Self {
         let token = format!("token.{}", server.token);
         let origin = format!("http://{}", server.host());
-        let socket = server.socket_with(&[("origin", &origin)], &[PROTOCOL, &token]).unwrap();
+        let socket =
+            server.socket_with(STREAM, &[("origin", &origin)], &[PROTOCOL, &token]).unwrap();
         Self { socket }
     }
 
@@ -211,7 +214,7 @@ fn another_site_can_neither_ask_nor_open_a_websocket() {
         let mut headers = server.headers();
         headers.push(("origin".into(), origin.into()));
         assert_eq!(server.ask("GET", "/api/rooms", &headers, &[]).status, status, "{origin}");
-        let socket = server.socket_with(&[("origin", origin)], &[PROTOCOL, &token]);
+        let socket = server.socket_with(STREAM, &[("origin", origin)], &[PROTOCOL, &token]);
         assert_eq!(socket.is_ok(), status == 200, "{origin}");
     }
 }
@@ -235,8 +238,10 @@ fn without_the_token_of_this_start_nothing_is_told_or_done() {
     }
     let refused = server.ask("POST", "/api/live/wish", &[host], wish.as_bytes());
     assert_eq!(refused.status, 403);
-    assert!(server.socket_with(&[], &[PROTOCOL]).is_err());
-    assert!(server.socket_with(&[], &[PROTOCOL, &format!("token.{}", other.token)]).is_err());
+    assert!(server.socket_with(STREAM, &[], &[PROTOCOL]).is_err());
+    assert!(
+        server.socket_with(STREAM, &[], &[PROTOCOL, &format!("token.{}", other.token)]).is_err()
+    );
     Page::of(&server);
 }
 

@@ -73,7 +73,8 @@ impl Counts {
         for average in
             self.averages.extract_if(.., |average| average.began.elapsed() >= average.over)
         {
-            let _ = average.answer.send(Ok(summary(&average.rows)));
+            let told = json!({ "command": null, "result": summary(&average.rows) });
+            let _ = average.answer.send(Ok(told));
         }
         if self.told.elapsed() < TELL {
             return None;
@@ -145,7 +146,7 @@ mod tests {
         assert!(answered.try_recv().is_err(), "its time is not over");
         std::thread::sleep(Duration::from_millis(25));
         counts.take(&rows([2_000, -5, 0, 8], 10), 1e-3);
-        let told = answered.try_recv().unwrap().unwrap();
+        let told = answered.try_recv().unwrap().unwrap()["result"].take();
         assert_eq!((&told[0]["counts"], &told[0]["samples"]), (&json!(1_500.0), &json!(20)));
         assert_eq!((&told[0]["settled"], &told[1]["settled"]), (&json!(false), &json!(true)));
     }

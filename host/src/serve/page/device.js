@@ -29,6 +29,7 @@ export function open(root, api) {
     const desk = {
       api,
       port: about.port,
+      isReplay: about.source === "replay",
       command: (call) => `${call} --port ${about.port}`,
       wish: (what) => api.post("/live/wish", what),
     };

@@ -21,7 +21,9 @@ export function calibrationPanel(desk) {
   let live = null; // Where the reading is shown, in the steps that have one.
   let reading = false;
 
+  /** Shows a step, and puts the keyboard where it goes on. */
   function go(to) {
+    const isFirst = place.childElementCount === 0;
     step = to;
     for (const item of steps.children) {
       if (item.dataset.step === step) item.setAttribute("aria-current", "step");
@@ -30,6 +32,7 @@ export function calibrationPanel(desk) {
     live = null;
     place.replaceChildren(...{ choose, unload, load, check, written }[step]());
     if (state) show(state);
+    if (!isFirst) place.querySelector("input,select,button")?.focus();
   }
 
   function cancel() {
@@ -114,6 +117,7 @@ export function calibrationPanel(desk) {
     const isPoints = Boolean(basis.points);
     return [
       ...gauges.map(outcome),
+      isPoints && points.some((point) => !point.settled) ? h("p", { class: "device-doubt" }, "A reading moved while it was taken; go back, remove it and read it again for a better line.") : "",
       h("p", { class: "device-pending" }, "Nothing has been written to the device yet."),
       h("div", { class: "tools" }, button("Write to the device and save", write, { class: "device-main" }), back(isPoints ? "load" : "choose"), isPoints ? keep() : null, button("Cancel", cancel)),
     ];
@@ -183,7 +187,7 @@ export function calibrationPanel(desk) {
     try {
       const { command, result: found } = await desk.wish({ fit: from });
       [basis, result] = [from, found];
-      said.say("", command);
+      said.say(from.points ? "With the points kept as points.csv." : "", command);
       go("check");
     } catch (error) {
       said.fail(error.message);

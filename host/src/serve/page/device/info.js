@@ -23,7 +23,15 @@ export function infoPanel(desk) {
     put(cells.get(name), text);
     cells.get(name).classList.toggle("bad", bad);
   };
-  let shown = "";
+  let shown = null;
+  const showGauges = (rows) => {
+    if (!shown) {
+      const made = table("Gauges", HEADS, rows);
+      gauges.replaceChildren(made);
+      shown = [...made.querySelectorAll("tbody tr")].map((line) => [...line.children]);
+    }
+    rows.forEach((texts, k) => texts.forEach((text, at) => put(shown[k][at], text)));
+  };
 
   return {
     root,
@@ -42,15 +50,13 @@ export function infoPanel(desk) {
       say(list, "began because", device.reset);
       if (device.panic) say(list, "last panic", device.panic, true);
       say(list, "converter", `${status.converter ?? "as it should be"}, clock ${number(device.converter_clock_hz / 1e6)} MHz`, Boolean(status.converter));
-      say(list, "rate", `set ${number(settings.rate_hz, 6)} Hz, ${state.streaming ? `now ${figure(state.rate_hz, 1)} Hz` : "the stream is stopped"}`);
+      const now = state.streaming ? `now ${figure(state.rate_hz, 1)} Hz${desk.isReplay ? ", as fast as the trace" : ""}` : "the stream is stopped";
+      say(list, "rate", `set ${number(settings.rate_hz, 6)} Hz, ${now}`);
       const celsius = status.temperature_celsius;
       say(list, "temperature", celsius === null ? "no sensor" : `${figure(celsius, 1)} °C`);
       if (status.stack_used_bytes > 0) say(list, "stack used", `${figure(status.stack_used_bytes)} bytes at most`);
       for (const [name, count] of Object.entries(status.counters)) say(lost, name.replaceAll("_", " "), figure(count), count > 0);
-      const rows = settings.gauges.map((gauge, k) => row(gauge, k, bench.counts?.[k]));
-      const text = JSON.stringify(rows);
-      if (text !== shown) gauges.replaceChildren(table("Gauges", HEADS, rows));
-      shown = text;
+      showGauges(settings.gauges.map((gauge, k) => row(gauge, k, bench.counts?.[k])));
     },
   };
 }

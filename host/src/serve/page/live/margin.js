@@ -14,6 +14,8 @@ const FIELDS = [
 ];
 const WORDS = { none: "Nothing is held.", holds: "It holds.", "will-slip": "It holds now, but will slip once it has settled.", slips: "It slips." };
 const UNKNOWN = "Not known yet: the contact and its size, the friction coefficient, and the normal force per strain. The device cannot tell them.";
+/** A share of the grip beyond this is drawn as this. */
+const LARGEST = 2;
 const SHOWN_S = 60;
 const MOST = 600;
 
@@ -48,7 +50,9 @@ export function marginPanel(root, api) {
     await wish(what, "The margin is watched.");
   }
 
-  const stop = () => wish(null, "The margin is no longer watched.");
+  function stop() {
+    return wish(null, "The margin is no longer watched.");
+  }
 
   async function wish(what, done) {
     try {
@@ -87,8 +91,9 @@ export function marginPanel(root, api) {
   function take({ session_s, now: at, settled: then }) {
     if (session_s <= times.at(-1)) return;
     times.push(session_s);
-    now.push(at.used);
-    settled.push(then.used);
+    const share = ({ used }) => (used === null ? null : Math.min(used, LARGEST));
+    now.push(share(at));
+    settled.push(share(then));
     if (times.length > MOST) [times, now, settled].forEach((all) => all.shift());
   }
 
@@ -116,7 +121,7 @@ export function marginPanel(root, api) {
     const pulls = last.now.force_N !== 0 || last.now.moment_Nmm !== 0;
     put(words, WORDS[last.state] + (pulls ? "" : " Nothing pulls at it: without a tangential force or moment there is no margin."));
     put(factor, last.state === "none" || !pulls ? "–" : `${times_(last.now)} the load`);
-    put(forces, `once settled ${times_(last.settled)} · normal ${last.now.normal_N.toFixed(3)} N, tangential ${last.now.force_N.toFixed(3)} N, moment ${last.now.moment_Nmm.toFixed(2)} N mm`);
+    put(forces, `once settled ${times_(last.settled)} · normal ${last.now.normal_N.toFixed(3)} N, tangential ${last.now.force_N.toFixed(3)} N, moment ${last.now.moment_Nmm.toFixed(2)} N mm`.replaceAll("-", "−"));
     draw();
   }
 
@@ -125,7 +130,7 @@ export function marginPanel(root, api) {
     const x = Float64Array.from(times);
     const values = [now, settled, times.map(() => 1)];
     drawn ??= plot(figure, {
-      x, label: "Share of the grip in use over time, now and once settled; at 1 it slips", axes: { x: "s", y: "grip in use" }, height: 130, zero: true,
+      x, label: "Share of the grip in use over time, now and once settled; at 1 it slips", axes: { x: "s", y: "grip in use, 1/margin" }, height: 130, zero: true,
       series: [
         { label: "now", colour: "c0", values: now }, { label: "once settled", colour: "c2", dash: [8, 4], values: settled },
         { label: "slip", colour: "c1", dash: [2, 3], values: values[2] },
