@@ -3,7 +3,7 @@
 
 use std::net::TcpStream;
 use std::path::Path;
-use std::process::Child;
+use std::process::{Child, Command};
 use std::time::{Duration, Instant};
 
 use palpate::serve::guard::PROTOCOL;
