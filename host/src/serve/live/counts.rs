@@ -154,7 +154,7 @@ mod tests {
     #[test]
     fn an_average_that_cannot_be_is_answered_too() {
         let mut counts = Counts::new();
-        let mut ask = |counts: &mut Counts, seconds| {
+        let ask = |counts: &mut Counts, seconds| {
             let (answer, answered) = oneshot::channel();
             counts.average(seconds, answer);
             answered
