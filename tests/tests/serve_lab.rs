@@ -2,7 +2,7 @@
 #![cfg(unix)]
 
 use std::path::Path;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use palpate::serve::guard::BODY_LIMIT;
 use palpate::trace::{DISPLACEMENT, FORCE, Trace, write};
