@@ -180,6 +180,30 @@ fn a_tab_that_stops_reading_is_told_what_it_was_not_shown_and_sees_it_afterwards
     assert!(times.windows(2).all(|pair| pair[1] - pair[0] < 0.05), "the session has no hole");
 }
 
+#[test]
+#[ignore = "needs a browser: cargo xtask browser"]
+fn a_gauge_is_calibrated_step_by_step_and_the_device_tests_itself() {
+    let server = Server::simulated();
+    let browser = opened(&server);
+    browser.press("2");
+    let step = "[aria-label=Calibration] .device-main";
+    browser.click(step);
+    browser.says("[aria-label=Calibration]", "Take everything off");
+    browser.click(".device-read");
+    browser.says("[aria-label=Calibration]", "Put a known load on");
+    browser.write("[aria-label=Calibration] .device-fields input", "300");
+    browser.click(".device-read");
+    let readings = "document.querySelectorAll('[aria-label=Calibration] tbody tr').length";
+    browser.until("both readings are there", &format!("{readings} === 2"));
+    browser.click(&format!("{step}:not(.device-read)"));
+    browser.says("[aria-label=Calibration]", "Nothing has been written to the device yet");
+    browser.click(step);
+    browser.says("[aria-label=Calibration]", "Gain and offset are set and saved");
+    browser.click("[aria-label=Self-test] .device-main");
+    browser.says("[aria-label=Self-test]", "Passed.");
+    assert_eq!(browser.complaints(), Vec::<String>::new());
+}
+
 /// The part of values that is not greater.
 #[cfg(target_os = "linux")]
 fn quantile(values: &[f64], part: f64) -> f64 {

@@ -415,10 +415,7 @@ fn without_a_device_everything_says_so_and_goes_on_when_it_is_back() {
         let averaged = scope.spawn(|| bench.refused(&json!({ "average": 30.0 })));
         std::thread::sleep(Duration::from_millis(300));
         // The process, for the server is being asked.
-        Command::new("kill")
-            .arg(bench.device.as_ref().unwrap().id().to_string())
-            .status()
-            .unwrap();
+        Command::new("kill").arg(bench.device.as_ref().unwrap().id().to_string()).status().unwrap();
         assert_eq!(averaged.join().unwrap(), "the device is gone; waiting for it");
     });
     let told = watch.until("it is gone", |told| told["linked"] == false);

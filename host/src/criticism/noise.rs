@@ -47,6 +47,8 @@ const ENOUGH: usize = 60;
 const PLENTY: usize = 300;
 /// Variance after the touch over that before it above which the rest after it is not quiet.
 const LOUDER: f64 = 1.4;
+/// The same where there are few samples before the touch: their own scatter explains no such ratio.
+const FAR_LOUDER: f64 = 25.0;
 /// Largest correlation of neighbours that a residual may lend to the noise.
 const MOST_CORRELATED: f64 = 0.9;
 /// A stretch of rest has at least this many samples.
@@ -64,7 +66,14 @@ pub fn noise_model(data: &Data) -> Option<NoiseModel> {
     let [before, after] = quiet(data);
     let count = |stretches: &[Vec<f64>]| stretches.iter().map(Vec::len).sum::<usize>();
     // What the touch has set swinging, or has not recovered yet, is no noise.
-    let alone = count(&before) >= PLENTY && spread(&after) > LOUDER * spread(&before);
+    let louder = match count(&before) {
+        PLENTY.. => LOUDER,
+        ENOUGH.. => FAR_LOUDER,
+        _ => f64::INFINITY,
+    };
+    // A signal that stands still to its last digit shows no noise.
+    let still = spread(&before) == 0.0;
+    let alone = !still && spread(&after) > louder * spread(&before);
     let quiet = if alone { before } else { [before, after].concat() };
     let samples = count(&quiet);
     if samples < ENOUGH {

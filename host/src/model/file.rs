@@ -117,6 +117,9 @@ impl Base {
         // One of these stands for each exponential or branch.
         let each = if family == Family::GeneralizedMaxwell { "eta" } else { "c" };
         let terms = self.parameters.keys().filter(|name| name.starts_with(each)).count();
+        if family.has_terms() && terms == 0 {
+            return Err(format!("`{name}` lacks {each}1, of its first exponential or branch"));
+        }
         let law = BaseLaw {
             segments: self.segments,
             exponent: self.exponent,

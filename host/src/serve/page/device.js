@@ -1,6 +1,6 @@
 // The room of the device itself: which there are, who this one is, its settings, its calibration, its test.
 
-import { h } from "./lab/dom.js";
+import { h } from "./dom.js";
 import { put } from "./device/parts.js";
 import { portsPanel } from "./device/ports.js";
 import { infoPanel } from "./device/info.js";

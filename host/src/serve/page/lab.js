@@ -4,7 +4,7 @@ import { bench, fitTask } from "./lab/bench.js";
 import { beside } from "./lab/beside.js";
 import { candidates } from "./lab/candidates.js";
 import { covariate } from "./lab/covariate.js";
-import { choice, h, keepingFocus, number } from "./lab/dom.js";
+import { choice, h, keepingFocus, number } from "./dom.js";
 import { guide } from "./lab/guide.js";
 import { heatmap } from "./lab/heatmap.js";
 import { ladder } from "./lab/bars.js";

@@ -1,6 +1,6 @@
 // Calibration of a gauge, step by step. Nothing is written to the device before the last step says so.
 
-import { h, number, s } from "../lab/dom.js";
+import { h, number, s } from "../dom.js";
 import { answer, commandLine, field, figure, panel, put, table } from "./parts.js";
 
 const STEPS = [["choose", "Choose"], ["unload", "Unload"], ["load", "Load"], ["check", "Check"], ["written", "Written"]];

@@ -1,6 +1,6 @@
 // Who the device is, how it is, and whether its firmware goes with this program.
 
-import { h, number } from "../lab/dom.js";
+import { h, number } from "../dom.js";
 import { copyButton, figure, panel, put, table } from "./parts.js";
 
 export function infoPanel(desk) {

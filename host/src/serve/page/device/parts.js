@@ -1,6 +1,6 @@
 // What the panels of the Device room are made of.
 
-import { h } from "../lab/dom.js";
+import { h } from "../dom.js";
 
 /** A button that copies a command. */
 export function copyButton(command) {

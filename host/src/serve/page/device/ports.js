@@ -1,6 +1,6 @@
 // Which serial ports there are, and what answers on them.
 
-import { h } from "../lab/dom.js";
+import { h } from "../dom.js";
 import { answer, copyButton, panel, table } from "./parts.js";
 
 export function portsPanel(desk) {

@@ -1,6 +1,6 @@
 // The device's test of itself.
 
-import { h } from "../lab/dom.js";
+import { h } from "../dom.js";
 import { answer, figure, panel, table } from "./parts.js";
 
 export function selftestPanel(desk) {

@@ -1,6 +1,6 @@
 // Rate, gain, filter and thresholds: as they are, and as they shall be.
 
-import { h } from "../lab/dom.js";
+import { h } from "../dom.js";
 import { answer, field, panel } from "./parts.js";
 
 const FILTER = [["c1", ""], ["v1", "1/s"], ["c2", ""], ["v2", "1/s"]];

@@ -1,6 +1,6 @@
 // The ladder: error after each addition, down to the noise floor.
 
-import { h, number, s } from "./dom.js";
+import { h, number, s } from "../dom.js";
 
 const WIDTH = 440;
 const ROW = 46;

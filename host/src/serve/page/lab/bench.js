@@ -1,6 +1,6 @@
 // What is on the bench: data set, traces, signal, base law, model file.
 
-import { choice, fold, h, number } from "./dom.js";
+import { choice, fold, h, number } from "../dom.js";
 
 const PARTING = { clamp: "clamp: no pull", free: "free: recovers by itself", bonded: "bonded: it pulls" };
 

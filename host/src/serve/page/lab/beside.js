@@ -1,6 +1,6 @@
 // Two models beside the same traces: their figures side by side.
 
-import { choice, fold, h, number } from "./dom.js";
+import { choice, fold, h, number } from "../dom.js";
 
 /** The panel. `act` has `start(task)`, `alone()` and `copy(task or text)`; `draft.other` is the model that is picked. */
 export function beside(state, draft, act) {

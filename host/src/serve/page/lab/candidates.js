@@ -1,6 +1,6 @@
 // What could be missing, with what speaks for it.
 
-import { fold, h, number } from "./dom.js";
+import { fold, h, number } from "../dom.js";
 import { reach, sparkline } from "./sparkline.js";
 
 /**

@@ -1,6 +1,6 @@
 // The residual against anything it could depend on: means in bins with their standard errors.
 
-import { choice, h, number, percent, s } from "./dom.js";
+import { choice, h, number, percent, s } from "../dom.js";
 
 const [WIDTH, HEIGHT, LEFT, BOTTOM, TOP] = [520, 210, 62, 38, 10];
 

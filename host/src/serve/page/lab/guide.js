@@ -1,6 +1,6 @@
 // Where one stands on the way from a recording to a named effect, and the one button that goes on.
 
-import { h, number } from "./dom.js";
+import { h, number } from "../dom.js";
 
 const WAY = ["Fit a base law", "Ask what is missing", "Add it", "Nothing but noise is left"];
 

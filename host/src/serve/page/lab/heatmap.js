@@ -1,6 +1,6 @@
 // Where the model fails: trace by region. A click goes there.
 
-import { h, number, percent } from "./dom.js";
+import { h, number, percent } from "../dom.js";
 
 /** A table of shares; `go(trace, region)` shows a cell's place. */
 export function heatmap(comparison, regions, go) {

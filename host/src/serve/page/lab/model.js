@@ -1,6 +1,6 @@
 // The model at hand: its parameters, its effects, how it came about.
 
-import { fold, h, number } from "./dom.js";
+import { fold, h, number } from "../dom.js";
 
 /** The panel. `act` has `drop(effect)`, `add(effect)`, `undo()`, `save()`, `export(kind)` and `copy(task or text)`. */
 export function model(state, act) {

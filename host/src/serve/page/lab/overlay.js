@@ -1,7 +1,7 @@
 // One trace: measurement and model, the residual below, regions shaded, zoom linked.
 
 import { plot } from "../plot.js";
-import { h, number } from "./dom.js";
+import { h, number } from "../dom.js";
 
 const SHADES = { loading: "c2", "early hold": "c4", "late hold": "c0", unloading: "c3" };
 const MOST_NAMED = 12;

@@ -1,6 +1,6 @@
 // A law of one's own, with what is wrong with it shown in place.
 
-import { choice, fold, h } from "./dom.js";
+import { choice, fold, h } from "../dom.js";
 
 /** The form. `act` has `check(law)` and `submit(law)`, which both give promises; `draft` is kept by the caller. */
 export function ownLaw(choices, draft, act) {

@@ -1,6 +1,6 @@
 // Practice: an effect is hidden, found, and revealed.
 
-import { choice, h, number } from "./dom.js";
+import { choice, h, number } from "../dom.js";
 
 /** The panel. `act` has `hide(task)`, `reveal()` and `copy(task)`. */
 export function practice(choices, state, draft, act) {

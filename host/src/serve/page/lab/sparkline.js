@@ -1,6 +1,6 @@
 // A residual as a picture beside a candidate.
 
-import { s } from "./dom.js";
+import { s } from "../dom.js";
 
 const WIDTH = 120;
 const HEIGHT = 30;

@@ -1,4 +1,4 @@
-// Elements of the Lab, made in one place.
+// Elements of the page, made in one place.
 
 const SVG = "http://www.w3.org/2000/svg";
 
