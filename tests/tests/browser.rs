@@ -243,12 +243,13 @@ fn a_steady_stream_is_shown_without_a_loss_and_in_little_memory() {
     let rows = count(&after["rows"]) - count(&before["rows"]);
     println!(
         "{passed:.0} s, {rows} rows, lost {}, not shown in time {}; frames/s: median {}, 1 % {}; behind, 99th percentile of \
-         each second: median {} ms, worst {} ms; memory {:.1} MB at first, {:.1} MB at last, {:.1} MB at most",
+         each second: median {} ms, in 99 of 100 seconds under {} ms, worst {} ms; memory {:.1} MB at first, {:.1} MB at last, {:.1} MB at most",
         after["rows lost"],
         after["not shown in time"],
         quantile(&frames, 0.5),
         quantile(&frames, 0.01),
         quantile(&delays, 0.5),
+        quantile(&delays, 0.99),
         quantile(&delays, 1.0),
         memory[0],
         memory[memory.len() - 1],
@@ -256,8 +257,8 @@ fn a_steady_stream_is_shown_without_a_loss_and_in_little_memory() {
     );
     assert_eq!(count(&after["rows lost"]), 0);
     assert!((rows as f64 / passed / 1_000.0 - 1.0).abs() < 0.05, "{rows} rows in {passed} s");
-    // The session that can be looked back at takes 9 MB when it is full.
-    assert!(memory[memory.len() - 1] - memory[0] < 10.0, "{memory:?}");
+    // The session that can be looked back at takes 6 MB when it is full.
+    assert!(memory[memory.len() - 1] - memory[0] < 7.0, "{memory:?}");
     assert_eq!(browser.complaints(), Vec::<String>::new());
     device.kill().unwrap();
     device.wait().unwrap();

@@ -1,8 +1,8 @@
 //! The rows of a session in bounded memory: the last ones as they came, older ones by least and greatest.
 //!
-//! Level 0 has one bin for `FACTOR` rows, each further level one for `FACTOR` of the level before. Every level keeps
-//! `BINS` of them, so that 1 kHz is kept for 33 s row by row, for a minute in bins of 8 ms, for nine minutes in 64 ms, for
-//! 70 minutes in half a second and for nine hours in 4 s; 9 MB in all.
+//! A level has one bin for so many ([`EACH`]) rows or bins of the level before, and keeps `BINS` of them, so that 1 kHz is
+//! kept for 33 s row by row, for 2 minutes in bins of 32 ms, for 17 minutes in a quarter of a second, for 2 hours in 2 s and
+//! for 18 hours in 16 s; 6 MB in all.
 
 use std::collections::VecDeque;
 
@@ -10,9 +10,9 @@ use std::collections::VecDeque;
 pub const SIGNALS: usize = 20;
 /// Rows kept as they came.
 pub const ROWS: usize = 32_768;
-const FACTOR: u32 = 8;
-const BINS: usize = 8_192;
-const LEVELS: usize = 4;
+/// What a bin of each level is made of: rows, then bins of the level before.
+const EACH: [u32; 4] = [32, 8, 8, 8];
+const BINS: usize = 4_096;
 
 /// The signals of a row, µε.
 pub type Values = [f32; SIGNALS];
@@ -52,14 +52,14 @@ struct Level {
 }
 
 impl Level {
-    /// Adds; the bin that this completes.
-    fn add(&mut self, bin: &Bin) -> Option<Bin> {
+    /// Adds; the bin that this completes, where it is made of `each`.
+    fn add(&mut self, bin: &Bin, each: u32) -> Option<Bin> {
         match &mut self.open {
             Some(open) => open.add(bin),
             empty => *empty = Some(*bin),
         }
         self.filled += 1;
-        if self.filled < FACTOR {
+        if self.filled < each {
             return None;
         }
         self.filled = 0;
@@ -87,7 +87,7 @@ fn push<T>(queue: &mut VecDeque<T>, item: T, most: usize) {
 pub struct Pyramid {
     rows: VecDeque<(f64, Values)>,
     count: u64,
-    levels: [Level; LEVELS],
+    levels: [Level; EACH.len()],
 }
 
 impl Pyramid {
@@ -115,9 +115,9 @@ impl Pyramid {
         push(&mut self.rows, (time_s, *values), ROWS);
         self.count += 1;
         let mut full = Some(Bin::of(time_s, values));
-        for level in &mut self.levels {
+        for (level, each) in self.levels.iter_mut().zip(EACH) {
             let Some(bin) = full else { break };
-            full = level.add(&bin);
+            full = level.add(&bin, each);
         }
     }
 
@@ -136,17 +136,19 @@ impl Pyramid {
         let begin = self.rows.partition_point(|(time_s, _)| *time_s < from_s);
         let end = self.rows.partition_point(|(time_s, _)| *time_s <= to_s).max(begin);
         let whole = self.count as usize == self.rows.len() || begin > 0;
-        if whole && end - begin <= FACTOR as usize * most {
+        if whole && end - begin <= EACH[0] as usize * most {
             let bins = self.rows.range(begin..end).map(|(time_s, values)| Bin::of(*time_s, values));
             return merged(bins, end - begin, most);
         }
         let reaches = |level: &Level| level.bins.front().is_some_and(|bin| bin.from_s <= from_s);
         let complete = |level: &Level| level.bins.len() < BINS;
-        let finest = self.levels.iter().position(|level| {
+        let last = EACH.len() - 1;
+        let finest = (0..last).find(|&index| {
+            let level = &self.levels[index];
             (reaches(level) || complete(level))
-                && level.range(from_s, to_s).count() <= FACTOR as usize * most
+                && level.range(from_s, to_s).count() <= EACH[index + 1] as usize * most
         });
-        let level = finest.unwrap_or(LEVELS - 1);
+        let level = finest.unwrap_or(last);
         // What the level has not yet is in the open bins, the finest of which is the latest.
         let open = self.levels[..=level].iter().rev().filter_map(|level| level.open.as_ref());
         let open = open.filter(|bin| bin.from_s >= from_s && bin.from_s <= to_s);
