@@ -9,7 +9,7 @@ use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-use fantoccini::actions::{InputSource, MouseActions, PointerAction};
+use fantoccini::actions::{InputSource, KeyAction, KeyActions, MouseActions, PointerAction};
 use fantoccini::elements::Element;
 use fantoccini::{Client, ClientBuilder, Locator};
 use hyper_util::client::legacy::connect::HttpConnector;
@@ -205,12 +205,12 @@ impl Browser {
         });
     }
 
-    /// Presses keys where the focus is.
-    pub fn press(&self, keys: &str) {
-        self.runtime.block_on(async {
-            let focus = self.client.active_element().await.expect("something has the focus");
-            focus.send_keys(keys).await.expect("keys can be pressed");
-        });
+    /// Presses a key, wherever the focus is.
+    pub fn press(&self, key: char) {
+        let stroke = KeyActions::new("keys".into())
+            .then(KeyAction::Down { value: key })
+            .then(KeyAction::Up { value: key });
+        self.runtime.block_on(self.client.perform_actions(stroke)).expect("the key is pressed");
     }
 
     /// Makes the window so large, px.

@@ -138,12 +138,23 @@ fn fit_compare_diagnose_add_and_drop_answer_as_the_commands_that_are_copied() {
     let lab = lab();
     let state = lab.get("state");
     assert_eq!(state["sets"], json!(["friction", "mullins"]));
+    let (status, none) = lab.ask("GET", "relaxation", None);
+    assert_eq!(
+        (status, String::from_utf8_lossy(&none).contains("there is no model yet")),
+        (422, true)
+    );
     assert_eq!((&state["set"], &state["signal"]), (&json!("friction"), &json!("force_N")));
     let fit = lab.done("command", &fung())["command"].as_str().unwrap().to_owned();
     let state = lab.work(&fung());
     assert_eq!(lab.done("save", &json!({}))["file"], "traces/model-1.toml");
     assert_eq!(state["versions"][0]["command"], fit);
     assert_eq!(state["answers"]["fit"], lab.run(&fit));
+
+    let parameters = &state["answers"]["fit"]["parameters"];
+    let relaxation = lab.get("relaxation");
+    for name in ["c1", "v1", "c2", "v2"] {
+        assert_eq!(relaxation[name], parameters[name]["value"], "{name}");
+    }
 
     let compared = lab.command(&json!("compare"));
     holds_all_of(&lab.work(&json!("compare"))["comparison"], &compared);

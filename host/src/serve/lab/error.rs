@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use crate::criticism::change::ChangeError;
 use crate::criticism::compare::CompareError;
 use crate::criticism::diagnose::DiagnoseError;
+use crate::decomposition::DecompositionError;
 use crate::fit::data::DataError;
 use crate::model::{FileError, OptionError};
 use crate::practice::{FolderError, HideError, SealError};
@@ -54,6 +55,8 @@ pub enum LabError {
     Compare(#[from] CompareError),
     #[error(transparent)]
     Diagnose(#[from] DiagnoseError),
+    #[error(transparent)]
+    Filter(#[from] DecompositionError),
     #[error(transparent)]
     Change(#[from] ChangeError),
     #[error(transparent)]

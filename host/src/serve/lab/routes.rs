@@ -28,6 +28,7 @@ pub fn routes<S: Clone + Send + Sync + 'static>(session: Session) -> Router<S> {
         .route("/overlay", get(overlay))
         .route("/forecast", get(forecast))
         .route("/report", get(report))
+        .route("/relaxation", get(relaxation))
         .route("/command", post(command))
         .route("/start", post(start))
         .route("/cancel", post(cancel))
@@ -95,6 +96,10 @@ struct Kind {
 
 async fn report(State(session): State<Shared>, Query(of): Query<Kind>) -> Answer {
     with(session, move |session| session.report(&of.kind)).await
+}
+
+async fn relaxation(State(session): State<Shared>) -> Answer {
+    with(session, Session::relaxation).await
 }
 
 async fn command(State(session): State<Shared>, Json(task): Json<Task>) -> Answer {

@@ -6,6 +6,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use serde_json::{Map, Value, json};
+use shared::adaptation::Relaxation;
 
 use super::drawing::Drawing;
 use super::error::LabError;
@@ -17,6 +18,7 @@ use super::spans::Spans;
 use super::task::{Names, Other, Task};
 use super::work::{Bench, Beside, Compared, Outcome};
 use crate::criticism::diagnose::Diagnosis;
+use crate::decomposition::relaxation_of;
 use crate::files::quoted;
 use crate::model::Model;
 use crate::practice::seed_from_clock;
@@ -480,6 +482,16 @@ impl Session {
         };
         let own = self.versions.last().filter(free).and_then(|version| version.name.clone());
         own.map_or_else(|| self.next_file(), Ok)
+    }
+
+    /// The relaxation function of the model at hand, for the filter of a device.
+    ///
+    /// # Errors
+    /// When there is no model, or a hold of it is not of one or two exponentials.
+    pub fn relaxation(&mut self) -> Result<Value, LabError> {
+        self.settle();
+        let Relaxation { c1, v1, c2, v2 } = relaxation_of(self.model()?)?;
+        Ok(json!({ "c1": c1, "v1": v1, "c2": c2, "v2": v2 }))
     }
 
     /// Takes the other model away.

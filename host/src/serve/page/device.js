@@ -1,7 +1,6 @@
 // The room of the device itself: which there are, who this one is, its settings, its calibration, its test.
 
-import { h } from "./dom.js";
-import { put } from "./device/parts.js";
+import { h, put } from "./dom.js";
 import { portsPanel } from "./device/ports.js";
 import { infoPanel } from "./device/info.js";
 import { settingsPanel } from "./device/settings.js";
@@ -17,9 +16,9 @@ export function open(root, api) {
 
   begin();
   async function begin() {
-    let about;
+    let about, rooms;
     try {
-      about = await api.get("/live/about");
+      [about, { rooms }] = await Promise.all([api.get("/live/about"), api.get("/rooms")]);
     } catch (error) {
       put(state, error.message);
       if (!closed) setTimeout(begin, 1_000);
@@ -32,6 +31,8 @@ export function open(root, api) {
       isReplay: about.source === "replay",
       command: (call) => `${call} --port ${about.port}`,
       wish: (what) => api.post("/live/wish", what),
+      hasLab: rooms.some((room) => room.name === "lab"),
+      relaxation: () => api.get("/lab/relaxation"),
     };
     const [calibration, settings, info, selftest, ports] = [calibrationPanel, settingsPanel, infoPanel, selftestPanel, portsPanel].map((panel) => panel(desk));
     room.append(h("div", { class: "device-columns" },

@@ -57,6 +57,14 @@ export function number(value, digits = 3) {
 /** A share in percent. */
 export const percent = (value) => `${Math.round(100 * value)} %`;
 
+/** A labelled input; `unit` stands behind its name. */
+export const field = (name, unit, input) => h("label", { class: "field" }, h("span", {}, name, unit ? h("span", { class: "unit" }, ` ${unit}`) : null), input);
+
+/** Changes what an element says only where it would change, so that a screen reader is not told twice. */
+export function put(element, text) {
+  if (element.textContent !== text) element.textContent = text;
+}
+
 /** A drop-down list; options are names, or pairs of value and text. */
 export function choice(label, options, value, onchange) {
   const option = (of) => {

@@ -1,10 +1,11 @@
 // The Lab: a model beside recordings, what it lacks, and putting it right.
 
+import { copyButton } from "./command.js";
+import { choice, h, keepingFocus, number } from "./dom.js";
 import { bench, fitTask } from "./lab/bench.js";
 import { beside } from "./lab/beside.js";
 import { candidates } from "./lab/candidates.js";
 import { covariate } from "./lab/covariate.js";
-import { choice, h, keepingFocus, number } from "./dom.js";
 import { guide } from "./lab/guide.js";
 import { heatmap } from "./lab/heatmap.js";
 import { ladder } from "./lab/bars.js";
@@ -94,20 +95,12 @@ export function open(root, api) {
 
   /** A button that copies the command of a task, or a text. */
   function copy(of) {
-    const button = h("button", {
-      class: "lab-copy",
-      title: "Copy the command that does the same",
-      "aria-label": "Copy the command that does the same",
-      onclick: guarded(async () => {
-        const task = typeof of === "function" ? of() : of;
-        const text = typeof task === "string" ? task : (await api.post("/lab/command", task)).command;
-        work.replaceChildren(h("p", { class: "lab-said" }, h("code", {}, text)));
-        await navigator.clipboard.writeText(text).catch(() => {});
-        button.textContent = "copied";
-        setTimeout(() => (button.textContent = "$"), 1200);
-      }),
-    }, "$");
-    return button;
+    return copyButton(guarded(async () => {
+      const task = typeof of === "function" ? of() : of;
+      const text = typeof task === "string" ? task : (await api.post("/lab/command", task)).command;
+      work.replaceChildren(h("p", { class: "lab-said" }, h("code", {}, text)));
+      return text;
+    }));
   }
 
   const act = {

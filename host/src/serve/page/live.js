@@ -1,7 +1,8 @@
 // The room of a fingertip: four gauges as they feel, what the filter makes of it, and the device behind it.
 
+import { h, put } from "./dom.js";
 import { plot } from "./plot.js";
-import { element, healthPanel } from "./live/health.js";
+import { healthPanel } from "./live/health.js";
 import { Window, columnsOf, readRows, readView } from "./live/window.js";
 import { controls } from "./live/controls.js";
 import { marginPanel } from "./live/margin.js";
@@ -28,7 +29,7 @@ const LONGEST = 86_400;
 const COLUMNS = [300, 1_000];
 
 export function open(root, api) {
-  const room = element("div", { className: "live" });
+  const room = h("div", { class: "live" });
   root.append(room);
 
   let seconds = 10;
@@ -44,34 +45,34 @@ export function open(root, api) {
   const measured = { frames: 0, since: performance.now(), delay: 0, arrivedMs: 0, delays: [] };
 
   // Tools above the plots.
-  const pause = element("button", { type: "button", textContent: "Pause", "aria-pressed": "false", onclick: () => (past ? goOn() : pauseNow()) });
-  const length = element("select", { "aria-label": "Stretch shown", onchange: () => setSeconds(Number(length.value)) },
-    ...STRETCHES.map((s) => element("option", { value: s, textContent: `${s} s`, selected: s === seconds })));
-  const back = element("button", { type: "button", textContent: "←", "aria-label": "Back in the session", onclick: () => move(-0.5) });
-  const forth = element("button", { type: "button", textContent: "→", "aria-label": "Forth in the session", onclick: () => move(0.5) });
-  const shorter = element("button", { type: "button", textContent: "+", "aria-label": "Zoom in", onclick: () => zoom(0.5) });
-  const longer = element("button", { type: "button", textContent: "−", "aria-label": "Zoom out", onclick: () => zoom(2) });
-  const slider = element("input", { type: "range", min: 0, max: 1000, value: 1000, className: "session", "aria-label": "Place in the session", oninput: slide });
-  const where = element("span", { className: "muted where", role: "status" });
+  const pause = h("button", { type: "button", "aria-pressed": "false", onclick: () => (past ? goOn() : pauseNow()) }, "Pause");
+  const length = h("select", { "aria-label": "Stretch shown", onchange: () => setSeconds(Number(length.value)) },
+    ...STRETCHES.map((s) => h("option", { value: s, selected: s === seconds }, `${s} s`)));
+  const back = h("button", { type: "button", "aria-label": "Back in the session", onclick: () => move(-0.5) }, "←");
+  const forth = h("button", { type: "button", "aria-label": "Forth in the session", onclick: () => move(0.5) }, "→");
+  const shorter = h("button", { type: "button", "aria-label": "Zoom in", onclick: () => zoom(0.5) }, "+");
+  const longer = h("button", { type: "button", "aria-label": "Zoom out", onclick: () => zoom(2) }, "−");
+  const slider = h("input", { type: "range", min: 0, max: 1000, value: 1000, class: "session", "aria-label": "Place in the session", oninput: slide });
+  const where = h("span", { class: "muted where", role: "status" });
   const shown = SIGNALS.map(([name, colour, , on, words], signal) => {
-    const box = element("input", { type: "checkbox", checked: on, onchange: () => plots.forEach(({ drawn }) => drawn.show(signal, box.checked)) });
-    const label = element("label", { title: words }, box, element("span", { className: `key ${colour}` }), name);
+    const box = h("input", { type: "checkbox", checked: on, onchange: () => plots.forEach(({ drawn }) => drawn.show(signal, box.checked)) });
+    const label = h("label", { title: words }, box, h("span", { class: `key ${colour}` }), name);
     return label;
   });
   room.append(
-    element("div", { className: "tools" }, pause, length, back, forth, shorter, longer, slider, where),
-    element("div", { className: "tools", role: "group", "aria-label": "What is drawn" }, ...shown));
+    h("div", { class: "tools" }, pause, length, back, forth, shorter, longer, slider, where),
+    h("div", { class: "tools", role: "group", "aria-label": "What is drawn" }, ...shown));
 
-  const columns = element("div", { className: "columns" });
-  const gauges = element("div", { className: "gauges" });
-  const side = element("div", { className: "side" });
+  const columns = h("div", { class: "columns" });
+  const gauges = h("div", { class: "gauges" });
+  const side = h("div", { class: "side" });
   columns.append(gauges, side);
   room.append(columns);
 
   const plots = Array.from({ length: GAUGES }, (_, gauge) => {
-    const reading = element("span", { className: "reading" });
-    const place = element("section", { className: "gauge", "aria-label": `Gauge ${gauge + 1}` },
-      element("div", { className: "heading" }, element("h2", { textContent: `Gauge ${gauge + 1}` }), reading));
+    const reading = h("span", { class: "reading" });
+    const place = h("section", { class: "gauge", "aria-label": `Gauge ${gauge + 1}` },
+      h("div", { class: "heading" }, h("h2", {}, `Gauge ${gauge + 1}`), reading));
     gauges.append(place);
     const drawn = plot(place, {
       x: [], label: `Strain of gauge ${gauge + 1} over time`, axes: { x: "s", y: "µε" }, height: 250, group: "live",
@@ -250,7 +251,7 @@ export function open(root, api) {
     const region = state ? `${state.points} ${state.name}`.trim() : "";
     const type = state && state.type !== "–" ? ` · Type ${state.type}` : "";
     const text = `${value(0)} µε, settles at ${value(4)} · ${region}${type}`;
-    if (reading.textContent !== text) reading.textContent = text;
+    put(reading, text);
   }
 
   function measure() {

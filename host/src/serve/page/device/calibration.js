@@ -1,7 +1,8 @@
 // Calibration of a gauge, step by step. Nothing is written to the device before the last step says so.
 
-import { h, number, s } from "../dom.js";
-import { answer, commandLine, field, figure, panel, put, table } from "./parts.js";
+import { answer, commandLine } from "../command.js";
+import { field, h, number, put, s } from "../dom.js";
+import { figure, panel, table } from "./parts.js";
 
 const STEPS = [["choose", "Choose"], ["unload", "Unload"], ["load", "Load"], ["check", "Check"], ["written", "Written"]];
 
@@ -63,7 +64,7 @@ export function calibrationPanel(desk) {
     };
     return [
       h("p", {}, "Known loads make known strains; the counts under them give gain and offset. Two loads are enough, no load being one of them; from three on the errors are known too."),
-      h("div", { class: "device-fields" },
+      h("div", { class: "fields" },
         field("What to calibrate", "", gauge),
         field("Loads are given in", "", unit),
         field("Strain of a load of one", "µε", text("perLoad")),
@@ -72,9 +73,9 @@ export function calibrationPanel(desk) {
       h("div", { class: "tools" }, button("Begin", begin, { class: "device-main" })),
       h("details", {}, h("summary", {}, "From a file of points, or by numbers"),
         h("p", { class: "muted" }, "A CSV file with the columns gauge, strain_ustrain, counts, such as a bench with a reference writes; it may hold several gauges."),
-        h("div", { class: "device-fields" }, field("File of points", "", file)),
+        h("div", { class: "fields" }, field("File of points", "", file)),
         h("p", { class: "muted" }, "Or gain and offset of the gauge chosen above."),
-        h("div", { class: "device-fields" }, field("Gain", "µε per count", gain), field("Offset", "counts", offset)),
+        h("div", { class: "fields" }, field("Gain", "µε per count", gain), field("Offset", "counts", offset)),
         h("div", { class: "tools" }, button("Take these", numbers))),
     ];
   }
@@ -101,7 +102,7 @@ export function calibrationPanel(desk) {
     return [
       h("p", {}, `Put a known load on the fingertip, type it, wait until gauge ${draft.gauge} stands still, then read. Then the next.`),
       nowLine(),
-      h("div", { class: "device-fields" }, field("Load", draft.unit, input)),
+      h("div", { class: "fields" }, field("Load", draft.unit, input)),
       h("div", { class: "tools" }, readButton(), button("Fit", () => fit({ points: points.map(({ gauge, strain, counts }) => ({ gauge, strain, counts })) }), { class: "device-main", disabled: points.length < 2 }),
         back("unload"), button("Cancel", cancel)),
       table("Readings", ["Load", "Counts", "± scatter", "Samples", "", ""], points.map((point, k) => [

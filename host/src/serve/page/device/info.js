@@ -1,7 +1,8 @@
 // Who the device is, how it is, and whether its firmware goes with this program.
 
-import { h, number } from "../dom.js";
-import { copyButton, figure, panel, put, table } from "./parts.js";
+import { copyButton } from "../command.js";
+import { h, number, put } from "../dom.js";
+import { figure, panel, table } from "./parts.js";
 
 export function infoPanel(desk) {
   const { root, body, linked } = panel("Info");

@@ -2,22 +2,6 @@
 
 import { h } from "../dom.js";
 
-/** A button that copies a command. */
-export function copyButton(command) {
-  const button = h("button", {
-    type: "button", class: "device-copy", title: `Copy: ${command}`, "aria-label": `Copy the command ${command}`,
-    onclick: async () => {
-      await navigator.clipboard.writeText(command).catch(() => {});
-      button.textContent = "copied";
-      setTimeout(() => (button.textContent = "$"), 1200);
-    },
-  }, "$");
-  return button;
-}
-
-/** A command to read and to copy. */
-export const commandLine = (command) => h("span", { class: "device-command" }, h("code", {}, command), copyButton(command));
-
 /** A panel: a heading, what is said when there is no device, and a body that is disabled then. `live` panels need one. */
 export function panel(title, { live = true } = {}) {
   const away = h("p", { class: "device-away", role: "status", hidden: true }, "There is no device. This goes on by itself when it is back.");
@@ -33,31 +17,6 @@ export function panel(title, { live = true } = {}) {
   };
 }
 
-/** A line that says what became of something. */
-export function answer() {
-  const root = h("p", { class: "device-answer", role: "status" });
-  return {
-    root,
-    say(words, command) {
-      root.replaceChildren(words, ...(command ? [" The same: ", commandLine(command)] : []));
-      root.classList.remove("bad");
-    },
-    fail(words) {
-      root.replaceChildren(words);
-      root.classList.add("bad");
-    },
-    clear() {
-      root.replaceChildren();
-      root.classList.remove("bad");
-    },
-  };
-}
-
-/** A labelled input; `unit` stands behind its name. */
-export function field(name, unit, input) {
-  return h("label", { class: "device-field" }, h("span", {}, name, unit ? h("span", { class: "unit" }, ` ${unit}`) : null), input);
-}
-
 /** A table; `columns` are its heads, `rows` arrays of cells. */
 export function table(caption, columns, rows) {
   return h("div", { class: "device-scroll" }, h("table", {},
@@ -70,9 +29,4 @@ export function table(caption, columns, rows) {
 export function figure(value, decimals = 0) {
   if (value === null || value === undefined || !Number.isFinite(value)) return "–";
   return value.toLocaleString("en", { minimumFractionDigits: decimals, maximumFractionDigits: decimals }).replace("-", "−");
-}
-
-/** Replaces what an element holds only where it would change, so that a screen reader is not told twice. */
-export function put(element, text) {
-  if (element.textContent !== text) element.textContent = text;
 }

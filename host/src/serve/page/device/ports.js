@@ -1,7 +1,8 @@
 // Which serial ports there are, and what answers on them.
 
+import { answer, copyButton } from "../command.js";
 import { h } from "../dom.js";
-import { answer, copyButton, panel, table } from "./parts.js";
+import { panel, table } from "./parts.js";
 
 export function portsPanel(desk) {
   const { root, body, linked } = panel("Devices on this computer", { live: false });

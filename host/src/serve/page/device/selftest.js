@@ -1,7 +1,8 @@
 // The device's test of itself.
 
+import { answer } from "../command.js";
 import { h } from "../dom.js";
-import { answer, figure, panel, table } from "./parts.js";
+import { figure, panel, table } from "./parts.js";
 
 export function selftestPanel(desk) {
   const { root, body, linked } = panel("Self-test");

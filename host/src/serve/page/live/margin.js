@@ -1,7 +1,8 @@
 // The margin of the grasp against slip, as `palpate grasp watch` tells it.
 
+import { answer } from "../command.js";
+import { field, h, put } from "../dom.js";
 import { plot } from "../plot.js";
-import { element } from "./health.js";
 
 /** Name in the request, label, unit, whether it is text, example. The first three must be known. */
 const FIELDS = [
@@ -21,23 +22,22 @@ const MOST = 600;
 
 /** A panel in the side of the Live room; returns what closes it. */
 export function marginPanel(root, api) {
-  const words = element("p", { className: "margin-words", role: "status", textContent: UNKNOWN });
-  const factor = element("p", { className: "margin-factor" });
-  const forces = element("p", { className: "margin-forces muted" });
-  const figure = element("div", { hidden: true });
-  const answer = element("p", { className: "answer", role: "status" });
+  const words = h("p", { class: "margin-words", role: "status" }, UNKNOWN);
+  const factor = h("p", { class: "margin-factor" });
+  const forces = h("p", { class: "margin-forces muted" });
+  const figure = h("div", { hidden: true });
+  const said = answer();
   const inputs = new Map();
-  const form = element("form", { onsubmit: watch }, element("div", { className: "fields" }, ...FIELDS.map(input)),
-    element("div", { className: "tools" }, element("button", { textContent: "Show the margin" }), element("button", { type: "button", textContent: "No longer", onclick: stop })));
-  root.append(element("section", { className: "panel margin", "aria-label": "Margin against slip" },
-    element("h2", { textContent: "Margin against slip" }), words, factor, forces, figure,
-    element("details", {}, element("summary", { textContent: "What is held, and how" }), form), answer));
+  const form = h("form", { onsubmit: watch }, h("div", { class: "fields" }, ...FIELDS.map(input)),
+    h("div", { class: "tools" }, h("button", {}, "Show the margin"), h("button", { type: "button", onclick: stop }, "No longer")));
+  root.append(h("section", { class: "panel margin", "aria-label": "Margin against slip" },
+    h("h2", {}, "Margin against slip"), words, factor, forces, figure,
+    h("details", {}, h("summary", {}, "What is held, and how"), form), said.root));
 
   function input([name, label, unit, isText, example]) {
-    const made = element("input", { type: isText ? "text" : "number", id: `margin-${name}`, placeholder: example, spellcheck: false });
-    if (!isText) made.step = "any";
+    const made = h("input", { type: isText ? "text" : "number", step: isText ? null : "any", placeholder: example || null, spellcheck: "false" });
     inputs.set(name, made);
-    return element("div", { className: "field" }, element("label", { for: made.id }, label, unit ? element("span", { className: "unit", textContent: ` ${unit}` }) : ""), made);
+    return field(label, unit, made);
   }
 
   async function watch(event) {
@@ -57,11 +57,9 @@ export function marginPanel(root, api) {
   async function wish(what, done) {
     try {
       const { command } = await api.post("/live/wish", { grasp: what });
-      answer.replaceChildren(done, ...(command ? [" The same as ", element("code", { textContent: command })] : []));
-      answer.classList.remove("bad");
+      said.say(done, command);
     } catch (error) {
-      answer.textContent = error.message;
-      answer.classList.add("bad");
+      said.fail(error.message);
     }
   }
 
@@ -99,7 +97,6 @@ export function marginPanel(root, api) {
 
   function show(linked, bench) {
     const last = bench?.readings.at(-1);
-    const put = (where, text) => where.textContent !== text && (where.textContent = text);
     const isWatched = Boolean(bench?.holding);
     figure.hidden = times.length < 2;
     if (!linked) {
