@@ -196,8 +196,10 @@ pub fn simulate(folder: &Path) -> Child {
         .stderr(Stdio::null())
         .spawn()
         .unwrap();
+    // It says its path when it is there.
     let mut path = String::new();
     BufReader::new(process.stdout.take().unwrap()).read_line(&mut path).unwrap();
+    assert_eq!(path.trim(), "fingertip");
     process
 }
 

@@ -9,6 +9,7 @@ use std::time::{Duration, Instant};
 use palpate::recording::{Entry, Gap, Note, Reader};
 use palpate_tests::device::{self, Checked, Foreign};
 use palpate_tests::palpate;
+use palpate_tests::server::simulate;
 use serde_json::Value;
 use shared::wire::{Rows, Source, ToHost};
 
@@ -64,21 +65,6 @@ impl Drop for Simulated {
         let _ = self.process.kill();
         let _ = self.process.wait();
     }
-}
-
-fn simulate(folder: &Path) -> Child {
-    let mut process = program()
-        .args(["device", "simulate", "--link", "fingertip", "--settings", "settings.bin"])
-        .current_dir(folder)
-        .stdout(Stdio::piped())
-        .stderr(Stdio::null())
-        .spawn()
-        .unwrap();
-    // It says its path when it is there.
-    let mut path = String::new();
-    BufReader::new(process.stdout.take().unwrap()).read_line(&mut path).unwrap();
-    assert_eq!(path.trim(), "fingertip");
-    process
 }
 
 /// `palpate` as a process that can be killed.

@@ -22,7 +22,7 @@ export function controls(root, api) {
   const tare = button("Tare", () => wish("tare", "Zero is read from here on."));
   const untare = button("Untare", () => wish("untare", "The tare is taken back."));
 
-  const file = h("input", { type: "text", value: `touch-${stamp()}`, size: 18, spellcheck: "false" });
+  const file = h("input", { type: "text", value: `touch-${stamp()}`, size: 21, spellcheck: "false" });
   const record = button("Record", () => wish({ record: { file: file.value } }, "Recording."));
   const end = button("End", async () => {
     if (await wish("end-recording", "The recording is written.")) file.value = `touch-${stamp()}`;
