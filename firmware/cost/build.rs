@@ -1,6 +1,7 @@
 //! Tells the linker where the memory of the firmware is.
 
 fn main() {
+    println!("cargo:rerun-if-changed=../memory.x");
     println!(
         "cargo:rustc-link-search={}/..",
         std::env::var("CARGO_MANIFEST_DIR").unwrap_or_default()

@@ -12,7 +12,8 @@
 //!
 //! Two numbers per sample are enough: the *motion*, which is the displacement where it is known and the filter's elastic
 //! input otherwise (it follows the motion because it has no memory), and the *signal*, strain or force, positive in
-//! compression. A partial release that is then held goes from unloading to relaxation (of Type II), a further press from
+//! compression. A gauge may lie where pressing stretches it: there the whole picture is upside down, which
+//! [`State::of_either_sense`] finds out and turns over. A partial release that is then held goes from unloading to relaxation (of Type II), a further press from
 //! relaxation to loading; contact after recovery begins the next grasp.
 //!
 //! Both are averaged over the smoothing time, and the regions are looked for once for each such mean, not at every sample.
@@ -48,14 +49,14 @@ pub enum Region {
     Recovery,
 }
 
-/// The two types of relaxation, section 4.2.1, told apart by the sign of the latent part.
+/// The two types of relaxation, section 4.2.1, told apart by the sign of the latent part, which is turned over with the signal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RelaxationType {
     /// Within the dead band of equilibrium.
     None,
-    /// The signal is above its equilibrium and decays: after loading.
+    /// The signal is farther from zero than its equilibrium and decays: after loading.
     TypeI,
-    /// The signal is below its equilibrium and recovers: after a partial unloading.
+    /// The signal is nearer to zero than its equilibrium and recovers: after a partial unloading.
     TypeII,
 }
 
@@ -100,11 +101,29 @@ pub struct State {
     entered_at: u32,
     motion: Motion,
     contact: Contact,
+    /// The same of the signal turned over.
+    opposite: Contact,
     /// Highest signal since loading began.
     peak: i32,
     peak_at: u32,
     /// The last sample with the latent part outside the dead band.
     unsettled_at: u32,
+    sense: Sense,
+}
+
+/// Which way the signal goes when there is pressing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Sense {
+    /// Up, always.
+    Compression,
+    /// To be found out; so far up, or down.
+    Found { turned: bool },
+}
+
+impl Sense {
+    const fn is_turned(self) -> bool {
+        matches!(self, Self::Found { turned: true })
+    }
 }
 
 /// Touch with hysteresis.
@@ -120,6 +139,10 @@ struct Contact {
 }
 
 impl Contact {
+    const fn none(signal: i32) -> Self {
+        Self { touching: false, since: 0, below_at: 0, signal }
+    }
+
     fn step(&mut self, config: &Config, mean: &Mean, now: u32) {
         let signal = mean.signal;
         if signal <= config.release {
@@ -159,11 +182,20 @@ impl State {
             now: 0,
             entered_at: 0_u32.wrapping_sub(LONG_AGO),
             motion: Motion::still_at(motion, 0),
-            contact: Contact { touching: false, since: 0, below_at: 0, signal },
+            contact: Contact::none(signal),
+            opposite: Contact::none(signal.saturating_neg()),
             peak: signal,
             peak_at: 0,
             unsettled_at: 0,
+            sense: Sense::Compression,
         }
+    }
+
+    /// The same for a signal that may go up or down when there is pressing, with a motion that goes as the signal does. A
+    /// movement that begins at rest is pressing: if it goes the other way, both are turned over.
+    #[must_use]
+    pub const fn of_either_sense(motion: i32, signal: i32) -> Self {
+        Self { sense: Sense::Found { turned: false }, ..Self::at_rest(motion, signal) }
     }
 
     /// Takes one sample: motion and signal in the units of the thresholds, and the filter's latent part.
@@ -195,7 +227,7 @@ impl State {
     /// Looks for a boundary in the mean of the samples since the last one; whether region or type of relaxation changed.
     #[inline(never)]
     fn look(&mut self, config: &Config, latent: i32) -> bool {
-        let mean = self.average.mean();
+        let mean = self.average.mean().turned(self.sense.is_turned());
         self.average = config.average;
         self.last = self.last.wrapping_add(mean.samples);
         self.now = self.last.wrapping_sub(mean.samples / 2);
@@ -204,6 +236,13 @@ impl State {
         }
         self.motion.step(config, mean.motion, self.now);
         self.contact.step(config, &mean, self.now);
+        self.opposite.step(config, &mean.turned(true), self.now);
+        let turns = self.begins_the_other_way();
+        let mean = mean.turned(turns);
+        if turns {
+            self.turn_over();
+        }
+        let latent = if self.sense.is_turned() { latent.saturating_neg() } else { latent };
         let relaxation = RelaxationType::of(latent, config.latent_dead_band);
         let relaxes_otherwise = relaxation != self.phase.relaxation;
         self.phase.relaxation = relaxation;
@@ -219,6 +258,21 @@ impl State {
             self.phase.entered_samples_ago = Some(ago.saturating_add(mean.samples / 2));
         }
         relaxes_otherwise || next.is_some()
+    }
+
+    /// Whether there is pressing that the present sense takes for the opposite.
+    fn begins_the_other_way(&self) -> bool {
+        let Motion { direction, since, .. } = self.motion;
+        matches!(self.sense, Sense::Found { .. })
+            && self.phase.region == Region::Rest
+            && direction == Direction::Retreating
+            && !self.before(since, self.entered_at)
+    }
+
+    fn turn_over(&mut self) {
+        self.sense = Sense::Found { turned: !self.sense.is_turned() };
+        self.motion.turn_over();
+        core::mem::swap(&mut self.contact, &mut self.opposite);
     }
 
     /// Enters a region, not before the last one; returns how long ago.

@@ -123,7 +123,7 @@ impl Pipeline {
             conversion: calibration.at(temperature),
             relaxation: config.adaptation,
             adaptation: adaptation::State::at_rest(0),
-            phase: phase::State::at_rest(0, 0),
+            phase: phase::State::of_either_sense(0, 0),
             flags: Flags::NONE,
             counters: Counters::default(),
         });
@@ -152,7 +152,7 @@ impl Pipeline {
     }
 
     /// Takes one sample that is already strain (LSB), as from a recording; strain beyond 24 bits is saturated and flagged.
-    /// `motion` is the displacement where it is known, in the unit of the thresholds.
+    /// `motion` is the displacement where it is known, in the unit of the thresholds; pressing must then raise the strain.
     pub fn process_strain(&mut self, strain: &[i32; GAUGES], motion: Option<i32>) {
         self.counts = None;
         if self.samples == 0 {
@@ -324,7 +324,10 @@ impl Channel {
     fn rest_at(&mut self, strain: i32, motion: Option<i32>) {
         self.adaptation.rebase(strain);
         let split = self.adaptation.output(&self.relaxation);
-        self.phase = phase::State::at_rest(motion.unwrap_or(split.elastic), split.signal);
+        self.phase = match motion {
+            Some(motion) => phase::State::at_rest(motion, split.signal),
+            None => phase::State::of_either_sense(split.elastic, split.signal),
+        };
     }
 
     #[inline(always)]
@@ -405,6 +408,34 @@ mod tests {
             assert_eq!(out.relaxation, RelaxationType::TypeII);
         }
         assert_eq!(pipeline.samples(), 1_400);
+    }
+
+    #[test]
+    fn a_gauge_that_pressing_stretches_is_in_the_same_region_as_one_that_it_compresses() {
+        let mut config = config();
+        let stretched = Sheet {
+            gain: -0.002,
+            offset: 0,
+            temperature_coefficient: 0.0,
+            reference_celsius: 20.0,
+        };
+        config.calibration[2] = Calibration::new(&stretched).unwrap();
+        config.calibration[3] = Calibration::new(&Sheet { gain: 0.002, ..stretched }).unwrap();
+        let mut pipeline = Pipeline::new(&config);
+        for sample in 0..1_400 {
+            let [counts, ..] = press(sample);
+            pipeline.process(&[counts; GAUGES], 20 * 256);
+            let [.., stretched, compressed] = pipeline.outputs();
+            assert_eq!(stretched.strain, -compressed.strain);
+            // A motion that begins is found a little later than touch is.
+            if !(1..100).contains(&sample) {
+                let told = |out: &Output| (out.region, out.relaxation);
+                assert_eq!(told(&stretched), told(&compressed), "sample {sample}");
+            }
+        }
+        let [.., stretched, _] = pipeline.outputs();
+        assert_eq!(stretched.region, Region::Relaxation);
+        assert_eq!(stretched.relaxation, RelaxationType::TypeII);
     }
 
     #[test]

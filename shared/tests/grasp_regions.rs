@@ -212,6 +212,76 @@ fn every_cycle_of_a_repeated_grasp_is_found() {
     }
 }
 
+/// Regions of a gauge with the elastic input as motion, whichever way pressing moves it.
+fn regions_of_gauge(samples: &[i32], rate_hz: f64) -> Vec<(Region, RelaxationType, f64)> {
+    let filter = adaptation::Config::new(&SUSHI, 1.0 / rate_hz).unwrap();
+    let config = Config::new(&thresholds(), 1.0 / rate_hz).unwrap();
+    let mut adaptation = adaptation::State::at_rest(samples[0]);
+    let mut phase = State::of_either_sense(0, samples[0]);
+    let mut found = Vec::new();
+    for (i, &s) in samples.iter().enumerate() {
+        let out = adaptation.step(&filter, s);
+        let now = phase.step(&config, out.elastic, s, out.latent());
+        if let Some(ago) = now.entered_samples_ago {
+            found.push((now.region, now.relaxation, (i as f64 - f64::from(ago)) / rate_hz));
+        }
+    }
+    found
+}
+
+#[test]
+fn a_gauge_that_is_stretched_passes_through_the_regions_of_one_that_is_compressed() {
+    let profile = [
+        (1.0, -0.1),
+        (1.6, 1.0),
+        (3.0, 1.0),
+        (3.2, 0.7),
+        (5.0, 0.7),
+        (5.4, -0.1),
+        (14.0, -0.1),
+        (14.1, 1.0),
+        (16.0, 1.0),
+        (16.4, -0.1),
+        (24.0, -0.1),
+    ];
+    for rate_hz in [200.0, 1000.0, 4000.0] {
+        for noise in [0.0, NOISE] {
+            let pressed: Vec<i32> =
+                grasp(&profile, rate_hz, noise).into_iter().map(|(_, signal)| signal).collect();
+            let stretched: Vec<i32> = pressed.iter().map(|signal| -signal).collect();
+            let compressed = regions_of_gauge(&pressed, rate_hz);
+            let case = format!("{rate_hz} Hz, noise {noise}: {compressed:.3?}");
+            let names: Vec<Region> = compressed.iter().map(|(region, ..)| *region).collect();
+            let one = [Preloading, Loading, Held, Unloading, Recovery, Rest];
+            assert_eq!(names[..4], one[..4], "{case}");
+            assert_eq!(names[names.len() - 6..], one, "{case}");
+            let found = regions_of_gauge(&stretched, rate_hz);
+            assert_eq!(found.len(), compressed.len(), "{case}\n{found:.3?}");
+            for (stretched, compressed) in found.iter().zip(&compressed) {
+                assert_eq!((stretched.0, stretched.1), (compressed.0, compressed.1), "{case}");
+                assert!((stretched.2 - compressed.2).abs() < 0.012, "{case}\n{found:.3?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_gauge_that_drifts_or_undershoots_below_zero_is_not_taken_for_one_that_is_stretched() {
+    let rate_hz = 1000.0;
+    let drift: Vec<i32> = (0..60_000).map(|i| -i).collect();
+    assert_eq!(regions_of_gauge(&drift, rate_hz), []);
+    // Released fast, it comes back from below zero; the next press is one again.
+    let course = |i: i32| match i % 8_000 {
+        0..500 => 0.0,
+        500..2_000 => 1.0,
+        _ => -0.2 * (-f64::from(i % 8_000 - 2_000) / 1_000.0).exp(),
+    };
+    let signal: Vec<i32> = (0..32_000).map(|i| (FULL * course(i)) as i32).collect();
+    let names: Vec<Region> =
+        regions_of_gauge(&signal, rate_hz).iter().map(|(region, ..)| *region).collect();
+    assert_eq!(names.iter().filter(|region| **region == Loading).count(), 4, "{names:?}");
+}
+
 #[test]
 fn noise_alone_is_rest() {
     for rate_hz in [200.0, 1000.0, 4000.0] {
@@ -260,9 +330,11 @@ proptest! {
     fn any_input_passes_through_the_regions_in_order_and_boundaries_never_cross(
         samples in prop::collection::vec((any::<i32>(), any::<i32>(), any::<i32>(), 1_u8..60), 1..60),
         smoothing_s in 0.0..0.1_f64,
+        either in any::<bool>(),
     ) {
         let config = Config::new(&Thresholds { smoothing_s, ..thresholds() }, 0.005).unwrap();
-        let mut state = State::at_rest(samples[0].0, samples[0].1);
+        let begin = if either { State::of_either_sense } else { State::at_rest };
+        let mut state = begin(samples[0].0, samples[0].1);
         let (mut region, mut entered, mut now) = (Rest, i64::MIN, 0_i64);
         for (motion, signal, latent, repeats) in samples {
             for _ in 0..repeats {

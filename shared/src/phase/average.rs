@@ -26,6 +26,17 @@ pub(super) struct Mean {
     pub(super) samples: u32,
 }
 
+impl Mean {
+    /// The other way round, if `is`.
+    pub(super) const fn turned(self, is: bool) -> Self {
+        if !is {
+            return self;
+        }
+        let Self { motion, signal, samples } = self;
+        Self { motion: motion.saturating_neg(), signal: signal.saturating_neg(), samples }
+    }
+}
+
 impl Average {
     /// None yet of 2^`exponent` samples, at most 2^12.
     pub(super) const fn of(exponent: u32) -> Self {

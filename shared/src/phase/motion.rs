@@ -68,6 +68,18 @@ impl Motion {
         }
     }
 
+    /// Takes the motion the other way round. What counts in its direction stays.
+    pub(super) fn turn_over(&mut self) {
+        self.direction = match self.direction {
+            Direction::Still => Direction::Still,
+            Direction::Advancing => Direction::Retreating,
+            Direction::Retreating => Direction::Advancing,
+        };
+        for level in [&mut self.anchor, &mut self.near, &mut self.left] {
+            *level = level.saturating_neg();
+        }
+    }
+
     /// When a movement was last seen to go on for another half step. The very last part of a movement is not used: there
     /// the average creeps towards its end, however suddenly the motion stopped.
     pub(super) fn went_on_until(&self, config: &Config) -> u32 {

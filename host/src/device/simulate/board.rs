@@ -13,6 +13,8 @@ use crate::files::write_whole;
 
 /// With nothing to do, it looks so often for something.
 const IDLE: Duration = Duration::from_millis(5);
+/// With samples overdue, it waits so long before it takes more.
+const BEHIND: Duration = Duration::from_millis(1);
 
 /// The hardware of a simulated device.
 pub(super) struct Board {
@@ -56,6 +58,11 @@ impl Board {
         (self.oversampling.interval_s(CONVERTER_CLOCK_HZ) * 1e6) as u64
     }
 
+    /// Time of the sample that comes next, µs; none before the first.
+    pub(super) const fn due_us(&self) -> Option<u64> {
+        self.next_us
+    }
+
     /// Time of the next sample that is due, µs.
     pub(super) fn next_sample(&mut self, now_us: u64) -> Option<u64> {
         if !self.listening {
@@ -71,9 +78,10 @@ impl Board {
     /// How long there is nothing to do.
     pub(super) fn wait(&self, now_us: u64) -> Duration {
         match self.next_us {
-            Some(next_us) if self.listening => {
-                Duration::from_micros(next_us.saturating_sub(now_us)).min(IDLE)
+            Some(next_us) if self.listening && next_us > now_us => {
+                Duration::from_micros(next_us - now_us).min(IDLE)
             }
+            Some(_) if self.listening => BEHIND,
             _ => IDLE,
         }
     }

@@ -2,6 +2,7 @@
 
 mod board;
 mod grasp;
+mod pace;
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -13,6 +14,7 @@ use shared::wire::{
 
 use self::board::Board;
 use self::grasp::Grasp;
+use self::pace::Pace;
 use super::pty::Pty;
 
 /// The simulated converter's clock, Hz.
@@ -63,6 +65,7 @@ struct Body<'b> {
     line: Accumulator,
     /// What the line has no room for.
     waiting: Vec<u8>,
+    pace: Pace,
     ticked_us: u64,
     released_us: u64,
 }
@@ -128,7 +131,8 @@ impl Simulated {
         let Self { pty, board, grasp, .. } = self;
         body.receive(pty, board)?;
         let now_us = body.now_us();
-        while let Some(time_us) = board.next_sample(now_us) {
+        let until_us = body.pace.until(now_us, board.due_us());
+        while let Some(time_us) = board.next_sample(until_us) {
             let counts = grasp.counts(time_us, &board.gain());
             body.device.sample(&Sample { time_us, counts, lost: Lost::default() });
             body.send(pty)?;
@@ -183,6 +187,7 @@ impl<'b> Body<'b> {
             began: Instant::now(),
             line: Accumulator::new(),
             waiting: Vec::new(),
+            pace: Pace::default(),
             ticked_us: 0,
             released_us: 0,
         })
