@@ -13,8 +13,8 @@
 //! Two numbers per sample are enough: the *motion*, which is the displacement where it is known and the filter's elastic
 //! input otherwise (it follows the motion because it has no memory), and the *signal*, strain or force, positive in
 //! compression. A gauge may lie where pressing stretches it: there the whole picture is upside down, which
-//! [`State::of_either_sense`] finds out and turns over. A partial release that is then held goes from unloading to relaxation (of Type II), a further press from
-//! relaxation to loading; contact after recovery begins the next grasp.
+//! [`State::of_either_sense`] finds out and turns over. A partial release that is then held goes from unloading to relaxation
+//! (of Type II), a further press from relaxation to loading; contact after recovery begins the next grasp.
 //!
 //! Both are averaged over the smoothing time, and the regions are looked for once for each such mean, not at every sample.
 //! A boundary is known only some time after it was passed: the motion must stand for the dwell before it has stopped. So a
