@@ -1,6 +1,6 @@
 //! The rows of a session in bounded memory: the last ones as they came, older ones by least and greatest.
 //!
-//! A level has one bin for so many ([`EACH`]) rows or bins of the level before, and keeps `BINS` of them, so that 1 kHz is
+//! A level has one bin for so many (`EACH`) rows or bins of the level before, and keeps `BINS` of them, so that 1 kHz is
 //! kept for 33 s row by row, for 2 minutes in bins of 32 ms, for 17 minutes in a quarter of a second, for 2 hours in 2 s and
 //! for 18 hours in 16 s; 6 MB in all.
 
