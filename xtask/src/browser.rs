@@ -9,8 +9,7 @@ pub fn run(steady_s: u32) -> miette::Result<()> {
     packages::set_up("chromedriver", &["chromium", "chromium-driver"], why)?;
     let tests = [
         "test",
-        "-p",
-        "palpate-tests",
+        "--workspace",
         "--test",
         "browser",
         "--",

@@ -20,8 +20,7 @@ pub fn run(steady_s: u32, update: bool) -> miette::Result<()> {
     golden.close()?;
     let tests = [
         "test",
-        "-p",
-        "palpate-tests",
+        "--workspace",
         "--test",
         "emulated",
         "--",

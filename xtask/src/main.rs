@@ -2,12 +2,10 @@
 
 mod browser;
 mod check;
-mod effects;
 mod emulate;
 mod firmware;
 mod golden;
 mod packages;
-mod traces;
 
 use std::process::ExitCode;
 
@@ -50,14 +48,20 @@ enum Task {
     Effects,
 }
 
+/// Writes recordings or pages anew, by a program of its own: this one is to be built at once.
+fn generate(what: &str) -> miette::Result<()> {
+    let call = ["run", "--quiet", "--package", "palpate-generate", "--", what];
+    check::rust(what, check::workspace(), &call, &[])
+}
+
 fn main() -> ExitCode {
     let outcome = match Arguments::parse().task {
         Task::Test => check::run(),
         Task::Firmware => firmware::build().map(drop),
         Task::Emulate { steady, update } => emulate::run(steady, update),
         Task::Browser { steady } => browser::run(steady),
-        Task::Effects => effects::write_all(),
-        Task::Traces => traces::write_all(),
+        Task::Effects => generate("effects"),
+        Task::Traces => generate("traces"),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

@@ -18,7 +18,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
 
-use crate::check::workspace;
+use crate::workspace;
 
 /// Seed of all noise; each file draws from a stream of its own.
 const SEED: u64 = 20;

@@ -4,7 +4,7 @@ use miette::{Context, IntoDiagnostic};
 use palpate::files::write_whole;
 use palpate::summary::effect_pages;
 
-use crate::check::workspace;
+use crate::workspace;
 
 /// Writes every page of docs/effects/.
 pub fn write_all() -> miette::Result<()> {
