@@ -190,12 +190,6 @@ impl Browser {
         self.runtime.block_on(self.client.perform_actions(mouse)).expect("the pointer drags");
     }
 
-    /// Takes an option of a drop-down list.
-    pub fn choose(&self, css: &str, value: &str) {
-        let element = self.element(css);
-        self.runtime.block_on(element.select_by_value(value)).expect("there is such an option");
-    }
-
     /// Types into a field instead of what is there.
     pub fn write(&self, css: &str, text: &str) {
         let element = self.element(css);

@@ -13,6 +13,7 @@ use std::path::{Path, PathBuf};
 
 use assert_cmd::Command;
 use palpate::model::{Hold, Motion, Move, Profile, Step};
+use serde_json::Value;
 
 /// The `palpate` command: `src/main.rs` here is the same line as that of the product, so that cargo
 /// builds it, fresh and once, for whichever tests are run.
@@ -27,6 +28,17 @@ pub fn palpate() -> Command {
     let mut command = Command::new(binary);
     command.env("NO_COLOR", "1").env_remove("PALPATE_LOG");
     command
+}
+
+/// The JSON that a call in a folder prints.
+///
+/// # Panics
+/// If the call fails, or prints something else.
+pub fn answer(folder: &Path, arguments: &[&str]) -> Value {
+    let output = palpate().current_dir(folder).args(arguments).output().expect("palpate runs");
+    let error = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{arguments:?}: {error}");
+    serde_json::from_slice(&output.stdout).expect("it prints JSON")
 }
 
 /// The top of the workspace.

@@ -1,14 +1,13 @@
 //! The local page as its user sees and handles it, in a real browser: `cargo xtask browser`.
 #![cfg(unix)]
 
-use std::path::Path;
 use std::time::{Duration, Instant};
 
 use palpate_tests::browser::Browser;
 #[cfg(target_os = "linux")]
 use palpate_tests::server::memory_mb;
 use palpate_tests::server::{Server, simulate};
-use palpate_tests::{bundled, palpate};
+use palpate_tests::{answer, bundled};
 use serde_json::Value;
 
 /// A window as on a desk.
@@ -17,12 +16,6 @@ const HEIGHT: u32 = 900;
 
 fn opened(server: &Server) -> Browser {
     Browser::open(&server.url(), WIDTH, HEIGHT)
-}
-
-fn answer(folder: &Path, arguments: &[&str]) -> Value {
-    let output = palpate().current_dir(folder).args(arguments).output().expect("palpate runs");
-    assert!(output.status.success(), "{arguments:?}");
-    serde_json::from_slice(&output.stdout).unwrap_or_default()
 }
 
 /// A server with a practice set in its folder.

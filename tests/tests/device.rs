@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use palpate::recording::{Entry, Gap, Note, Reader};
 use palpate_tests::device::{self, Checked, Foreign};
 use palpate_tests::palpate;
-use palpate_tests::server::simulate;
+use palpate_tests::server::{program, simulate};
 use serde_json::Value;
 use shared::wire::{Rows, Source, ToHost};
 
@@ -65,11 +65,6 @@ impl Drop for Simulated {
         let _ = self.process.kill();
         let _ = self.process.wait();
     }
-}
-
-/// `palpate` as a process that can be killed.
-fn program() -> Command {
-    Command::new(palpate().get_program())
 }
 
 fn said(output: &std::process::Output) -> (i32, String, String) {

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use palpate_tests::palpate;
+use palpate_tests::{answer, palpate};
 use serde_json::Value;
 
 /// Exit status, standard output and standard error of a call in a folder.
@@ -11,13 +11,6 @@ fn call(folder: &Path, arguments: &[&str]) -> (i32, String, String) {
     let output = palpate().current_dir(folder).args(arguments).output().expect("palpate runs");
     let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
     (output.status.code().expect("an exit status"), text(&output.stdout), text(&output.stderr))
-}
-
-/// The answer of a call that works.
-fn answer(folder: &Path, arguments: &[&str]) -> Value {
-    let (status, out, error) = call(folder, arguments);
-    assert_eq!(status, 0, "{arguments:?}: {error}");
-    serde_json::from_str(&out).unwrap()
 }
 
 #[test]

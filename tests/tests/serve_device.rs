@@ -49,27 +49,16 @@ impl Bench {
         self.device = Some(simulate(self.folder()));
     }
 
-    fn ask(&self, method: &str, path: &str, body: &str) -> (u16, Value) {
-        let answer = self.server.ask(method, path, &self.server.headers(), body.as_bytes());
-        (answer.status, serde_json::from_slice(&answer.body).unwrap_or_default())
-    }
-
-    fn get(&self, path: &str) -> Value {
-        let (status, answer) = self.ask("GET", path, "");
-        assert_eq!(status, 200, "{path}: {answer}");
-        answer
-    }
-
     /// What came of a wish, and the command that does the same.
     fn wish(&self, wish: &Value) -> (Value, Value) {
-        let (status, mut answer) = self.ask("POST", "/api/live/wish", &wish.to_string());
+        let (status, mut answer) = self.server.wish(wish);
         assert_eq!(status, 200, "{wish}: {answer}");
         (answer["result"].take(), answer["command"].take())
     }
 
     /// Why a wish is refused.
     fn refused(&self, wish: &Value) -> String {
-        let (status, answer) = self.ask("POST", "/api/live/wish", &wish.to_string());
+        let (status, answer) = self.server.wish(wish);
         assert_eq!(status, 409, "{wish}: {answer}");
         answer["message"].as_str().unwrap().into()
     }
@@ -145,7 +134,7 @@ fn a_page_is_told_who_the_device_is_that_it_goes_with_this_program_and_what_its_
         assert!(gauge["samples"].as_u64() > Some(2) && gauge["settled"].is_boolean(), "{gauge}");
     }
     assert_eq!(told["log"], "A simulated device writes no log.");
-    assert!(bench.get("/api/live/about")["port"].is_string());
+    assert!(bench.server.json("/api/live/about")["port"].is_string());
 }
 
 #[test]
@@ -153,7 +142,7 @@ fn the_ports_are_listed_with_ours_first_and_without_disturbing_it() {
     let mut bench = Bench::of_device();
     let mut watch = bench.watch();
     watch.until("it streams", |told| told["rows"].as_u64() > Some(500));
-    let list = bench.get("/api/device/ports");
+    let list = bench.server.json("/api/device/ports");
     let ours = &list["ports"][0];
     assert_eq!((&ours["port"], &ours["ours"]), (&json!("fingertip"), &json!(true)));
     assert_eq!(ours["device"]["board"], "simulated");
@@ -162,7 +151,7 @@ fn the_ports_are_listed_with_ours_first_and_without_disturbing_it() {
     assert_eq!((&told["rows_lost"], &told["gaps"]), (&json!(0), &json!(0)));
     bench.unplug();
     watch.until("it is gone", |told| told["linked"] == false);
-    let ours = bench.get("/api/device/ports")["ports"][0].take();
+    let ours = bench.server.json("/api/device/ports")["ports"][0].take();
     assert!(ours["device"].is_null() && ours["error"].is_string(), "{ours}");
 }
 
@@ -207,7 +196,7 @@ fn settings_out_of_range_are_refused_in_the_words_of_the_command() {
         wishes.iter().map(|(set, _)| bench.refused(&json!({ "set": set }))).collect();
     assert!(bench.refused(&json!({ "set": { "rate_hz": -1.0 } })).contains("above 0"));
     assert!(bench.refused(&json!({ "set": { "thresholds": { "grip": 1.0 } } })).contains("grip"));
-    let (status, _) = bench.ask("POST", "/api/live/wish", r#"{"set":{"volume":11}}"#);
+    let (status, _) = bench.server.wish(&json!({"set": {"volume": 11}}));
     assert_eq!(status, 422);
     end(&mut bench.server.process);
     for ((_, options), words) in wishes.iter().zip(words) {
@@ -457,7 +446,7 @@ fn firmware_of_another_schema_is_named_with_what_to_do_and_a_device_in_its_place
     let (words, advice) = (release["words"].as_str().unwrap(), release["advice"].as_str().unwrap());
     assert!(words.contains("newer") && advice.contains("Install palpate 99.0.0"), "{release}");
     assert!(told["trouble"].as_str().unwrap().contains("another language"));
-    assert_eq!(bench.get("/api/device/ports")["ports"][0]["release"], *release);
+    assert_eq!(bench.server.json("/api/device/ports")["ports"][0]["release"], *release);
     std::fs::remove_file(&link).unwrap();
     bench.plug();
     let told = watch.until("the other is taken", |told| told["linked"] == true);

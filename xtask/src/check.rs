@@ -65,6 +65,14 @@ fn step(name: &str, arguments: &[&str], environment: &[(&str, &str)]) -> miette:
     rust(name, workspace(), arguments, environment)
 }
 
+/// Runs the tests of a file that need what was set up for them, one after the other, with a stream of so many seconds.
+pub fn set_up_tests(name: &str, file: &str, steady_s: u32) -> miette::Result<()> {
+    // With `--workspace` they share the build of all other tests.
+    let tests = ["test", "--workspace", "--test", file];
+    let how = ["--", "--ignored", "--nocapture", "--test-threads=1"];
+    step(name, &[&tests[..], &how].concat(), &[("PALPATE_STEADY_S", &steady_s.to_string())])
+}
+
 /// Runs cargo in a folder.
 pub fn rust(
     name: &str,

@@ -4,7 +4,7 @@ use std::process::Command;
 
 use miette::{IntoDiagnostic, bail};
 
-use crate::check::{rust, workspace};
+use crate::check::{rust, set_up_tests};
 use crate::firmware;
 use crate::golden::Golden;
 use crate::packages;
@@ -18,17 +18,7 @@ pub fn run(steady_s: u32, update: bool) -> miette::Result<()> {
     firmware::check(&mut golden)?;
     cost(&mut golden)?;
     golden.close()?;
-    let tests = [
-        "test",
-        "--workspace",
-        "--test",
-        "emulated",
-        "--",
-        "--ignored",
-        "--nocapture",
-        "--test-threads=1",
-    ];
-    rust("emulated device", workspace(), &tests, &[("PALPATE_STEADY_S", &steady_s.to_string())])
+    set_up_tests("emulated device", "emulated", steady_s)
 }
 
 /// Instructions of a sample, printed beside those of rivals and held to the golden file.
