@@ -22,14 +22,7 @@ impl Spans {
     /// Of samples whose regions are known, in time.
     #[must_use]
     pub fn new<'a>(samples: impl Iterator<Item = (&'a f64, &'a Region)>) -> Self {
-        let mut found: Vec<Span> = Vec::new();
-        for (&time, &region) in samples {
-            match found.last_mut() {
-                Some((_, end, last)) if *last == region => *end = time,
-                _ => found.push((time, time, region)),
-            }
-        }
-        Self(Arc::new(found.into()))
+        Self(Arc::new(merged(samples).into()))
     }
 
     /// Of every trace of a set. A long one is drawn before its regions are known.
@@ -37,22 +30,15 @@ impl Spans {
     pub fn of_set(traces: &Arc<Vec<Trace>>) -> Vec<Self> {
         let of = |index: usize| {
             if traces[index].len() < LONG {
-                return Self::of_trace(&traces[index]);
+                return Self(Arc::new(of_trace(&traces[index]).into()));
             }
             let (spans, traces) = (Self::default(), traces.clone());
             let found = spans.clone();
-            std::thread::spawn(move || {
-                let known = Self::of_trace(&traces[index]);
-                let _ = found.0.set(known.0.get().cloned().unwrap_or_default());
-            });
+            // Nobody else sets them.
+            std::thread::spawn(move || found.0.set(of_trace(&traces[index])));
             spans
         };
         (0..traces.len()).map(of).collect()
-    }
-
-    fn of_trace(trace: &Trace) -> Self {
-        let regions = trace.displacement().map(|displacement| regions(&trace.time, displacement));
-        Self::new(trace.time.iter().zip(&regions.unwrap_or_default()))
     }
 
     /// Within a window of time that is so many pixels wide: those that are wider than a pixel, and of each
@@ -73,6 +59,24 @@ impl Spans {
             json!(extents),
         )
     }
+}
+
+/// The stretches of a trace whose displacement is known.
+fn of_trace(trace: &Trace) -> Vec<Span> {
+    let regions = trace.displacement().map(|displacement| regions(&trace.time, displacement));
+    merged(trace.time.iter().zip(&regions.unwrap_or_default()))
+}
+
+/// Samples of one region in a row, as one stretch.
+fn merged<'a>(samples: impl Iterator<Item = (&'a f64, &'a Region)>) -> Vec<Span> {
+    let mut found: Vec<Span> = Vec::new();
+    for (&time, &region) in samples {
+        match found.last_mut() {
+            Some((_, end, last)) if *last == region => *end = time,
+            _ => found.push((time, time, region)),
+        }
+    }
+    found
 }
 
 #[cfg(test)]

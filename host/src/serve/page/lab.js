@@ -276,7 +276,7 @@ export function open(root, api) {
   });
 
   function pressed(event) {
-    if (event.ctrlKey || event.metaKey || event.altKey || event.target.closest?.("input,select,textarea,dialog")) return;
+    if (event.ctrlKey || event.metaKey || event.altKey || event.target.closest?.("input,select,textarea,dialog[open]")) return;
     const acts = {
       "+": () => plots.scale(0.5),
       "-": () => plots.scale(2),

@@ -269,7 +269,7 @@ export function open(root, api) {
   }
 
   function pressed(event) {
-    if (event.ctrlKey || event.metaKey || event.altKey || event.target.closest?.("input,select,textarea,button,summary,dialog")) return;
+    if (event.ctrlKey || event.metaKey || event.altKey || event.target.closest?.("input,select,textarea,button,summary,dialog[open]")) return;
     const done = {
       " ": () => (past ? goOn() : pauseNow()), ArrowLeft: () => move(-0.5), ArrowRight: () => move(0.5),
       "+": () => zoom(0.5), "-": () => zoom(2), 0: goOn,

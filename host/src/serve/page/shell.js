@@ -73,7 +73,7 @@ function showKeys(ofRoom) {
 
 function pressed(event) {
   if (event.ctrlKey || event.metaKey || event.altKey) return;
-  if (event.target.closest?.("input,select,textarea,dialog")) return;
+  if (event.target.closest?.("input,select,textarea,dialog[open]")) return;
   const room = rooms[Number(event.key) - 1];
   if (room) location.hash = room.name;
   else if (event.key === "t") switchTheme();
