@@ -1,7 +1,7 @@
 //! `crosstalk`: other channels leak into the signal.
 
 use super::{Count, Covariate, Effect, Law, Needs, Sign, Strength};
-use crate::model::{Act, Stage};
+use crate::model::{Act, Channel, Stage};
 
 const LEAK: Strength = Strength {
     name: "leak",
@@ -31,7 +31,7 @@ pub const EFFECT: Effect = Effect {
             shapes: &[],
             act: Act::Force(|scene, parameters, _, force| {
                 for (leak, channel) in parameters.iter().zip(scene.channels) {
-                    for (force, value) in force.iter_mut().zip(*channel) {
+                    for (force, value) in force.iter_mut().zip(channel.values) {
                         *force += leak * value;
                     }
                 }
@@ -44,12 +44,13 @@ pub const EFFECT: Effect = Effect {
             shapes: &[],
             act: Act::Force(|scene, parameters, first, force| {
                 if first.is_empty() {
-                    let begin = |channel: &&[f64]| channel.first().copied().unwrap_or_default();
+                    let begin =
+                        |channel: &Channel| channel.values.first().copied().unwrap_or_default();
                     *first = scene.channels.iter().map(begin).collect();
                 }
                 let leaks = parameters.iter().zip(first.iter());
                 for ((leak, first), channel) in leaks.zip(scene.channels) {
-                    for (force, value) in force.iter_mut().zip(*channel) {
+                    for (force, value) in force.iter_mut().zip(channel.values) {
                         *force += leak * (value - first);
                     }
                 }
@@ -67,11 +68,9 @@ pub const EFFECT: Effect = Effect {
             },
             shapes: &[],
             act: Act::Force(|scene, parameters, _, force| {
-                let time = &scene.motion.time;
                 for (leak, channel) in parameters.iter().zip(scene.channels) {
-                    for k in 1..force.len() {
-                        let slope = (channel[k] - channel[k - 1]) / (time[k] - time[k - 1]);
-                        force[k] += leak * slope;
+                    for (force, slope) in force.iter_mut().zip(&channel.slope) {
+                        *force += leak * slope;
                     }
                 }
             }),

@@ -1,11 +1,11 @@
 //! Measurements as a fit takes them: motions with the signal that answered.
 
 use crate::effects::{Scales, Setting};
-use crate::model::{Model, Motion, MotionError, Past, Scene};
+use crate::model::{Channel, Model, Motion, MotionError, Past, Scene};
 use crate::trace::{FORCE, GAUGES, SignalError, TANGENTIAL, TEMPERATURE, Trace, runs};
 
 use super::line::line_near;
-use super::slope::{acceleration, velocity};
+use super::slope::{acceleration, slope, velocity};
 
 /// One stretch of recording without a gap, with its motion.
 #[derive(Clone, Debug)]
@@ -25,7 +25,7 @@ pub struct Piece<'a> {
     /// Temperature at each sample, °C.
     temperature: Option<&'a [f64]>,
     /// The other channels at each sample.
-    channels: Vec<&'a [f64]>,
+    channels: Vec<Channel<'a>>,
 }
 
 /// A data set: traces of one specimen in one set-up, in order of recording.
@@ -169,7 +169,10 @@ impl<'a> Data<'a> {
             };
             let before = *past;
             let _ = past.follow(&motion);
-            let channel = |name: &&str| trace.column(name).map(|values| &values[run.clone()]);
+            let channel = |name: &&str| {
+                let values = &trace.column(name)?[run.clone()];
+                Some(Channel { values, slope: slope(&trace.time[run.clone()], values) })
+            };
             self.pieces.push(Piece {
                 trace: index,
                 motion,

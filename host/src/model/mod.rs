@@ -37,5 +37,5 @@ pub use parameter::Parameter;
 pub use profile::{Hold, Move, Profile, ProfileError, Step};
 pub use relaxation::{Branch, Memory, Relaxation};
 pub use response::{Form, Response};
-pub use scene::{Past, Scene};
+pub use scene::{Channel, Past, Scene};
 pub use segments::{Equilibrium, Segments};

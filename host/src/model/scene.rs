@@ -25,7 +25,16 @@ pub struct Scene<'a> {
     /// Temperature above the reference, T − T0, K; absent where it was not recorded.
     pub warmth: Option<Vec<f64>>,
     /// The other channels that were recorded, in the order of their columns.
-    pub channels: &'a [&'a [f64]],
+    pub channels: &'a [Channel<'a>],
+}
+
+/// Another channel than the signal, at each sample.
+#[derive(Clone, Debug)]
+pub struct Channel<'a> {
+    /// What was recorded.
+    pub values: &'a [f64],
+    /// Its slope over time, 1/s, smoothed as much as its scatter asks for.
+    pub slope: Vec<f64>,
 }
 
 /// What a specimen has been through before a stretch begins.

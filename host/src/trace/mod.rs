@@ -42,7 +42,7 @@ pub use noise::{Noise, Source, force_noise, noise};
 pub use pooled_noise::pooled_noise;
 pub use read::{SIZE_LIMIT, parse, read};
 pub use sampling::{Sampling, sampling};
-pub use scatter::displacement_scatter;
+pub use scatter::scatter;
 pub use segments::{Kind, Segment, segments};
 pub use set::read_set;
 pub use suggest::suggest;

@@ -21,11 +21,11 @@ pub(super) fn second_differences<'a>(
     })
 }
 
-/// Standard deviation of the scatter of a displacement, mm: robust against its ramps and corners; 0 where
-/// most of it rests exactly.
+/// Standard deviation of the scatter of a displacement or another quantity, in its unit: robust against its
+/// ramps and corners; 0 where most of it rests exactly.
 #[must_use]
-pub fn displacement_scatter(time: &[f64], displacement: &[f64]) -> f64 {
-    let differences = second_differences(time, displacement).map(f64::abs).collect();
+pub fn scatter(time: &[f64], values: &[f64]) -> f64 {
+    let differences = second_differences(time, values).map(f64::abs).collect();
     median(differences).unwrap_or(0.0) * NORMAL_MAD
 }
 
