@@ -14,8 +14,11 @@ use serde_json::Value;
 const WIDTH: u32 = 1280;
 const HEIGHT: u32 = 900;
 
+/// The page, once it knows its rooms: before, it does not hear their keys.
 fn opened(server: &Server) -> Browser {
-    Browser::open(&server.url(), WIDTH, HEIGHT)
+    let browser = Browser::open(&server.url(), WIDTH, HEIGHT);
+    browser.until("a room is open", "document.querySelector('#rooms [aria-current]') !== null");
+    browser
 }
 
 /// A server with a practice set in its folder.
