@@ -33,7 +33,7 @@ pub struct Scene<'a> {
 pub struct Channel<'a> {
     /// What was recorded.
     pub values: &'a [f64],
-    /// Its slope over time, 1/s, smoothed as much as its scatter asks for.
+    /// Its slope over time, in its unit per second, smoothed as much as its scatter asks for.
     pub slope: Vec<f64>,
 }
 

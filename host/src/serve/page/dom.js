@@ -74,3 +74,8 @@ export function choice(label, options, value, onchange) {
   const select = h("select", { onchange: () => onchange(select.value) }, options.map(option));
   return h("label", { class: "lab-field" }, h("span", {}, label), select);
 }
+
+/** Whether a key is for the page: no shortcut of the browser's, and not pressed in a field or in an open dialog. */
+export function isForPage(event) {
+  return !event.ctrlKey && !event.metaKey && !event.altKey && !event.target.closest?.("input,select,textarea,dialog[open]");
+}

@@ -1,7 +1,7 @@
 // The Lab: a model beside recordings, what it lacks, and putting it right.
 
 import { copyButton } from "./command.js";
-import { choice, h, keepingFocus, number } from "./dom.js";
+import { choice, h, isForPage, keepingFocus, number } from "./dom.js";
 import { bench, fitTask } from "./lab/bench.js";
 import { beside } from "./lab/beside.js";
 import { candidates } from "./lab/candidates.js";
@@ -276,7 +276,7 @@ export function open(root, api) {
   });
 
   function pressed(event) {
-    if (event.ctrlKey || event.metaKey || event.altKey || event.target.closest?.("input,select,textarea,dialog[open]")) return;
+    if (!isForPage(event)) return;
     const acts = {
       "+": () => plots.scale(0.5),
       "-": () => plots.scale(2),

@@ -1,6 +1,6 @@
 // The room of a fingertip: four gauges as they feel, what the filter makes of it, and the device behind it.
 
-import { h, put } from "./dom.js";
+import { h, isForPage, put } from "./dom.js";
 import { plot } from "./plot.js";
 import { healthPanel } from "./live/health.js";
 import { Window, columnsOf, readRows, readView } from "./live/window.js";
@@ -269,7 +269,8 @@ export function open(root, api) {
   }
 
   function pressed(event) {
-    if (event.ctrlKey || event.metaKey || event.altKey || event.target.closest?.("input,select,textarea,button,summary,dialog[open]")) return;
+    // Space presses a button or opens a summary.
+    if (!isForPage(event) || event.target.closest?.("button,summary")) return;
     const done = {
       " ": () => (past ? goOn() : pauseNow()), ArrowLeft: () => move(-0.5), ArrowRight: () => move(0.5),
       "+": () => zoom(0.5), "-": () => zoom(2), 0: goOn,

@@ -1,6 +1,7 @@
 // The frame around the rooms: which there are, which is open, theme, keys.
 
 import { api, takeToken } from "./api.js";
+import { isForPage } from "./dom.js";
 
 const root = document.documentElement;
 const main = document.getElementById("room");
@@ -72,8 +73,7 @@ function showKeys(ofRoom) {
 }
 
 function pressed(event) {
-  if (event.ctrlKey || event.metaKey || event.altKey) return;
-  if (event.target.closest?.("input,select,textarea,dialog[open]")) return;
+  if (!isForPage(event)) return;
   const room = rooms[Number(event.key) - 1];
   if (room) location.hash = room.name;
   else if (event.key === "t") switchTheme();
