@@ -2,6 +2,7 @@
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
 
 use super::covariate::Covariate;
 use super::residuals::Stretch;
@@ -52,7 +53,7 @@ pub const SEED: u64 = 7;
 pub fn dependences(stretches: &[Stretch]) -> Vec<Dependence> {
     watch::stage("quantities that the residual could depend on", Covariate::ALL.len());
     let mut found: Vec<Dependence> = Covariate::ALL
-        .into_iter()
+        .into_par_iter()
         .filter_map(|covariate| {
             let found = dependence(stretches, covariate);
             watch::done();
@@ -74,19 +75,18 @@ pub fn dependence(stretches: &[Stretch], covariate: Covariate) -> Option<Depende
         .map(|values| values.iter().map(|v| edges.partition_point(|edge| edge <= v)).collect())
         .collect();
     let residuals: Vec<Vec<f64>> = stretches.iter().map(Stretch::residual).collect();
-    let unshifted = vec![0; stretches.len()];
-    let count = edges.len() + 1;
-    let explained = explained(&residuals, &places, count, &unshifted);
+    let binned = Binned::new(&residuals, &places, edges.len() + 1);
+    let explained = binned.explained(&vec![0; stretches.len()]);
     let mut random = ChaCha8Rng::seed_from_u64(SEED);
     let as_much = (0..SHIFTS)
         .take_while(|_| !watch::ended())
         .filter(|_| {
             let shifts: Vec<usize> =
                 residuals.iter().map(|r| random.random_range(0..r.len().max(1))).collect();
-            self::explained(&residuals, &places, count, &shifts) >= explained
+            binned.explained(&shifts) >= explained
         })
         .count();
-    let bins = bins(&residuals, &values, &places, count);
+    let bins = bins(&residuals, &values, &places, edges.len() + 1);
     Some(Dependence {
         covariate,
         explained,
@@ -98,33 +98,103 @@ pub fn dependence(stretches: &[Stretch], covariate: Covariate) -> Option<Depende
 
 /// Inner edges of bins of equal width; around each value where they are few.
 fn edges(values: &[&[f64]]) -> Option<Vec<f64>> {
-    let mut distinct: Vec<f64> = values.concat();
-    distinct.sort_by(f64::total_cmp);
-    distinct.dedup();
+    // The distinct values, rising, as long as they are few.
+    let mut distinct: Vec<f64> = Vec::new();
+    let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
+    for &value in values.iter().copied().flatten() {
+        (least, most) = (least.min(value), most.max(value));
+        if distinct.len() <= BINS {
+            let place = distinct.partition_point(|known| *known < value);
+            if distinct.get(place).is_none_or(|known| *known != value) {
+                distinct.insert(place, value);
+            }
+        }
+    }
     let edges: Vec<f64> = if distinct.len() <= BINS {
         distinct.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])).collect()
     } else {
-        let (least, most) = (distinct[0], distinct[distinct.len() - 1]);
         (1..BINS).map(|k| least + (most - least) * k as f64 / BINS as f64).collect()
     };
     (!edges.is_empty()).then_some(edges)
 }
 
-/// Share of the mean square explained by the bin means, the residuals shifted in a circle.
-fn explained(residuals: &[Vec<f64>], places: &[Vec<usize>], bins: usize, shifts: &[usize]) -> f64 {
-    let mut sums = vec![(0.0, 0.0); bins];
-    let mut square = 0.0;
-    for ((residual, places), &shift) in residuals.iter().zip(places).zip(shifts) {
-        let (head, tail) = residual.split_at(shift.min(residual.len()));
-        for (r, &place) in tail.iter().chain(head).zip(places) {
-            sums[place].0 += r;
-            sums[place].1 += 1.0;
-            square += r * r;
+/// Residuals in bins of a covariate, laid out so that a shift costs as much as the covariate changes its
+/// bin: it stays in one for long, and the sum over such a run is a difference of two prefix sums.
+struct Binned {
+    stretches: Vec<Runs>,
+    /// Number of samples in each bin; no shift changes it.
+    counts: Vec<f64>,
+    /// Sum of squares of all residuals.
+    square: f64,
+}
+
+/// One stretch of residuals as runs in one bin each.
+struct Runs {
+    /// Bin of each run, and the sample after its last.
+    runs: Vec<(usize, usize)>,
+    /// Sum of the residuals before each sample, and of all.
+    before: Vec<f64>,
+}
+
+impl Binned {
+    fn new(residuals: &[Vec<f64>], places: &[Vec<usize>], bins: usize) -> Self {
+        let mut counts = vec![0.0; bins];
+        for &place in places.iter().flatten() {
+            counts[place] += 1.0;
+        }
+        let stretches = residuals.iter().zip(places).map(|(r, places)| Runs::new(r, places));
+        Self {
+            stretches: stretches.collect(),
+            counts,
+            square: residuals.iter().flatten().map(|r| r * r).sum(),
         }
     }
-    let of_means: f64 =
-        sums.iter().filter(|s| s.1 > 0.0).map(|(sum, count)| sum * sum / count).sum();
-    if square > 0.0 { of_means / square } else { 0.0 }
+
+    /// Share of the mean square explained by the bin means, the residuals shifted in a circle.
+    fn explained(&self, shifts: &[usize]) -> f64 {
+        let mut sums = vec![0.0; self.counts.len()];
+        for (stretch, &shift) in self.stretches.iter().zip(shifts) {
+            stretch.add(shift, &mut sums);
+        }
+        let of_means =
+            |(sum, count): (&f64, &f64)| if *count > 0.0 { sum * sum / count } else { 0.0 };
+        let of_means: f64 = sums.iter().zip(&self.counts).map(of_means).sum();
+        if self.square > 0.0 { of_means / self.square } else { 0.0 }
+    }
+}
+
+impl Runs {
+    fn new(residual: &[f64], places: &[usize]) -> Self {
+        let mut runs: Vec<(usize, usize)> = Vec::new();
+        for (k, &place) in places.iter().enumerate() {
+            match runs.last_mut() {
+                Some((bin, end)) if *bin == place => *end = k + 1,
+                _ => runs.push((place, k + 1)),
+            }
+        }
+        let sums = residual.iter().scan(0.0, |sum, r| {
+            *sum += r;
+            Some(*sum)
+        });
+        Self { runs, before: std::iter::once(0.0).chain(sums).collect() }
+    }
+
+    /// Adds the residuals of every run to the sum of its bin, each sample taking the residual `shift`
+    /// samples later, round and round.
+    fn add(&self, shift: usize, sums: &mut [f64]) {
+        let count = self.before.len() - 1;
+        let all = self.before[count];
+        let until = |sample: usize| {
+            let sample = sample + shift;
+            if sample <= count { self.before[sample] } else { all + self.before[sample - count] }
+        };
+        let mut last = until(0);
+        for &(bin, end) in &self.runs {
+            let sum = until(end);
+            sums[bin] += sum - last;
+            last = sum;
+        }
+    }
 }
 
 fn bins(
@@ -215,6 +285,68 @@ mod tests {
     fn correlated_noise_alone_passes_for_chance() {
         let found = dependences(&stretches(0.0));
         assert!(found.iter().all(|dependence| dependence.p_value > 0.02), "{found:?}");
+    }
+
+    /// Share explained, sample by sample.
+    fn sample_by_sample(
+        residuals: &[Vec<f64>],
+        places: &[Vec<usize>],
+        bins: usize,
+        shifts: &[usize],
+    ) -> f64 {
+        let mut sums = vec![(0.0, 0.0); bins];
+        let mut square = 0.0;
+        for ((residual, places), &shift) in residuals.iter().zip(places).zip(shifts) {
+            let (head, tail) = residual.split_at(shift);
+            for (r, &place) in tail.iter().chain(head).zip(places) {
+                sums[place].0 += r;
+                sums[place].1 += 1.0;
+                square += r * r;
+            }
+        }
+        let of_mean =
+            |(sum, count): &(f64, f64)| if *count > 0.0 { sum * sum / count } else { 0.0 };
+        sums.iter().map(of_mean).sum::<f64>() / square
+    }
+
+    #[test]
+    fn runs_explain_what_samples_do() {
+        let mut random = ChaCha8Rng::seed_from_u64(1);
+        for longest_run in [1, 7, 200] {
+            let lengths = [500, 1, 333];
+            let places: Vec<Vec<usize>> = lengths
+                .iter()
+                .map(|&length| {
+                    let mut place = 0;
+                    let next = |_| {
+                        if random.random_range(0..longest_run) == 0 {
+                            place = random.random_range(0..6);
+                        }
+                        place
+                    };
+                    (0..length).map(next).collect()
+                })
+                .collect();
+            let residual = |&length: &usize| {
+                (0..length).map(|_| 3.0 + random.random_range(-1.0..1.0)).collect::<Vec<f64>>()
+            };
+            let residuals: Vec<Vec<f64>> = lengths.iter().map(residual).collect();
+            let binned = Binned::new(&residuals, &places, 6);
+            for _ in 0..50 {
+                let shifts = lengths.map(|length| random.random_range(0..length));
+                let expected = sample_by_sample(&residuals, &places, 6, &shifts);
+                let found = binned.explained(&shifts);
+                assert!((found - expected).abs() < 1e-12, "{found} for {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_shift_costs_as_many_sums_as_the_covariate_changes_its_bin() {
+        for samples in [1_000, 100_000] {
+            let places: Vec<usize> = (0..samples).map(|k| 20 * k / samples).collect();
+            assert_eq!(Runs::new(&vec![1.0; samples], &places).runs.len(), 20);
+        }
     }
 
     #[test]

@@ -17,6 +17,7 @@ pub mod experiment;
 pub mod explore;
 pub mod fitted;
 pub mod foretold;
+mod hum;
 pub mod leftover;
 pub mod noise;
 pub mod region;

@@ -1,7 +1,6 @@
 //! The noise of a data set, from where the specimen is not touched: never from the misfit.
 
-use std::f64::consts::TAU;
-
+use super::hum::{centred, without_hum};
 use crate::fit::data::Data;
 use crate::fit::whitening::Whitening;
 use crate::trace::{Noise, Source};
@@ -147,61 +146,6 @@ fn quiet(data: &Data) -> [Vec<Vec<f64>>; 2] {
     found
 }
 
-/// The stretches without a line of the mains, if they have one: it is no noise.
-fn without_hum(stretches: Vec<Vec<f64>>, interval: f64) -> Vec<Vec<f64>> {
-    let longest = stretches.iter().map(Vec::len).max().unwrap_or(1) as f64 * interval;
-    let centred: Vec<Vec<f64>> = stretches.into_iter().map(centred).collect();
-    let step = 0.25 / longest;
-    let band = |middle: f64| {
-        let steps = (3.0 / step).ceil() as i32;
-        (-steps..=steps).map(move |k| middle + f64::from(k) * step)
-    };
-    let mut powers: Vec<(f64, f64)> = [50.0, 60.0]
-        .into_iter()
-        .flat_map(band)
-        .map(|frequency| {
-            let turn = TAU * frequency * interval;
-            (centred.iter().map(|values| line(values, turn).2).sum(), turn)
-        })
-        .collect();
-    powers.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let median = powers[powers.len() / 2].0;
-    match powers.last() {
-        Some(&(highest, turn)) if highest > LINE * median => {
-            let cleaned = |values: Vec<f64>| {
-                let (cosine, sine, _) = line(&values, turn);
-                let at = |(k, value): (usize, f64)| {
-                    let phase = turn * k as f64;
-                    value - cosine * phase.cos() - sine * phase.sin()
-                };
-                values.into_iter().enumerate().map(at).collect()
-            };
-            centred.into_iter().map(cleaned).collect()
-        }
-        _ => centred,
-    }
-}
-
-/// Power of a line over the median of its surroundings above which it is one.
-const LINE: f64 = 4.0;
-
-/// Cosine and sine amplitude of a line that turns by `turn` from sample to sample, and its power.
-fn line(values: &[f64], turn: f64) -> (f64, f64, f64) {
-    let (mut cosine, mut sine) = (0.0, 0.0);
-    for (k, value) in values.iter().enumerate() {
-        let phase = turn * k as f64;
-        cosine += value * phase.cos();
-        sine += value * phase.sin();
-    }
-    let part = 2.0 / values.len() as f64;
-    (cosine * part, sine * part, (cosine * cosine + sine * sine) * part)
-}
-
-fn centred(values: Vec<f64>) -> Vec<f64> {
-    let mean = values.iter().sum::<f64>() / values.len() as f64;
-    values.into_iter().map(|value| value - mean).collect()
-}
-
 fn estimate(stretches: &[Vec<f64>], longest: usize) -> Whitening {
     let plain = autoregression(stretches);
     if slowness(&plain, stretches) < SLOW {
@@ -312,6 +256,8 @@ fn search(start: &[f64], cost: impl Fn(&[f64]) -> f64) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::f64::consts::TAU;
+
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;
     use rand_distr::{Distribution, StandardNormal};

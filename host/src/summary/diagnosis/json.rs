@@ -110,7 +110,7 @@ impl DiagnosisSummary<'_> {
 
     /// What the rest depends on, strongest first.
     fn dependences_json(&self) -> Vec<Value> {
-        let dependences = self.after.dependences.iter();
+        let dependences = self.after().dependences.iter();
         dependences
             .map(|dependence| {
                 json!({

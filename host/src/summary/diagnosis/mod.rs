@@ -16,6 +16,8 @@ mod rest;
 mod step;
 mod words;
 
+use std::cell::OnceCell;
+
 use super::ladder::{ABOUT, ladder_bars, rung_name};
 use super::unit_of;
 use crate::criticism::compare::Comparison;
@@ -33,10 +35,10 @@ use crate::report::{Block, Callout, Column, Section, Table};
 pub struct DiagnosisSummary<'a> {
     diagnosis: &'a Diagnosis,
     data: &'a Data<'a>,
-    /// What the model leaves without the effects found.
-    before: Comparison,
-    /// What it leaves with them.
-    after: Comparison,
+    /// What the model leaves without the effects found, once asked for.
+    before: OnceCell<Comparison>,
+    /// What it leaves with them, once asked for.
+    after: OnceCell<Comparison>,
     next: NextCommand,
 }
 
@@ -76,14 +78,23 @@ impl<'a> DiagnosisSummary<'a> {
     /// Lays a diagnosis beside the data it was made of.
     #[must_use]
     pub fn new(diagnosis: &'a Diagnosis, data: &'a Data<'a>, next: NextCommand) -> Self {
-        let found = &diagnosis.found;
-        let before = leftover(diagnosis, &found.base, data);
-        let after = if found.steps.is_empty() {
-            before.clone()
-        } else {
-            leftover(diagnosis, found.model(), data)
-        };
+        let (before, after) = (OnceCell::new(), OnceCell::new());
         Self { diagnosis, data, before, after, next }
+    }
+
+    /// What the model leaves without the effects found.
+    fn before(&self) -> &Comparison {
+        let base = &self.diagnosis.found.base;
+        self.before.get_or_init(|| leftover(self.diagnosis, base, self.data))
+    }
+
+    /// What it leaves with them.
+    fn after(&self) -> &Comparison {
+        let found = &self.diagnosis.found;
+        if found.steps.is_empty() {
+            return self.before();
+        }
+        self.after.get_or_init(|| leftover(self.diagnosis, found.model(), self.data))
     }
 
     /// What a terminal shows: the verdict, what to do next, the ladder and the evidence in short.

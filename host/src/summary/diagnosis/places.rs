@@ -20,15 +20,15 @@ impl DiagnosisSummary<'_> {
         let mut section = Section::new("Where it sits").paragraph(format!(
             "{}: {}",
             if steps.is_empty() { "What the model leaves" } else { "Without the effects found" },
-            self.before.in_words()
+            self.before().in_words()
         ));
-        let before = heat_map(&self.before);
+        let before = heat_map(self.before());
         let strongest = before.values.iter().flatten().copied().fold(0.0, f64::max);
         let title = format!("Share of what {} leaves beyond the noise", self.base_name());
         section = section.figure(HeatMap { title, ..before.clone() }, "");
         if !steps.is_empty() {
             let title = format!("What {} still leaves of that", self.top_name());
-            let (values, summary) = (self.still_left(), self.after.in_words());
+            let (values, summary) = (self.still_left(), self.after().in_words());
             let strongest = Some(strongest);
             let map = HeatMap { title, values, summary, strongest, ..before };
             section = section.figure(map, "In the same unit and colours: all above is 100 %.");
@@ -51,9 +51,9 @@ impl DiagnosisSummary<'_> {
         let noise = self.noise();
         let excess =
             |cell: &Cell| ((cell.rms * cell.rms - noise * noise) * cell.samples as f64).max(0.0);
-        let all: f64 = self.before.cells.iter().map(excess).sum();
+        let all: f64 = self.before().cells.iter().map(excess).sum();
         let mut values = vec![vec![f64::NAN; Region::ALL.len()]; self.data.labels.len()];
-        for cell in &self.after.cells {
+        for cell in &self.after().cells {
             values[cell.trace][cell.region as usize] =
                 if all > 0.0 { excess(cell) / all } else { 0.0 };
         }
@@ -63,7 +63,7 @@ impl DiagnosisSummary<'_> {
     /// The traces with the most of the misfit before, the worst first.
     fn worst(&self) -> Vec<usize> {
         let share = |trace: usize| -> f64 {
-            let own = self.before.cells.iter().filter(|cell| cell.trace == trace);
+            let own = self.before().cells.iter().filter(|cell| cell.trace == trace);
             own.map(|cell| cell.share_of_excess).sum()
         };
         let mut traces: Vec<usize> = (0..self.data.labels.len()).collect();
@@ -80,7 +80,7 @@ impl DiagnosisSummary<'_> {
             let own = comparison.stretches.iter().filter(|stretch| stretch.trace == trace);
             own.flat_map(Stretch::residual).fold(0.0, |most: f64, r| most.max(r.abs()))
         };
-        let most = 1.05 * most(&self.before).max(most(&self.after));
+        let most = 1.05 * most(self.before()).max(most(self.after()));
         let mut panels = Panels::new(label.as_str()).summary(format!(
             "{label}: the residual over time, {}",
             plots
@@ -100,9 +100,9 @@ impl DiagnosisSummary<'_> {
 
     /// The model before and after, each with what it leaves.
     fn models(&self) -> Vec<(String, &Comparison)> {
-        let mut plots = vec![(self.base_name(), &self.before)];
+        let mut plots = vec![(self.base_name(), self.before())];
         if !self.diagnosis.found.steps.is_empty() {
-            plots.push((self.top_name(), &self.after));
+            plots.push((self.top_name(), self.after()));
         }
         plots
     }

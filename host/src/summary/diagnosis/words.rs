@@ -178,7 +178,7 @@ impl DiagnosisSummary<'_> {
 
     /// Where what the last model leaves sits and what it depends on.
     pub(super) fn place_in_words(&self) -> String {
-        format!("Beyond the noise, {}", self.after.in_words())
+        format!("Beyond the noise, {}", self.after().in_words())
     }
 
     /// The experiment that would decide, or show more.
@@ -247,7 +247,8 @@ impl DiagnosisSummary<'_> {
 
     /// What the rest depends on most, as an expression and in words.
     fn suspect(&self) -> (&'static str, &'static str) {
-        let strongest = self.after.dependences.first().filter(|strongest| strongest.p_value < 0.01);
+        let strongest =
+            self.after().dependences.first().filter(|strongest| strongest.p_value < 0.01);
         match strongest.map(|dependence| dependence.covariate) {
             Some(covariate) => match covariate.symbol() {
                 "sgn(v)" => ("sign(v)", "direction of the motion"),

@@ -1,0 +1,215 @@
+//! A line of the mains in stretches of rest, and the stretches without it: a hum is no noise.
+//!
+//! The powers of all frequencies come from one Fourier transform of the summed autocorrelations, so that
+//! the cost grows like the number of samples, whatever the number of frequencies.
+
+use std::f64::consts::TAU;
+use std::ops::Range;
+
+use realfft::RealFftPlanner;
+
+/// Frequencies of the mains, Hz.
+const MAINS: [f64; 2] = [50.0, 60.0];
+/// How far from them a line is looked for, Hz.
+const WITHIN: f64 = 3.0;
+/// Steps between frequencies in one turn over the longest block.
+const STEPS: usize = 4;
+/// Longest block, in samples, over which a line keeps its phase: the mains wander, and memory is bounded.
+const BLOCK: usize = 1 << 16;
+/// Power of a line over the median of its surroundings above which it is one.
+const LINE: f64 = 4.0;
+
+/// The stretches, samples `interval` seconds apart, about their means and without a line of the mains, if
+/// they have one.
+pub(super) fn without_hum(stretches: Vec<Vec<f64>>, interval: f64) -> Vec<Vec<f64>> {
+    let mut centred: Vec<Vec<f64>> = stretches.into_iter().map(centred).collect();
+    let mut powers = powers(&centred, interval);
+    powers.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let Some(&(highest, turn)) = powers.last() else { return centred };
+    if highest > LINE * powers[powers.len() / 2].0 {
+        for values in &mut centred {
+            for block in blocks(values.len()) {
+                clean(&mut values[block], turn);
+            }
+        }
+    }
+    centred
+}
+
+/// The values about their mean.
+pub(super) fn centred(values: Vec<f64>) -> Vec<f64> {
+    let mean = values.iter().sum::<f64>() / values.len() as f64;
+    values.into_iter().map(|value| value - mean).collect()
+}
+
+/// Blocks of about the same length, none longer than [`BLOCK`].
+fn blocks(samples: usize) -> impl Iterator<Item = Range<usize>> {
+    let count = samples.div_ceil(BLOCK).max(1);
+    (0..count).map(move |k| k * samples / count..(k + 1) * samples / count)
+}
+
+/// The power summed over all blocks, and by how much the line turns from sample to sample, at every
+/// frequency near those of the mains.
+///
+/// |Σ y e^(−iωk)|² is the transform of the autocorrelation of y, and transforms add: one serves for all.
+fn powers(stretches: &[Vec<f64>], interval: f64) -> Vec<(f64, f64)> {
+    let parts: Vec<&[f64]> = stretches
+        .iter()
+        .flat_map(|values| blocks(values.len()).map(|block| &values[block]))
+        .filter(|values| !values.is_empty())
+        .collect();
+    let longest = parts.iter().map(|values| values.len()).max().unwrap_or(1);
+    let mut planner = RealFftPlanner::new();
+    let products = autocorrelation(&parts, longest, &mut planner);
+    let turns = STEPS * longest;
+    let step = TAU / turns as f64;
+    let transform = planner.plan_fft_forward(turns);
+    let near = |mains: f64| {
+        let middle = TAU * mains * interval;
+        // Σ A(l) cos((middle + k step) l) by two real transforms, for k and −k at once.
+        let turned = |part: fn(f64) -> f64| {
+            let mut input = transform.make_input_vec();
+            for (lag, (slot, product)) in input.iter_mut().zip(&products).enumerate() {
+                *slot = product * part(middle * lag as f64);
+            }
+            let mut output = transform.make_output_vec();
+            // The lengths are the plan's own, the only thing it can refuse.
+            let _ = transform.process(&mut input, &mut output);
+            output
+        };
+        let (cosine, sine) = (turned(f64::cos), turned(f64::sin));
+        let bins = bins(longest, interval);
+        let side = move |sign: f64| {
+            let (cosine, sine) = (cosine.clone(), sine.clone());
+            move |k: usize| (cosine[k].re + sign * sine[k].im, middle + sign * k as f64 * step)
+        };
+        let below = (1..=bins).rev().map(side(-1.0));
+        below.chain((0..=bins).map(side(1.0))).collect::<Vec<_>>()
+    };
+    MAINS.into_iter().flat_map(near).collect()
+}
+
+/// Frequencies on either side of that of the mains. Where samples are so far apart that the band holds
+/// every frequency they tell apart, each is looked at once.
+fn bins(longest: usize, interval: f64) -> usize {
+    let within = (WITHIN * interval * (STEPS * longest) as f64).ceil() as usize;
+    within.min(STEPS * longest / 2)
+}
+
+/// Sum over the parts of 2/n Σ y(k) y(k + l), for the lags l on both sides together.
+fn autocorrelation(
+    parts: &[&[f64]],
+    longest: usize,
+    planner: &mut RealFftPlanner<f64>,
+) -> Vec<f64> {
+    let mut sums = vec![0.0; longest];
+    for values in parts {
+        let size = (2 * values.len()).next_power_of_two();
+        let (forward, back) = (planner.plan_fft_forward(size), planner.plan_fft_inverse(size));
+        let mut padded = forward.make_input_vec();
+        padded[..values.len()].copy_from_slice(values);
+        let mut lines = forward.make_output_vec();
+        let _ = forward.process(&mut padded, &mut lines);
+        for line in &mut lines {
+            *line = (line.norm_sqr()).into();
+        }
+        let _ = back.process(&mut lines, &mut padded);
+        let part = 2.0 / (values.len() * size) as f64;
+        for (lag, (sum, product)) in sums.iter_mut().zip(&padded[..values.len()]).enumerate() {
+            *sum += product * part * if lag > 0 { 2.0 } else { 1.0 };
+        }
+    }
+    sums
+}
+
+/// Takes off the line that turns by `turn` from sample to sample.
+fn clean(values: &mut [f64], turn: f64) {
+    let (mut cosine, mut sine) = (0.0, 0.0);
+    for (k, value) in values.iter().enumerate() {
+        let phase = turn * k as f64;
+        cosine += value * phase.cos();
+        sine += value * phase.sin();
+    }
+    let part = 2.0 / values.len() as f64;
+    for (k, value) in values.iter_mut().enumerate() {
+        let phase = turn * k as f64;
+        *value -= part * (cosine * phase.cos() + sine * phase.sin());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, StandardNormal};
+
+    /// Noise in stretches of several lengths, with a hum.
+    fn noisy(lengths: &[usize], interval: f64, hum: f64) -> Vec<Vec<f64>> {
+        let mut random = ChaCha8Rng::seed_from_u64(11);
+        let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
+        let value = |k: usize| hum * (TAU * 50.07 * interval * k as f64).sin();
+        lengths.iter().map(|&length| (0..length).map(|k| value(k) + normal()).collect()).collect()
+    }
+
+    /// Power at one frequency, term by term.
+    fn power(stretches: &[Vec<f64>], turn: f64) -> f64 {
+        let of = |values: &Vec<f64>| {
+            let along = |part: fn(f64) -> f64| {
+                let term = |(k, value): (usize, &f64)| value * part(turn * k as f64);
+                values.iter().enumerate().map(term).sum::<f64>()
+            };
+            (along(f64::cos).powi(2) + along(f64::sin).powi(2)) * 2.0 / values.len() as f64
+        };
+        stretches.iter().map(of).sum()
+    }
+
+    #[test]
+    fn powers_are_those_of_the_sum_term_by_term() {
+        for (lengths, interval) in
+            [(vec![700, 16, 431], 0.001), (vec![64, 50], 0.3), (vec![1], 1.0)]
+        {
+            let stretches = noisy(&lengths, interval, 0.5);
+            let found = powers(&stretches, interval);
+            let longest = lengths.iter().max().copied().unwrap_or(1) as f64 * interval;
+            if interval < 0.1 {
+                // The frequencies: 3 Hz either side of both mains in quarters of a turn.
+                assert_eq!(found.len(), 2 * (2 * (12.0 * longest).ceil() as usize + 1));
+                let first = TAU * interval * (50.0 - (12.0 * longest).ceil() * 0.25 / longest);
+                assert!((found[0].1 - first).abs() < 1e-12, "{} for {first}", found[0].1);
+            }
+            for (value, turn) in found {
+                let expected = power(&stretches, turn);
+                assert!((value - expected).abs() < 1e-9 * (1.0 + expected), "{value} {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_hum_goes_and_noise_stays() {
+        let lengths = [3000, 900];
+        let quiet: Vec<Vec<f64>> = noisy(&lengths, 0.001, 0.0).into_iter().map(centred).collect();
+        let cleaned = without_hum(noisy(&lengths, 0.001, 1.0), 0.001);
+        for (cleaned, quiet) in cleaned.iter().zip(&quiet) {
+            let left: f64 = cleaned.iter().zip(quiet).map(|(a, b)| (a - b).powi(2)).sum();
+            let hum = 0.5 * quiet.len() as f64;
+            assert!(left < 0.1 * hum, "{left} left of {hum}");
+        }
+    }
+
+    #[test]
+    fn work_grows_with_the_samples_alone() {
+        // Samples transformed, and frequencies looked at, whatever the length and however slow.
+        for samples in [1_000, 100_000, 10_000_000] {
+            let blocks: Vec<_> = blocks(samples).collect();
+            assert_eq!(blocks.iter().map(Range::len).sum::<usize>(), samples);
+            let longest = blocks.iter().map(Range::len).max().unwrap();
+            assert!(longest <= BLOCK && blocks.len() <= samples / BLOCK + 1);
+            for interval in [1e-4, 1e-3, 1.0, 1e8, f64::INFINITY] {
+                assert!(bins(longest, interval) <= STEPS / 2 * longest);
+            }
+        }
+        let slow = noisy(&[4000], 1e8, 0.0);
+        assert_eq!(powers(&slow, 1e8).len(), 2 * (4 * 4000 + 1));
+    }
+}
