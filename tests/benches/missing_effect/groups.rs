@@ -1,8 +1,11 @@
 //! Which data sets are made.
 
-use palpate_tests::hidden::laws::{CROSSTALK, EFFECTS, Effect, OUTSIDE};
+use palpate::trace::Trace;
+use palpate_tests::hidden::laws::{CROSSTALK, EFFECTS, Effect, INEXACT, OUTSIDE, OUTSIDE_MORE};
 use palpate_tests::hidden::random::{Subject, stream};
-use palpate_tests::hidden::{DataSet, LawKind, NoiseKind, Scenario, generate, one_short_trace};
+use palpate_tests::hidden::{
+    DataSet, LawKind, NoiseKind, Scenario, generate, generate_with_fresh, one_short_trace,
+};
 use rand::RngExt;
 
 /// What is hidden in the sets of a group.
@@ -48,15 +51,21 @@ pub const GROUPS: &[Group] = &[
     Group { name: "pair", kind: Kind::Pair, r: &[0.5, 1.0, 2.0], noise: NoiseKind::Correlated },
     Group { name: "outside", kind: Kind::One(LawKind::Outside), r: &[0.5, 1.0, 2.0], noise: NoiseKind::Correlated },
     Group { name: "short", kind: Kind::Short, r: &[0.2, 0.5, 1.0], noise: NoiseKind::Correlated },
+    // New groups stand at the end: the place of a group is part of its seeds.
+    Group { name: "null-flicker-through", kind: Kind::Null, r: &[0.0], noise: NoiseKind::FlickerThrough },
+    Group { name: "inexact", kind: Kind::One(LawKind::Inexact), r: &[0.5, 1.0, 2.0, 5.0], noise: NoiseKind::Correlated },
+    Group { name: "foreign-more", kind: Kind::One(LawKind::ForeignMore), r: &[0.5, 1.0, 2.0], noise: NoiseKind::Correlated },
+    Group { name: "outside-more", kind: Kind::One(LawKind::OutsideMore), r: &[0.5, 1.0, 2.0], noise: NoiseKind::Correlated },
 ];
 
 /// Draws of a scenario before it is taken although its R is not reached.
 const DRAWS: u64 = 8;
 
 impl Group {
-    /// A set of the group. Where a law cannot reach R on a specimen, another specimen is drawn, and
-    /// after some draws another effect.
-    pub fn set(&self, seed: u64, index: usize) -> DataSet {
+    /// A set of the group, and where the base law is inexact fresh traces of the same specimen. Where
+    /// a law cannot reach R on a specimen, another specimen is drawn, and after some draws another
+    /// effect.
+    pub fn set(&self, seed: u64, index: usize) -> (DataSet, Vec<Trace>) {
         let place = GROUPS.iter().position(|group| group.name == self.name).unwrap_or_default();
         let first = (seed << 40) ^ ((place as u64) << 32) ^ ((index as u64) << 10);
         let r = self.r[index % self.r.len()];
@@ -68,11 +77,14 @@ impl Group {
                 r,
                 noise: self.noise,
             };
-            let short = self.kind == Kind::Short;
-            let set = if short { one_short_trace(&scenario) } else { generate(&scenario) };
+            let (set, fresh) = match self.kind {
+                Kind::Short => (one_short_trace(&scenario), Vec::new()),
+                Kind::One(LawKind::Inexact) => generate_with_fresh(&scenario),
+                _ => (generate(&scenario), Vec::new()),
+            };
             draw += 1;
             if set.truth.reaches(r) || draw == 4 * DRAWS {
-                return set;
+                return (set, fresh);
             }
         }
     }
@@ -87,6 +99,10 @@ impl Group {
         match self.kind {
             Kind::Null => vec![],
             Kind::One(LawKind::Outside) => one(OUTSIDE[turn % OUTSIDE.len()].0, LawKind::Outside),
+            Kind::One(LawKind::OutsideMore) => {
+                one(OUTSIDE_MORE[turn % OUTSIDE_MORE.len()].0, LawKind::OutsideMore)
+            }
+            Kind::One(LawKind::Inexact) => one(INEXACT, LawKind::Inexact),
             Kind::One(kind) => one(next, kind),
             Kind::Crosstalk if turn.is_multiple_of(2) => one(CROSSTALK, LawKind::Reference),
             Kind::Crosstalk => one(CROSSTALK, LawKind::Foreign),

@@ -3,6 +3,7 @@
 //! `cargo bench -p palpate-tests --bench missing_effect -- --sets 100 --only reference-1`
 
 mod answer;
+mod cpu;
 mod groups;
 mod score;
 mod share;
@@ -86,8 +87,8 @@ fn run(group: &Group, call: &Call) -> Vec<Outcome> {
                     if index >= call.sets {
                         return;
                     }
-                    let set = group.set(call.seed, index);
-                    let outcome = Outcome::of(group, index, &set);
+                    let (set, fresh) = group.set(call.seed, index);
+                    let outcome = Outcome::of(group, index, &set, &fresh);
                     if let Some(folder) = &call.dump {
                         folder::write_traces(&folder.join(&outcome.name), &set)
                             .expect("the folder can be written");

@@ -35,7 +35,7 @@ pub fn write_truth<'a>(
 }
 
 fn truth(truth: &Truth) -> Value {
-    let effects: Vec<&str> = truth.hidden.iter().map(|hidden| &hidden.effect[..]).collect();
+    let effects: Vec<&str> = truth.effects().collect();
     let base = &truth.base;
     let noise = if truth.signal == FORCE { "noise_rms_N" } else { "noise_rms_ustrain" };
     json!({
@@ -60,8 +60,9 @@ fn detail(hidden: &Hidden) -> Value {
     parameters.insert("unit".into(), hidden.unit.into());
     let law = match hidden.kind {
         LawKind::Reference => "reference",
-        LawKind::Foreign => "another",
-        LawKind::Outside => "outside",
+        LawKind::Foreign | LawKind::ForeignMore => "another",
+        LawKind::Outside | LawKind::OutsideMore => "outside",
+        LawKind::Inexact => "inexact base",
     };
     json!({
         "effect": hidden.effect,

@@ -22,4 +22,6 @@ pub mod specimen;
 
 pub use laws::LawKind;
 pub use noise::NoiseKind;
-pub use scenario::{DataSet, Hidden, Scenario, Truth, generate, one_short_trace};
+pub use scenario::{
+    DataSet, Hidden, Scenario, Truth, generate, generate_with_fresh, one_short_trace,
+};

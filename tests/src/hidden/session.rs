@@ -169,6 +169,14 @@ impl Session {
         session
     }
 
+    /// Time from the first sample to the last, pauses included, s.
+    #[must_use]
+    pub fn lasts_s(&self) -> f64 {
+        self.recordings
+            .last()
+            .map_or(0.0, |last| last.start_s + (last.samples.max(1) - 1) as f64 / RATE_HZ)
+    }
+
     /// True temperature of the air, °C, at a time since the data set began, s.
     #[must_use]
     pub fn temperature(&self, set_time: f64) -> f64 {

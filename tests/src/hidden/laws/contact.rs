@@ -244,7 +244,7 @@ impl Oscillator {
 }
 
 /// How far the surfaces are parting: 0 at rest and in loading, 1 in unloading.
-fn parting(now: &Now<'_>, v0: f64) -> f64 {
+pub(super) fn parting(now: &Now<'_>, v0: f64) -> f64 {
     (-now.speed / v0).tanh().max(0.0)
 }
 

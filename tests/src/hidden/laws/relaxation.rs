@@ -10,7 +10,7 @@ use crate::hidden::random::{even, log_even, sign};
 use crate::hidden::specimen::{Act, Now, decay_and_gain};
 
 /// Branches beside those of the base, with decays kept while the step stays the same.
-struct Branches {
+pub(super) struct Branches {
     rates: Vec<f64>,
     forces: Vec<f64>,
     steps: Vec<(f64, f64)>,
@@ -19,7 +19,7 @@ struct Branches {
 }
 
 impl Branches {
-    fn new(rates: Vec<f64>) -> Self {
+    pub(super) fn new(rates: Vec<f64>) -> Self {
         let count = rates.len();
         Self {
             rates,
@@ -31,7 +31,7 @@ impl Branches {
     }
 
     /// The force that each branch still has to forget, when N has come to `elastic`.
-    fn advance(&mut self, step: f64, elastic: f64) -> &[f64] {
+    pub(super) fn advance(&mut self, step: f64, elastic: f64) -> &[f64] {
         if step != self.step {
             self.step = step;
             self.steps = self.rates.iter().map(|rate| decay_and_gain(rate * step)).collect();
