@@ -3,7 +3,9 @@
 use super::adequacy::{Adequacy, LEVEL, adequacy};
 use super::compare::{Cell, cells_of};
 use super::experiment::next_experiment;
-use super::fitted::{Fitted, HeldOut};
+use super::evidence::Evidence;
+use super::fitted::Fitted;
+use super::held_out::HeldOut;
 use super::noise::{NoiseModel, Seen, noise_model, residual_noise};
 use super::search::{FALSE_ALARMS, Found, Search, Step};
 use crate::effects::{Candidate, EffectError, candidates, chain_of, find};
@@ -11,8 +13,8 @@ use crate::fit::data::{Data, DataError};
 use crate::fit::least_squares::Effort;
 use crate::fit::problem::Problem;
 use crate::fit::whitening::Whitening;
-use crate::model::{Chain, Model, Separation};
-use crate::trace::{Trace, pooled_noise};
+use crate::model::{BaseLaw, Chain, Model, Separation};
+use crate::trace::{Noise, Trace, pooled_noise};
 
 /// What a model lacks on a data set.
 #[derive(Clone, Debug)]
@@ -111,26 +113,9 @@ pub fn diagnose(model: &Model, traces: &[Trace]) -> Result<Diagnosis, DiagnoseEr
     let white = Whitening::none();
     let plain = Problem::new(&chain, &data, &white, None);
     let start = plain.point(&values);
-    let noise = match noise_model(&data) {
-        Some(noise) => noise,
-        None => {
-            let fitted = Fitted::new(&plain, &start, Effort::QUICK);
-            let residuals = plain.predict(&fitted.point);
-            let pieces = data.pieces.iter().zip(residuals);
-            let residual = pieces.map(|(piece, predicted)| {
-                piece.measured.iter().zip(&predicted).map(|(y, f)| y - f).collect()
-            });
-            residual_noise(&residual.collect::<Vec<_>>(), pooled_noise(traces, signal))
-        }
-    };
+    let noise = noise_model(&data)
+        .unwrap_or_else(|| noise_of_residual(&plain, &start, pooled_noise(traces, signal)));
     let problem = Problem::new(&chain, &data, &noise.whitening, None);
-    let attempt = |separation: Separation| {
-        let chain =
-            Chain { base: crate::model::BaseLaw { separation, ..chain.base }, ..chain.clone() };
-        let problem = problem.with_chain(&chain);
-        let base = Fitted::new(&problem, &start, Effort::QUICK);
-        (adequacy(&problem, &base.point, &noise.whitening), base)
-    };
     let search = Search {
         data: &data,
         candidates: &candidates,
@@ -138,52 +123,26 @@ pub fn diagnose(model: &Model, traces: &[Trace]) -> Result<Diagnosis, DiagnoseEr
         problem: &problem,
     };
     let mut notes = Vec::new();
-    let mut separation = chain.base.separation;
-    let (before, base) = attempt(separation);
-    let (before, mut found) = (before, search.run(base));
-    // Where contact breaks in another way than the model says, effects would be named in its stead.
-    if !found.steps.is_empty() && separation != Separation::Bonded {
-        let other = match separation {
-            Separation::Clamp => Separation::Free,
-            _ => Separation::Clamp,
-        };
-        let (_, base) = attempt(other);
-        if base.bic() < found.model().bic() {
-            notes.push(format!(
-                "with separation = \"{}\" the model explains these traces better than with any effect added; that was used",
-                other.name()
-            ));
-            separation = other;
-            found = search.run(base);
-        }
+    let (separation, before, mut found) = likeliest(&search, &start, &mut notes);
+    let mut assessed = Assessed::of(&search, &found, &before, &noise);
+    // What fits best need not predict best where no law describes the data to the noise.
+    let exact = assessed.verdict != Verdict::Unknown;
+    let denied = search.examine(&mut found, exact);
+    if denied.is_some() || (!exact && !found.steps.is_empty()) {
+        found = search.climb(found.base.clone());
+        found.refused.extend(denied.filter(|denied| !found.names(&denied.effect)));
+        assessed = Assessed::of(&search, &found, &before, &noise);
     }
     if noise.seen == Seen::Residual && data.labels.len() == 1 && beside_others(&mut found) {
         notes.push(
-            "one trace without rest to see its noise in does not single out an effect: the next best stands beside it"
+            "one trace without enough rest to see its noise in does not single out an effect: the next best stands beside it"
                 .into(),
         );
+        assessed = Assessed::of(&search, &found, &before, &noise);
     }
+    let Assessed { verdict, unexplained, after } = assessed;
     let final_problem = problem.with_chain(&found.model().chain);
-    let after = adequacy(&final_problem, &found.model().point, &noise.whitening);
     let standard_errors = found.model().standard_errors(&final_problem);
-    let held_out: Vec<Option<HeldOut>> =
-        std::iter::once(&found.base).chain(&found.models).map(Fitted::held_out).collect();
-    let sure = held_out.windows(2).map(|pair| is_sure(&pair[0], &pair[1])).collect::<Vec<_>>();
-    let explained = (found.base.cost - found.model().cost).max(0.0);
-    let leftover = after.excess.max(0.0);
-    let named = !found.steps.is_empty();
-    let share = if named { leftover / (explained + leftover).max(1.0) } else { 0.0 };
-    let ahead = beyond(&held_out, noise.level);
-    let unexplained = if after.p_value < LEVEL { share.max(ahead) } else { ahead };
-    // Without rest to see noise in, a residual far beyond that of neighbours is not noise.
-    let far = |fitted: &Fitted| fitted.rms().powi(2) - (FAR * noise.level).powi(2);
-    let (first, last) = (far(&found.base), far(found.model()));
-    let guessed = noise.seen == Seen::Residual && last > 0.0;
-    let unexplained = if guessed { unexplained.max(last / first) } else { unexplained };
-    let verdict = match verdict(&found, &before, unexplained) {
-        Verdict::Adequate if guessed => Verdict::Unknown,
-        verdict => verdict,
-    };
     let places = cells_of(&final_problem, &data, &found.model().point, noise.level);
     let untestable = untestable(&candidates, &found);
     let next_experiment = match verdict {
@@ -198,8 +157,8 @@ pub fn diagnose(model: &Model, traces: &[Trace]) -> Result<Diagnosis, DiagnoseEr
         signal: signal.clone(),
         separation,
         standard_errors,
-        held_out,
-        sure,
+        held_out: found.evidence.iter().map(|evidence| evidence.held_out.clone()).collect(),
+        sure: found.evidence.windows(2).map(|pair| is_sure(&pair[0], &pair[1])).collect(),
         before,
         after,
         unexplained,
@@ -212,27 +171,97 @@ pub fn diagnose(model: &Model, traces: &[Trace]) -> Result<Diagnosis, DiagnoseEr
     })
 }
 
+/// The noise for want of rest, from what the base leaves.
+fn noise_of_residual(plain: &Problem, start: &[f64], seen: Option<Noise>) -> NoiseModel {
+    let fitted = Fitted::new(plain, start, Effort::QUICK);
+    residual_noise(&plain.residuals(&fitted.point), seen)
+}
+
+/// The likeliest model under the noise, with the rule of separation that it takes; what the base
+/// leaves beside the noise, and what was done in `notes`.
+fn likeliest(
+    search: &Search,
+    start: &[f64],
+    notes: &mut Vec<String>,
+) -> (Separation, Adequacy, Found) {
+    let chain = search.problem.chain;
+    let attempt = |separation: Separation| {
+        let base = BaseLaw { separation, ..chain.base };
+        let chain = Chain { base, ..chain.clone() };
+        let problem = search.problem.with_chain(&chain);
+        let base = Fitted::new(&problem, start, Effort::QUICK);
+        (adequacy(&problem, &base.point, search.whitening), base)
+    };
+    let separation = chain.base.separation;
+    let (before, base) = attempt(separation);
+    let found = search.run(base);
+    if found.steps.is_empty() || separation == Separation::Bonded {
+        return (separation, before, found);
+    }
+    // Where contact breaks in another way than the model says, effects would be named in its stead.
+    let other = match separation {
+        Separation::Clamp => Separation::Free,
+        _ => Separation::Clamp,
+    };
+    let (_, base) = attempt(other);
+    if base.bic() >= found.model().bic() {
+        return (separation, before, found);
+    }
+    notes.push(format!(
+        "with separation = \"{}\" the model explains these traces better than with any effect added; that was used",
+        other.name()
+    ));
+    (other, before, search.run(base))
+}
+
+/// What the last model of a search leaves, and the verdict on it.
+struct Assessed {
+    verdict: Verdict,
+    unexplained: f64,
+    after: Adequacy,
+}
+
+impl Assessed {
+    fn of(search: &Search, found: &Found, before: &Adequacy, noise: &NoiseModel) -> Self {
+        let problem = search.problem.with_chain(&found.model().chain);
+        let after = adequacy(&problem, &found.model().point, search.whitening);
+        let explained = (found.base.cost - found.model().cost).max(0.0);
+        let leftover = after.excess.max(0.0);
+        let named = !found.steps.is_empty();
+        let share = if named { leftover / (explained + leftover).max(1.0) } else { 0.0 };
+        let ahead = beyond(&found.evidence, noise.level);
+        let unexplained = if after.p_value < LEVEL { share.max(ahead) } else { ahead };
+        // Without rest to see noise in, a residual far beyond that of neighbours is not noise.
+        let far = |fitted: &Fitted| fitted.rms().powi(2) - (FAR * noise.level).powi(2);
+        let (first, last) = (far(&found.base), far(found.model()));
+        let guessed = noise.seen == Seen::Residual && last > 0.0;
+        let unexplained =
+            if guessed { unexplained.max((last / first).min(1.0)) } else { unexplained };
+        let verdict = match verdict(found, before, unexplained) {
+            Verdict::Adequate if guessed => Verdict::Unknown,
+            verdict => verdict,
+        };
+        Self { verdict, unexplained, after }
+    }
+}
+
 /// Whether the mean square error on traces left out falls by more than two standard errors over them.
-fn is_sure(before: &Option<HeldOut>, after: &Option<HeldOut>) -> bool {
-    let (Some(before), Some(after)) = (before, after) else { return false };
-    let gains: Vec<f64> =
-        before.squares.iter().zip(&after.squares).map(|(before, after)| before - after).collect();
-    let count = gains.len() as f64;
-    let mean = gains.iter().sum::<f64>() / count;
-    let variance = gains.iter().map(|gain| (gain - mean).powi(2)).sum::<f64>() / (count - 1.0);
-    mean > 2.0 * (variance / count).sqrt()
+fn is_sure(before: &Evidence, after: &Evidence) -> bool {
+    let (Some(before), Some(after)) = (&before.held_out, &after.held_out) else { return false };
+    after.gain_over(before).exceeds(2.0)
 }
 
 /// Part of the misfit on traces left out that the last model leaves there; 0 where it is at the noise.
-fn beyond(held_out: &[Option<HeldOut>], noise: f64) -> f64 {
-    let (Some(Some(first)), Some(Some(last))) = (held_out.first(), held_out.last()) else {
+fn beyond(evidence: &[Evidence], noise: f64) -> f64 {
+    let held_out = |evidence: Option<&Evidence>| evidence?.held_out.clone();
+    let (Some(first), Some(last)) = (held_out(evidence.first()), held_out(evidence.last())) else {
         return 0.0;
     };
     let excess = |held_out: &HeldOut| held_out.rms.powi(2) - noise * noise;
-    if last.rms < AT_THE_NOISE * noise || excess(first) <= 0.0 {
+    if last.rms < AT_THE_NOISE * noise || excess(&first) <= 0.0 {
         return 0.0;
     }
-    excess(last) / excess(first)
+    (excess(&last) / excess(&first)).min(1.0)
 }
 
 fn verdict(found: &Found, before: &Adequacy, unexplained: f64) -> Verdict {

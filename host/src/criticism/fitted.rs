@@ -7,7 +7,7 @@ use crate::fit::least_squares::{Effort, LeastSquares, Normal, minimise_with};
 use crate::fit::problem::{Block, Problem};
 use crate::fit::uncertainty;
 use crate::fit::whole_motion::declared_uncertainty;
-use crate::model::Chain;
+use crate::model::{Chain, Parameter};
 
 /// A chain fitted to a data set.
 #[derive(Clone, Debug)]
@@ -26,17 +26,12 @@ pub struct Fitted {
     pub samples: usize,
     /// Which coordinates were fitted and are not on a bound.
     free: Vec<bool>,
+    /// Part of the samples that are independent, from how neighbours in the whitened residual agree.
+    independent: f64,
+    /// Which coordinates the data push against a bound.
+    at_bound: Vec<bool>,
     /// Number of parameters that were fitted.
     parameters: usize,
-}
-
-/// An error with the errors of every trace by itself.
-#[derive(Clone, Debug, PartialEq)]
-pub struct HeldOut {
-    /// Root mean square error over all traces, each predicted by a fit to the others.
-    pub rms: f64,
-    /// Mean square error of each trace.
-    pub squares: Vec<f64>,
 }
 
 impl Fitted {
@@ -52,7 +47,9 @@ impl Fitted {
             values: problem.declared(&found.point),
             cost: found.normal.cost,
             samples: blocks.iter().map(|block| block.samples).sum(),
+            independent: independent(&blocks),
             free: (0..found.point.len()).map(|j| !found.at_bound[j] && !given(j)).collect(),
+            at_bound: (0..found.point.len()).map(|j| found.at_bound[j] && !given(j)).collect(),
             parameters: (0..found.point.len()).filter(|&j| !given(j)).count(),
             point: found.point,
             blocks,
@@ -72,6 +69,28 @@ impl Fitted {
         self.criterion(self.cost, self.samples as f64)
     }
 
+    /// Whether this model is better than another by so much of the information criterion where
+    /// neighbours in the residual agree: samples count as often as they are independent in what this
+    /// one leaves.
+    #[must_use]
+    pub fn beats_inexact(&self, other: &Self, by: f64) -> bool {
+        let samples = self.samples as f64 * self.independent;
+        let criterion = |fitted: &Self| {
+            samples * (fitted.cost / fitted.samples as f64).ln()
+                + fitted.parameters as f64 * samples.max(1.0).ln()
+        };
+        criterion(other) - criterion(self) > by
+    }
+
+    /// The parameter of the last effect that the data push against a bound; none where there is none.
+    #[must_use]
+    pub fn last_effect_at_bound(&self) -> Option<(&Parameter, f64)> {
+        let index = self.chain.effects.len().checked_sub(1)?;
+        let range = self.chain.range(index);
+        let mut pairs = self.chain.effects[index].parameters.iter().zip(range);
+        pairs.find(|(_, k)| self.at_bound[*k]).map(|(parameter, k)| (parameter, self.values[k]))
+    }
+
     fn criterion(&self, cost: f64, samples: f64) -> f64 {
         samples * (cost / samples).ln() + self.parameters as f64 * samples.ln()
     }
@@ -87,19 +106,17 @@ impl Fitted {
             total.curvature += &block.white.curvature * weight;
             samples += weight * block.samples as f64;
         }
-        let step = self.step(&total, None);
+        let step = self.step(&total, &[]);
         let gained = -(2.0 * total.gradient.dot(&step) + step.dot(&(&total.curvature * &step)));
         self.criterion((total.cost - gained.max(0.0)).max(f64::MIN_POSITIVE), samples)
     }
 
-    /// The Gauss–Newton step of the coordinates that are free, without the one that is `fixed`.
-    fn step(&self, normal: &Normal, fixed: Option<&[usize]>) -> DVector<f64> {
+    /// The Gauss–Newton step of the coordinates that are free, without those that are `fixed`.
+    #[must_use]
+    pub fn step(&self, normal: &Normal, fixed: &[usize]) -> DVector<f64> {
         let dimension = self.point.len();
-        let moves = |&j: &usize| {
-            self.free[j]
-                && normal.curvature[(j, j)] > 0.0
-                && fixed.is_none_or(|fixed| !fixed.contains(&j))
-        };
+        let moves =
+            |&j: &usize| self.free[j] && normal.curvature[(j, j)] > 0.0 && !fixed.contains(&j);
         let free: Vec<usize> = (0..dimension).filter(moves).collect();
         let mut step = DVector::zeros(dimension);
         let scale: Vec<f64> = free.iter().map(|&j| normal.curvature[(j, j)].sqrt()).collect();
@@ -117,61 +134,6 @@ impl Fitted {
         step
     }
 
-    /// Error on every trace when it is left out of the fit, in one step from the fit to all; none for a
-    /// single trace. A zero that each trace has of its own is taken from before its touch.
-    #[must_use]
-    pub fn held_out(&self) -> Option<HeldOut> {
-        let traces = 1 + self.blocks.iter().map(|block| block.trace).max()?;
-        let groups: Vec<usize> = (0..traces).collect();
-        self.held_out_by(&groups)
-    }
-
-    /// The same with all traces of a group left out together: `groups` names the group of each trace.
-    #[must_use]
-    pub fn held_out_by(&self, groups: &[usize]) -> Option<HeldOut> {
-        let count = 1 + groups.iter().copied().max()?;
-        if count < 2 {
-            return None;
-        }
-        let mut squares = vec![0.0; groups.len()];
-        let mut samples = vec![0.0; groups.len()];
-        for group in 0..count {
-            let mut rest = Normal::zeros(self.point.len());
-            for block in self.blocks.iter().filter(|block| groups[block.trace] != group) {
-                rest.gradient += &block.white.gradient;
-                rest.curvature += &block.white.curvature;
-            }
-            for (trace, _) in groups.iter().enumerate().filter(|(_, g)| **g == group) {
-                let own = self.chain.own_of_trace(trace);
-                let mut step = self.step(&rest, Some(&own));
-                for &j in &own {
-                    // The residual before the touch is what the trace's own zero leaves there.
-                    let before = self.blocks.iter().filter(|block| block.trace == trace);
-                    let (sum, count) = before.fold((0.0, 0.0), |(sum, count), block| {
-                        (sum + block.before_touch.0, count + block.before_touch.1)
-                    });
-                    step[j] = match (own.len(), count > 0.0) {
-                        (1, true) => -sum / count,
-                        (1, false) => -self.point[j],
-                        // What a trace has more of its own than a zero stays as it was fitted.
-                        _ => 0.0,
-                    };
-                }
-                for block in self.blocks.iter().filter(|block| block.trace == trace) {
-                    let raw = &block.raw;
-                    let change =
-                        2.0 * raw.gradient.dot(&step) + step.dot(&(&raw.curvature * &step));
-                    squares[trace] += (raw.cost + change).max(0.0);
-                    samples[trace] += block.samples as f64;
-                }
-            }
-        }
-        let total: f64 = squares.iter().sum();
-        let all: f64 = samples.iter().sum();
-        let mean = squares.iter().zip(&samples).map(|(sum, count)| sum / count.max(1.0)).collect();
-        Some(HeldOut { rms: (total / all).sqrt(), squares: mean })
-    }
-
     /// Standard errors of the parameters, with the variance that the whitened residuals show.
     #[must_use]
     pub fn standard_errors(&self, problem: &Problem) -> Vec<Option<f64>> {
@@ -184,4 +146,12 @@ impl Fitted {
         let known = uncertainty(&total.curvature, &held, variance);
         declared_uncertainty(problem, &self.point, &known).0
     }
+}
+
+/// Part of the samples that are independent: the mean square of a whitened sample over that of block
+/// sums per sample, at most one.
+fn independent(blocks: &[Block]) -> f64 {
+    let sums: f64 = blocks.iter().map(|block| block.slow).sum();
+    let squares: f64 = blocks.iter().map(|block| block.white.cost).sum();
+    if sums > 0.0 { (squares / sums).clamp(1e-4, 1.0) } else { 1.0 }
 }

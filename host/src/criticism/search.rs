@@ -7,6 +7,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
+use super::evidence::{Evidence, Judged, Refusal, Refused, weigh};
 use super::fitted::Fitted;
 use super::screen::{Direction, Screen, screen};
 use crate::effects::Candidate;
@@ -23,16 +24,25 @@ pub const FALSE_ALARMS: f64 = 0.01;
 pub const DECISIVE: f64 = 10.0;
 /// Most effects added.
 const MOST_STEPS: usize = 3;
-/// Most laws refitted in a step.
-const MOST_REFITS: usize = 12;
-/// A law whose predicted gain is below this part of the best is not refitted.
-const WORTH: f64 = 0.25;
 /// Part of all that was explained so far that a further effect must explain: less is how a law's form
 /// differs from the specimen's.
 const MINOR: f64 = 0.04;
-/// A law whose gain after a few steps is below this part of the best is given up, but not among the
-/// first few.
-const CLOSE: f64 = 0.5;
+/// Which laws are refitted in a step.
+struct Breadth {
+    /// Most laws.
+    refits: usize,
+    /// Most laws of one effect.
+    laws: usize,
+    /// A law whose predicted gain is below this part of the best is not refitted.
+    worth: f64,
+    /// A law whose gain after a few steps is below this part of the best is given up, but not among
+    /// the first few.
+    close: f64,
+}
+/// Where the likelihood of the noise ranks.
+const NARROW: Breadth = Breadth { refits: 12, laws: 12, worth: 0.25, close: 0.5 };
+/// Where traces left out rank, and a law that fits less may predict more.
+const BROAD: Breadth = Breadth { refits: 20, laws: 2, worth: 0.1, close: 0.2 };
 /// One effect is tried in the place of several where a few steps with it alone explain this part of what
 /// they do.
 const ALONE: f64 = 0.7;
@@ -90,6 +100,10 @@ pub struct Found {
     pub last: Screen,
     /// The screen of the base.
     pub first: Screen,
+    /// The evidence beside the fit for the base and for the model after each step.
+    pub evidence: Vec<Evidence>,
+    /// What was tried and refused.
+    pub refused: Vec<Refused>,
 }
 
 impl Found {
@@ -97,6 +111,18 @@ impl Found {
     #[must_use]
     pub fn model(&self) -> &Fitted {
         self.models.last().unwrap_or(&self.base)
+    }
+
+    /// Whether an effect is among the steps.
+    #[must_use]
+    pub fn names(&self, effect: &str) -> bool {
+        self.steps.iter().any(|step| step.effect == effect)
+    }
+
+    /// The model after so many steps, with its evidence.
+    fn judged(&self, steps: usize) -> Judged<'_> {
+        let fitted = steps.checked_sub(1).map_or(&self.base, |last| &self.models[last]);
+        Judged { fitted, evidence: &self.evidence[steps] }
     }
 }
 
@@ -113,12 +139,10 @@ pub struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// Adds effects to the base for as long as they are missed.
+    /// Adds effects to the base for as long as noise alone would not show as much.
     #[must_use]
     pub fn run(&self, base: Fitted) -> Found {
-        let first = self.screen(&base);
-        let mut found =
-            Found { base, steps: Vec::new(), models: Vec::new(), last: first.clone(), first };
+        let mut found = self.begin(base);
         let mut budget = 0.5 * FALSE_ALARMS;
         loop {
             while found.steps.len() < MOST_STEPS && self.advance(&mut found, budget) {
@@ -135,6 +159,108 @@ impl Search<'_> {
         found
     }
 
+    /// A search that has found nothing yet.
+    fn begin(&self, base: Fitted) -> Found {
+        let first = self.screen(&base);
+        Found {
+            base,
+            steps: Vec::new(),
+            models: Vec::new(),
+            last: first.clone(),
+            first,
+            evidence: Vec::new(),
+            refused: Vec::new(),
+        }
+    }
+
+    /// Gathers the evidence beside the fit for every rung, and says what speaks against the first one
+    /// that is not borne out.
+    pub fn examine(&self, found: &mut Found, exact: bool) -> Option<Refused> {
+        found.evidence = vec![self.evidence(&found.base)];
+        for index in 0..found.steps.len() {
+            found.evidence.push(self.evidence(&found.models[index]));
+            let refusal = weigh(found.judged(index), found.judged(index + 1), exact).err();
+            if let Some(reason) = refusal {
+                let (without, with) = (found.judged(index), found.judged(index + 1));
+                return Some(refused(&found.steps[index].effect, without, with, reason));
+            }
+        }
+        None
+    }
+
+    fn evidence(&self, fitted: &Fitted) -> Evidence {
+        Evidence::of(self.problem, fitted)
+    }
+
+    /// Adds effects to the base for as long as they are borne out: by the error on traces left out, by
+    /// their parameters and by the rest. For data that no law describes to the noise, where the
+    /// likelihood of the noise says nothing about names.
+    #[must_use]
+    pub fn climb(&self, base: Fitted) -> Found {
+        let mut found = self.begin(base);
+        found.evidence.push(self.evidence(&found.base));
+        while found.steps.len() < MOST_STEPS && self.step_up(&mut found) {}
+        found
+    }
+
+    /// Adds the effect that lowers the error on traces left out most, if one is borne out.
+    fn step_up(&self, found: &mut Found) -> bool {
+        let least = found.last.chance.iter().copied().fold(1.0, f64::min);
+        if least > 0.5 * FALSE_ALARMS {
+            return false;
+        }
+        let mut rivals = self.refit(found.model(), &found.last, &BROAD);
+        resample(&mut rivals);
+        let evidence: Vec<Evidence> =
+            rivals.iter().map(|rival| self.evidence(&rival.fitted)).collect();
+        let without = found.judged(found.steps.len());
+        let mut borne_out: Vec<usize> = Vec::new();
+        let mut refusals: Vec<Refused> = Vec::new();
+        for (index, (rival, evidence)) in rivals.iter().zip(&evidence).enumerate() {
+            let with = Judged { fitted: &rival.fitted, evidence };
+            match self.weigh_inexact(without, with) {
+                Ok(()) => borne_out.push(index),
+                Err(reason) => refusals.push(refused(&rival.effect, without, with, reason)),
+            }
+        }
+        let error = |index: usize| match &evidence[index].held_out {
+            Some(held_out) => held_out.rms,
+            None => rivals[index].fitted.bic(),
+        };
+        borne_out.sort_by(|&a, &b| error(a).total_cmp(&error(b)));
+        found.refused.extend(refusals);
+        let Some(&best) = borne_out.first() else { return false };
+        let as_good = |&&index: &&usize| match (&evidence[best].held_out, &evidence[index].held_out) {
+            (Some(best), Some(other)) => !best.gain_over(other).exceeds(1.0),
+            _ => false,
+        };
+        let mut names: Vec<String> =
+            borne_out.iter().filter(as_good).map(|&index| rivals[index].effect.clone()).collect();
+        let effect = rivals[best].effect.clone();
+        if evidence[best].held_out.is_none() {
+            names = credible(&effect, &rivals);
+        }
+        names.retain(|name| *name != effect);
+        names.insert(0, effect.clone());
+        let p_value = found.last.chance[rivals[best].candidate];
+        found.models.push(rivals[best].fitted.clone());
+        found.evidence.push(evidence[best].clone());
+        rivals.swap(0, best);
+        rivals[1..].sort_by(by_criterion);
+        found.steps.push(Step { effect, p_value, rivals, credible: names, fresh: true });
+        found.last = self.screen(found.model());
+        true
+    }
+
+    /// Weighs a rival where what it leaves need not be noise.
+    fn weigh_inexact(&self, without: Judged, with: Judged) -> Result<(), Refusal> {
+        weigh(without, with, false)?;
+        if with.evidence.held_out.is_none() && !with.fitted.beats_inexact(without.fitted, DECISIVE) {
+            return Err(Refusal::FittedError);
+        }
+        Ok(())
+    }
+
     /// Adds the effect that is missed most, if one is missed beyond the chance of `budget`.
     fn advance(&self, found: &mut Found, budget: f64) -> bool {
         let least = found.last.chance.iter().copied().fold(1.0, f64::min);
@@ -142,7 +268,7 @@ impl Search<'_> {
             return false;
         }
         let current = found.model();
-        let rivals = self.refit(current, &found.last);
+        let rivals = self.refit(current, &found.last, &NARROW);
         let Some(winner) = rivals.first() else { return false };
         let fell = current.bic() - winner.fitted.bic();
         let explained = found.base.cost - current.cost;
@@ -168,7 +294,7 @@ impl Search<'_> {
     }
 
     /// Refits the laws that the screen foretells the most for, and names their effects, best first.
-    fn refit(&self, from: &Fitted, screen: &Screen) -> Vec<Rival> {
+    fn refit(&self, from: &Fitted, screen: &Screen, breadth: &Breadth) -> Vec<Rival> {
         let present = |direction: &&Direction| {
             let name = &self.candidates[direction.candidate].name;
             from.chain.effects.iter().all(|effect| effect.name != *name)
@@ -181,8 +307,9 @@ impl Search<'_> {
         for direction in directions {
             let same =
                 |d: &&&Direction| (d.candidate, d.form) == (direction.candidate, direction.form);
-            let wanted = direction.gain >= WORTH * most;
-            if wanted && !chosen.iter().any(|d| same(&d)) && chosen.len() < MOST_REFITS {
+            let of_effect = chosen.iter().filter(|d| d.candidate == direction.candidate).count();
+            let wanted = direction.gain >= breadth.worth * most && of_effect < breadth.laws;
+            if wanted && !chosen.iter().any(|d| same(&d)) && chosen.len() < breadth.refits {
                 chosen.push(direction);
             }
         }
@@ -223,7 +350,7 @@ impl Search<'_> {
         let mut names: Vec<usize> = Vec::new();
         tried.retain(|(direction, _, found)| {
             let new = !names.contains(&direction.candidate);
-            let kept = gain(found) >= CLOSE * most || (new && names.len() < FEWEST);
+            let kept = gain(found) >= breadth.close * most || (new && names.len() < FEWEST);
             if kept && new {
                 names.push(direction.candidate);
             }
@@ -302,7 +429,7 @@ impl Search<'_> {
                 changed = true;
                 continue;
             }
-            let mut rivals = self.refit(&without, &screen);
+            let mut rivals = self.refit(&without, &screen, &NARROW);
             let effect = found.steps[index].effect.clone();
             let better = |best: &Rival| best.fitted.bic() + 1e-3 < found.model().bic();
             match rivals.first() {
@@ -405,6 +532,18 @@ impl Search<'_> {
             let problem = self.problem.with_chain(&chain);
             found.models[step] = Fitted::new(&problem, &start, Effort::QUICK);
         }
+    }
+}
+
+/// What is told of a model that was refused.
+fn refused(effect: &str, without: Judged, with: Judged, reason: Refusal) -> Refused {
+    let held_out = |judged: Judged| judged.evidence.held_out.as_ref().map(|held_out| held_out.rms);
+    Refused {
+        effect: effect.to_owned(),
+        law: with.fitted.chain.effects.last().map(|effect| effect.law.to_string()).unwrap_or_default(),
+        reason,
+        rms: (without.fitted.rms(), with.fitted.rms()),
+        held_out: held_out(without).zip(held_out(with)),
     }
 }
 

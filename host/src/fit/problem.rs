@@ -70,6 +70,45 @@ impl<'a> Problem<'a> {
         }
     }
 
+    /// The same with one trace predicted but not fitted.
+    #[must_use]
+    pub fn leaving_out(&self, trace: usize) -> Self {
+        Self {
+            chain: self.chain,
+            data: self.data,
+            scenes: self.scenes.clone(),
+            whitening: self.whitening,
+            left_out: Some(trace),
+            coordinates: self.coordinates.clone(),
+            bounds: self.bounds.clone(),
+        }
+    }
+
+    /// Whitens the residual of a stretch.
+    pub fn whiten(&self, residual: &mut [f64]) {
+        self.whitening.apply(residual);
+    }
+
+    /// The whitened sum of squares over the traces that are fitted, and the residuals (predicted minus
+    /// measured) of the stretches of `trace`.
+    #[must_use]
+    pub fn apart(&self, point: &[f64], trace: usize) -> (f64, Vec<StretchResidual>) {
+        let (mut cost, mut apart) = (0.0, Vec::new());
+        self.each_piece(&[point.to_vec()], |piece, forces| {
+            let mut residual: Vec<f64> =
+                forces[0].iter().zip(piece.measured).map(|(f, y)| f - y).collect();
+            if piece.trace == trace {
+                let touch = piece.motion.displacement.iter().position(|&x| x > 0.0);
+                apart.push(StretchResidual { residual: residual.clone(), touch: touch.unwrap_or(0) });
+            }
+            if self.fitted(piece) {
+                self.whitening.apply(&mut residual);
+                cost += residual.iter().map(|r| r * r).sum::<f64>();
+            }
+        });
+        (cost, apart)
+    }
+
     /// The coordinates of the base law.
     #[must_use]
     pub fn coordinates(&self) -> &Coordinates {
@@ -124,6 +163,16 @@ impl<'a> Problem<'a> {
     pub fn predict(&self, point: &[f64]) -> Vec<Vec<f64>> {
         let mut found = Vec::new();
         self.each_piece(&[point.to_vec()], |_, forces| found.push(forces[0].clone()));
+        found
+    }
+
+    /// Residuals (measured minus predicted) of every stretch.
+    #[must_use]
+    pub fn residuals(&self, point: &[f64]) -> Vec<Vec<f64>> {
+        let mut found = Vec::new();
+        self.each_piece(&[point.to_vec()], |piece, forces| {
+            found.push(piece.measured.iter().zip(&forces[0]).map(|(y, f)| y - f).collect());
+        });
         found
     }
 
@@ -194,18 +243,11 @@ impl<'a> Problem<'a> {
             let count = residual.len();
             let size = count.div_ceil(parts).max(1);
             let first = blocks.len();
-            let touch = piece.motion.displacement.iter().position(|&x| x > 0.0);
             for begin in (0..count).step_by(size) {
                 let mut block = Block::new(piece.trace, point.len());
                 let range = begin..(begin + size).min(count);
                 block.samples = range.len();
                 block.raw.add(&columns, &residual, range.clone());
-                for &residual in
-                    &residual[begin.min(touch.unwrap_or(0))..range.end.min(touch.unwrap_or(0))]
-                {
-                    block.before_touch.0 += residual;
-                    block.before_touch.1 += 1.0;
-                }
                 blocks.push(block);
             }
             self.whitening.apply(&mut residual);
@@ -213,7 +255,9 @@ impl<'a> Problem<'a> {
                 self.whitening.apply(column);
             }
             for (block, begin) in blocks[first..].iter_mut().zip((0..count).step_by(size)) {
-                block.white.add(&columns, &residual, begin..(begin + size).min(count));
+                let range = begin..(begin + size).min(count);
+                block.slow = sums_of_neighbours(&residual[range.clone()]);
+                block.white.add(&columns, &residual, range);
             }
         });
         blocks
@@ -249,6 +293,15 @@ impl<'a> Problem<'a> {
     }
 }
 
+/// The residual of one stretch.
+#[derive(Clone, Debug)]
+pub struct StretchResidual {
+    /// Predicted minus measured.
+    pub residual: Vec<f64>,
+    /// Number of samples before the touch; 0 where it is not touched.
+    pub touch: usize,
+}
+
 /// Derivatives of one stretch: coordinates and their columns.
 pub type Columns = Vec<(usize, Vec<f64>)>;
 
@@ -266,14 +319,24 @@ pub struct Block {
     pub white: Normal,
     /// As they are.
     pub raw: Normal,
-    /// Sum of the residuals (predicted minus measured) before the touch, and their number.
-    pub before_touch: (f64, f64),
+    /// Sum over runs of neighbours of the squared sum of their whitened residuals, over their number:
+    /// the sum of squares times the number of samples that count as one.
+    pub slow: f64,
+}
+
+/// Least and largest number of neighbours whose residuals are summed.
+const NEIGHBOURS: (usize, usize) = (8, 216);
+
+fn sums_of_neighbours(residual: &[f64]) -> f64 {
+    let length = (residual.len() / 16).clamp(NEIGHBOURS.0, NEIGHBOURS.1);
+    let run = |run: &[f64]| run.iter().sum::<f64>().powi(2) / run.len() as f64;
+    residual.chunks(length).map(run).sum()
 }
 
 impl Block {
     fn new(trace: usize, dimension: usize) -> Self {
         let zeros = || Normal::zeros(dimension);
-        Self { trace, samples: 0, white: zeros(), raw: zeros(), before_touch: (0.0, 0.0) }
+        Self { trace, samples: 0, white: zeros(), raw: zeros(), slow: 0.0 }
     }
 }
 

@@ -40,6 +40,7 @@ impl DiagnosisSummary<'_> {
             "base_rms_N": found.base.rms(),
             "final_rms_N": found.model().rms(),
             "steps": steps,
+            "refused": self.refused_json(),
             "where": places,
             "depends_on": self.dependences_json(),
             "untestable": untestable,

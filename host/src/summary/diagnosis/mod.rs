@@ -4,6 +4,7 @@
 //! - [`step`]: the evidence for one effect.
 //! - [`candidates`]: every effect, ranked.
 //! - [`places`]: where the misfit sat and sits.
+//! - [`refused`]: what was tried and refused.
 //! - [`rest`]: what is left beside the noise, and how all was done.
 //! - [`explore`]: the way up the ladder.
 //! - [`json`]: the answer that other programs read.
@@ -12,6 +13,7 @@ mod candidates;
 mod explore;
 mod json;
 mod places;
+mod refused;
 mod rest;
 mod step;
 mod words;
@@ -117,6 +119,9 @@ impl<'a> DiagnosisSummary<'a> {
         let steps = 0..self.diagnosis.found.steps.len();
         sections.extend(steps.map(|index| self.step(index)));
         sections.push(self.candidates());
+        if let Some(table) = self.refused_table() {
+            sections.push(Section::new("What was tried and refused").table(table));
+        }
         sections.push(self.places());
         sections.push(self.rest());
         sections

@@ -1,0 +1,106 @@
+//! Whether an effect that fits better is also borne out: by the traces left out, by its own parameters,
+//! and by the rest.
+
+use super::fitted::Fitted;
+use super::held_out::{Gain, HeldOut, held_out};
+use super::rest::Rest;
+use crate::fit::problem::Problem;
+
+/// An effect that was tried and refused.
+#[derive(Clone, Debug)]
+pub struct Refused {
+    /// Name of the effect.
+    pub effect: String,
+    /// Name of its law.
+    pub law: String,
+    /// What speaks against it.
+    pub reason: Refusal,
+    /// Root mean square error of the fit without and with it, in the unit of the signal.
+    pub rms: (f64, f64),
+    /// The same on traces left out; none for a single trace.
+    pub held_out: Option<(f64, f64)>,
+}
+
+/// What speaks against an effect.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Refusal {
+    /// The error of the fit does not fall.
+    FittedError,
+    /// The error on traces left out does not fall.
+    HeldOutError,
+    /// The error on traces left out falls by less than its uncertainty over the traces.
+    HeldOutUncertain(Gain),
+    /// A parameter runs to the bound beyond which the law is no longer this effect.
+    AtBound {
+        /// Name of the parameter.
+        parameter: String,
+        /// The bound, in its unit.
+        value: f64,
+        /// Its unit.
+        unit: String,
+    },
+    /// The signal off the specimen denies it: root mean square error there without and with it.
+    Rest {
+        /// Without it, in the unit of the signal.
+        without: f64,
+        /// With it.
+        with: f64,
+    },
+}
+
+/// What a model is judged by beside its fit.
+#[derive(Clone, Debug)]
+pub struct Evidence {
+    /// Errors on traces left out; none for a single trace.
+    pub held_out: Option<HeldOut>,
+    /// Errors off the specimen.
+    pub rest: Rest,
+}
+
+impl Evidence {
+    /// Gathers the evidence for a fitted model.
+    #[must_use]
+    pub fn of(problem: &Problem, fitted: &Fitted) -> Self {
+        Self { held_out: held_out(problem, fitted), rest: Rest::of(problem, fitted) }
+    }
+}
+
+/// A fitted model with the evidence for it.
+#[derive(Clone, Copy, Debug)]
+pub struct Judged<'a> {
+    /// The model.
+    pub fitted: &'a Fitted,
+    /// Its evidence.
+    pub evidence: &'a Evidence,
+}
+
+/// Weighs a model with one more effect, its last, against the one without. `exact` says that what it
+/// leaves is noise: then the likelihood of the noise tells how sure the gain is, and traces left out
+/// need only agree. Otherwise the gain must exceed its uncertainty over the traces.
+///
+/// # Errors
+/// What speaks against the effect.
+pub fn weigh(without: Judged, with: Judged, exact: bool) -> Result<(), Refusal> {
+    if with.fitted.rms() >= without.fitted.rms() {
+        return Err(Refusal::FittedError);
+    }
+    if let Some((parameter, value)) = with.fitted.last_effect_at_bound() {
+        let (parameter, unit) = (parameter.name.to_string(), parameter.unit.to_string());
+        return Err(Refusal::AtBound { parameter, value, unit });
+    }
+    if with.evidence.rest.denies(&without.evidence.rest, without.fitted.cost - with.fitted.cost) {
+        let (without, with) = (without.evidence.rest.rms(), with.evidence.rest.rms());
+        return Err(Refusal::Rest { without, with });
+    }
+    let (Some(before), Some(after)) = (&without.evidence.held_out, &with.evidence.held_out) else {
+        return Ok(());
+    };
+    let gain = after.gain_over(before);
+    if after.rms >= before.rms || gain.mean <= 0.0 {
+        return Err(Refusal::HeldOutError);
+    }
+    if !exact && !gain.exceeds(1.0) {
+        return Err(Refusal::HeldOutUncertain(gain));
+    }
+    Ok(())
+}

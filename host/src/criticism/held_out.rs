@@ -1,0 +1,163 @@
+//! Errors on traces left out of the fit.
+//!
+//! Every trace in turn is predicted by a fit to the others. One Gauss–Newton step from the fit to all
+//! leads there where the model is nearly straight over that step; where the sum of squares over the
+//! other traces is not what the step foretells, they are refitted in earnest. What a trace has of its
+//! own (its zero, the phase of a hum) is taken from what it shows before its touch, as a user would.
+
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+use super::fitted::Fitted;
+use crate::fit::least_squares::{Effort, LeastSquares, Normal, minimise_with};
+use crate::fit::problem::{Problem, StretchResidual};
+
+/// Errors of a model on traces that it was not fitted to.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HeldOut {
+    /// Root mean square error over all samples, in the unit of the signal.
+    pub rms: f64,
+    /// Mean square error of each trace, in the squared unit of the signal.
+    pub squares: Vec<f64>,
+    /// Sum of squares of each trace's whitened residual, in variances of the noise.
+    pub whitened: Vec<f64>,
+}
+
+/// What a model gains over another on traces left out, in mean squares of the whitened residual.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gain {
+    /// Mean over the traces.
+    pub mean: f64,
+    /// Its standard error over the traces.
+    pub standard_error: f64,
+}
+
+impl HeldOut {
+    /// What this model gains over another.
+    #[must_use]
+    pub fn gain_over(&self, other: &Self) -> Gain {
+        let gains: Vec<f64> =
+            other.whitened.iter().zip(&self.whitened).map(|(other, own)| other - own).collect();
+        let count = gains.len() as f64;
+        let mean = gains.iter().sum::<f64>() / count;
+        let squares = gains.iter().map(|gain| (gain - mean).powi(2)).sum::<f64>();
+        Gain { mean, standard_error: (squares / (count - 1.0) / count).sqrt() }
+    }
+}
+
+impl Gain {
+    /// Whether the gain is larger than this many of its standard errors.
+    #[must_use]
+    pub fn exceeds(&self, standard_errors: f64) -> bool {
+        self.mean > standard_errors * self.standard_error
+    }
+}
+
+/// Excess over the foretold sum of squares, in variances of the residual, up to which one step counts
+/// as a refit.
+const SAME: f64 = 1.0;
+
+/// Errors of a fitted model on every trace when it is left out; none for a single trace.
+#[must_use]
+pub fn held_out(problem: &Problem, fitted: &Fitted) -> Option<HeldOut> {
+    let traces = 1 + fitted.blocks.iter().map(|block| block.trace).max()?;
+    if traces < 2 {
+        return None;
+    }
+    let problem = problem.with_chain(&fitted.chain);
+    let errors: Vec<TraceError> =
+        (0..traces).into_par_iter().map(|trace| left_out(&problem, fitted, trace)).collect();
+    let total: f64 = errors.iter().map(|error| error.square).sum();
+    let samples: f64 = errors.iter().map(|error| error.samples).sum();
+    Some(HeldOut {
+        rms: (total / samples.max(1.0)).sqrt(),
+        squares: errors.iter().map(|error| error.square / error.samples.max(1.0)).collect(),
+        whitened: errors.iter().map(|error| error.whitened).collect(),
+    })
+}
+
+/// Sums over one trace.
+#[derive(Clone, Copy, Debug, Default)]
+struct TraceError {
+    square: f64,
+    whitened: f64,
+    samples: f64,
+}
+
+/// The error on one trace of a fit to the others.
+fn left_out(problem: &Problem, fitted: &Fitted, trace: usize) -> TraceError {
+    let others = problem.leaving_out(trace);
+    let own = fitted.chain.own_of_trace(trace);
+    let mut rest = Normal::zeros(fitted.point.len());
+    for block in fitted.blocks.iter().filter(|block| block.trace != trace) {
+        rest.cost += block.white.cost;
+        rest.gradient += &block.white.gradient;
+        rest.curvature += &block.white.curvature;
+    }
+    let step = fitted.step(&rest, &own);
+    let foretold =
+        rest.cost + 2.0 * rest.gradient.dot(&step) + step.dot(&(&rest.curvature * &step));
+    let mut point: Vec<f64> = fitted
+        .point
+        .iter()
+        .zip(step.iter())
+        .zip(others.bounds())
+        .map(|((x, step), (lower, upper))| (x + step).clamp(*lower, *upper))
+        .collect();
+    for &j in &own {
+        point[j] = 0.0;
+    }
+    let (mut cost, mut residuals) = others.apart(&point, trace);
+    let variance = rest.cost / (fitted.samples as f64).max(1.0);
+    if cost.is_nan() || cost > foretold.max(0.0) + SAME * variance {
+        point = minimise_with(&others, &point, Effort::QUICK).point;
+        (cost, residuals) = others.apart(&point, trace);
+    }
+    if !cost.is_finite() {
+        return TraceError { square: f64::INFINITY, whitened: f64::INFINITY, samples: 1.0 };
+    }
+    if !own.is_empty() {
+        own_from_before(&others, &mut point, &own, trace, &residuals);
+        residuals = others.apart(&point, trace).1;
+    }
+    let mut error = TraceError::default();
+    for mut residual in residuals.into_iter().map(|stretch| stretch.residual) {
+        error.samples += residual.len() as f64;
+        error.square += residual.iter().map(|r| r * r).sum::<f64>();
+        problem.whiten(&mut residual);
+        error.whitened += residual.iter().map(|r| r * r).sum::<f64>();
+    }
+    error
+}
+
+/// Sets what a trace has of its own by least squares over its samples before the touch; it stays at
+/// zero where there are none.
+fn own_from_before(
+    problem: &Problem,
+    point: &mut [f64],
+    own: &[usize],
+    trace: usize,
+    at_zero: &[StretchResidual],
+) {
+    let before = |stretches: &[StretchResidual]| -> Vec<f64> {
+        stretches.iter().flat_map(|s| s.residual[..s.touch].iter().copied()).collect()
+    };
+    let residual = before(at_zero);
+    if residual.len() < 2 * own.len() {
+        return;
+    }
+    let columns: Vec<f64> = own
+        .iter()
+        .flat_map(|&j| {
+            let mut moved = point.to_vec();
+            moved[j] = 1.0;
+            let moved = before(&problem.apart(&moved, trace).1);
+            moved.iter().zip(&residual).map(|(moved, at)| moved - at).collect::<Vec<_>>()
+        })
+        .collect();
+    let columns = DMatrix::from_vec(residual.len(), own.len(), columns);
+    let found = columns.svd(true, true).solve(&DVector::from_vec(residual), 1e-9);
+    for (&j, value) in own.iter().zip(found.iter().flat_map(|found| found.iter())) {
+        point[j] = -value;
+    }
+}
