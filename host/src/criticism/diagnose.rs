@@ -3,7 +3,7 @@
 use super::adequacy::{Adequacy, LEVEL, adequacy};
 use super::compare::{Cell, cells_of};
 use super::experiment::next_experiment;
-use super::evidence::Evidence;
+use super::evidence::{Evidence, Refused};
 use super::fitted::Fitted;
 use super::held_out::HeldOut;
 use super::noise::{NoiseModel, Seen, noise_model, residual_noise};
@@ -43,6 +43,9 @@ pub struct Diagnosis {
     pub after: Adequacy,
     /// Part of the misfit of the model without effects that the last one leaves.
     pub unexplained: f64,
+    /// Root mean square of what the last model leaves beyond the noise, in the unit of the signal: how
+    /// inexact the law is. 0 where what it leaves is noise.
+    pub discrepancy: f64,
     /// Where what the last model leaves sits.
     pub places: Vec<Cell>,
     /// Effects that these data cannot show, with the reason.
@@ -130,7 +133,11 @@ pub fn diagnose(model: &Model, traces: &[Trace]) -> Result<Diagnosis, DiagnoseEr
     let denied = search.examine(&mut found, exact);
     if denied.is_some() || (!exact && !found.steps.is_empty()) {
         found = search.climb(found.base.clone());
-        found.refused.extend(denied.filter(|denied| !found.names(&denied.effect)));
+        let known = |denied: &Refused| {
+            found.names(&denied.effect) || found.refused.iter().any(|r| r.effect == denied.effect)
+        };
+        let denied: Vec<Refused> = denied.into_iter().filter(|denied| !known(denied)).collect();
+        found.refuse(denied);
         assessed = Assessed::of(&search, &found, &before, &noise);
     }
     if noise.seen == Seen::Residual && data.labels.len() == 1 && beside_others(&mut found) {
@@ -140,9 +147,9 @@ pub fn diagnose(model: &Model, traces: &[Trace]) -> Result<Diagnosis, DiagnoseEr
         );
         assessed = Assessed::of(&search, &found, &before, &noise);
     }
-    let Assessed { verdict, unexplained, after } = assessed;
+    let Assessed { verdict, unexplained, discrepancy, after } = assessed;
     let final_problem = problem.with_chain(&found.model().chain);
-    let standard_errors = found.model().standard_errors(&final_problem);
+    let standard_errors = found.model().standard_errors(&final_problem, found.inexact);
     let places = cells_of(&final_problem, &data, &found.model().point, noise.level);
     let untestable = untestable(&candidates, &found);
     let next_experiment = match verdict {
@@ -162,6 +169,7 @@ pub fn diagnose(model: &Model, traces: &[Trace]) -> Result<Diagnosis, DiagnoseEr
         before,
         after,
         unexplained,
+        discrepancy,
         places,
         untestable,
         notes,
@@ -218,6 +226,7 @@ fn likeliest(
 struct Assessed {
     verdict: Verdict,
     unexplained: f64,
+    discrepancy: f64,
     after: Adequacy,
 }
 
@@ -241,14 +250,18 @@ impl Assessed {
             Verdict::Adequate if guessed => Verdict::Unknown,
             verdict => verdict,
         };
-        Self { verdict, unexplained, after }
+        let rms = found.model().rms();
+        let beyond_noise = (rms * rms - noise.level * noise.level).max(0.0).sqrt();
+        let discrepancy =
+            if after.p_value < LEVEL || guessed { beyond_noise } else { 0.0 };
+        Self { verdict, unexplained, discrepancy, after }
     }
 }
 
 /// Whether the mean square error on traces left out falls by more than two standard errors over them.
 fn is_sure(before: &Evidence, after: &Evidence) -> bool {
     let (Some(before), Some(after)) = (&before.held_out, &after.held_out) else { return false };
-    after.gain_over(before).exceeds(2.0)
+    after.gain(before).exceeds(2.0)
 }
 
 /// Part of the misfit on traces left out that the last model leaves there; 0 where it is at the noise.

@@ -26,6 +26,9 @@ pub struct Refused {
 pub enum Refusal {
     /// The error of the fit does not fall.
     FittedError,
+    /// The error of the fit falls by no more than chance explains where neighbours in the residual
+    /// agree.
+    FitUncertain,
     /// The error on traces left out does not fall.
     HeldOutError,
     /// The error on traces left out falls by less than its uncertainty over the traces.
@@ -88,14 +91,14 @@ pub fn weigh(without: Judged, with: Judged, exact: bool) -> Result<(), Refusal> 
         let (parameter, unit) = (parameter.name.to_string(), parameter.unit.to_string());
         return Err(Refusal::AtBound { parameter, value, unit });
     }
-    if with.evidence.rest.denies(&without.evidence.rest, without.fitted.cost - with.fitted.cost) {
+    if with.evidence.rest.denies(&without.evidence.rest) {
         let (without, with) = (without.evidence.rest.rms(), with.evidence.rest.rms());
         return Err(Refusal::Rest { without, with });
     }
     let (Some(before), Some(after)) = (&without.evidence.held_out, &with.evidence.held_out) else {
         return Ok(());
     };
-    let gain = after.gain_over(before);
+    let gain = if exact { after.gain_in_noise(before) } else { after.gain(before) };
     if after.rms >= before.rms || gain.mean <= 0.0 {
         return Err(Refusal::HeldOutError);
     }

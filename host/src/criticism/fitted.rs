@@ -4,6 +4,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::fit::least_squares::{Effort, LeastSquares, Normal, minimise_with};
+use crate::fit::levels::LevelSums;
 use crate::fit::problem::{Block, Problem};
 use crate::fit::uncertainty;
 use crate::fit::whole_motion::declared_uncertainty;
@@ -95,17 +96,35 @@ impl Fitted {
         samples * (cost / samples).ln() + self.parameters as f64 * samples.ln()
     }
 
-    /// The criterion where every block counts this many times: the model refitted to them in one step.
+    /// The normal equations of the blocks, each counted so many times, without what slow noise explains.
     #[must_use]
-    pub fn weighted_bic(&self, weights: &[f64]) -> f64 {
+    pub fn total(&self, problem: &Problem, weight: impl Fn(&Block) -> f64) -> Normal {
+        let weights: Vec<f64> = self.blocks.iter().map(weight).collect();
+        self.weighted(problem, &weights)
+    }
+
+    fn weighted(&self, problem: &Problem, weights: &[f64]) -> Normal {
         let mut total = Normal::zeros(self.point.len());
-        let mut samples = 0.0;
+        let mut sums: Option<LevelSums> = None;
         for (block, &weight) in self.blocks.iter().zip(weights) {
             total.cost += weight * block.white.cost;
             total.gradient += &block.white.gradient * weight;
             total.curvature += &block.white.curvature * weight;
-            samples += weight * block.samples as f64;
+            if let Some(own) = &block.levels {
+                let zeros = || LevelSums::zeros(self.point.len(), own.unit.len());
+                sums.get_or_insert_with(zeros).add_weighted(own, weight);
+            }
         }
+        problem.marginalise(sums.as_ref(), &mut total);
+        total
+    }
+
+    /// The criterion where every block counts this many times: the model refitted to them in one step.
+    #[must_use]
+    pub fn weighted_bic(&self, problem: &Problem, weights: &[f64]) -> f64 {
+        let total = self.weighted(problem, weights);
+        let blocks = self.blocks.iter().zip(weights);
+        let samples = blocks.map(|(block, weight)| weight * block.samples as f64).sum();
         let step = self.step(&total, &[]);
         let gained = -(2.0 * total.gradient.dot(&step) + step.dot(&(&total.curvature * &step)));
         self.criterion((total.cost - gained.max(0.0)).max(f64::MIN_POSITIVE), samples)
@@ -134,19 +153,46 @@ impl Fitted {
         step
     }
 
-    /// Standard errors of the parameters, with the variance that the whitened residuals show.
+    /// Standard errors of the parameters, with the variance that the whitened residuals show; where the
+    /// law is `inexact`, by the delete-one jackknife over the parts of the data, which allows for what
+    /// the law leaves.
     #[must_use]
-    pub fn standard_errors(&self, problem: &Problem) -> Vec<Option<f64>> {
-        let mut total = Normal::zeros(self.point.len());
-        for block in &self.blocks {
-            total.curvature += &block.white.curvature;
-        }
+    pub fn standard_errors(&self, problem: &Problem, inexact: bool) -> Vec<Option<f64>> {
+        let total = self.total(problem, |_| 1.0);
         let held: Vec<bool> = self.free.iter().map(|free| !free).collect();
         let variance = (self.cost / (self.samples as f64 - self.parameters as f64)).max(1e-300);
-        let known = uncertainty(&total.curvature, &held, variance);
+        let mut known = uncertainty(&total.curvature, &held, variance);
+        if inexact {
+            known.covariance = self.jackknife(problem);
+        }
         declared_uncertainty(problem, &self.point, &known).0
     }
+
+    /// Covariance of the coordinates from refits in one step to all parts but one: traces, or pieces of
+    /// them where there are few.
+    fn jackknife(&self, problem: &Problem) -> DMatrix<f64> {
+        let traces = self.blocks.iter().map(|block| block.trace + 1).max().unwrap_or(0);
+        let part = |index: usize| {
+            if traces >= FEWEST_PARTS { self.blocks[index].trace } else { index }
+        };
+        let parts = if traces >= FEWEST_PARTS { traces } else { self.blocks.len() };
+        let refit = |left_out: usize| {
+            let weights: Vec<f64> =
+                (0..self.blocks.len()).map(|k| f64::from(u8::from(part(k) != left_out))).collect();
+            self.step(&self.weighted(problem, &weights), &[])
+        };
+        let steps: Vec<DVector<f64>> = (0..parts).map(refit).collect();
+        let count = parts.max(1) as f64;
+        let mean = steps.iter().fold(DVector::zeros(self.point.len()), |sum, step| sum + step) / count;
+        let spread = steps.iter().map(|step| step - &mean);
+        spread.fold(DMatrix::zeros(self.point.len(), self.point.len()), |sum, off| {
+            sum + &off * off.transpose()
+        }) * ((count - 1.0) / count)
+    }
 }
+
+/// Fewest traces that count as the parts of the data; of fewer, their pieces do.
+const FEWEST_PARTS: usize = 8;
 
 /// Part of the samples that are independent: the mean square of a whitened sample over that of block
 /// sums per sample, at most one.

@@ -9,7 +9,7 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::fitted::Fitted;
-use crate::fit::least_squares::{Effort, LeastSquares, Normal, minimise_with};
+use crate::fit::least_squares::{Effort, LeastSquares, minimise_with};
 use crate::fit::problem::{Problem, StretchResidual};
 
 /// Errors of a model on traces that it was not fitted to.
@@ -23,7 +23,7 @@ pub struct HeldOut {
     pub whitened: Vec<f64>,
 }
 
-/// What a model gains over another on traces left out, in mean squares of the whitened residual.
+/// What a model gains over another on traces left out.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gain {
     /// Mean over the traces.
@@ -33,19 +33,30 @@ pub struct Gain {
 }
 
 impl HeldOut {
-    /// What this model gains over another.
+    /// What this model gains over another in squares of the whitened residual: for data that a law
+    /// describes to the noise.
     #[must_use]
-    pub fn gain_over(&self, other: &Self) -> Gain {
-        let gains: Vec<f64> =
-            other.whitened.iter().zip(&self.whitened).map(|(other, own)| other - own).collect();
-        let count = gains.len() as f64;
-        let mean = gains.iter().sum::<f64>() / count;
-        let squares = gains.iter().map(|gain| (gain - mean).powi(2)).sum::<f64>();
-        Gain { mean, standard_error: (squares / (count - 1.0) / count).sqrt() }
+    pub fn gain_in_noise(&self, other: &Self) -> Gain {
+        Gain::of(&other.whitened, &self.whitened)
+    }
+
+    /// What this model gains over another in mean squares of the error of each trace.
+    #[must_use]
+    pub fn gain(&self, other: &Self) -> Gain {
+        Gain::of(&other.squares, &self.squares)
     }
 }
 
 impl Gain {
+    fn of(before: &[f64], after: &[f64]) -> Self {
+        let gains: Vec<f64> =
+            before.iter().zip(after).map(|(before, after)| before - after).collect();
+        let count = gains.len() as f64;
+        let mean = gains.iter().sum::<f64>() / count;
+        let squares = gains.iter().map(|gain| (gain - mean).powi(2)).sum::<f64>();
+        Self { mean, standard_error: (squares / (count - 1.0) / count).sqrt() }
+    }
+
     /// Whether the gain is larger than this many of its standard errors.
     #[must_use]
     pub fn exceeds(&self, standard_errors: f64) -> bool {
@@ -88,12 +99,7 @@ struct TraceError {
 fn left_out(problem: &Problem, fitted: &Fitted, trace: usize) -> TraceError {
     let others = problem.leaving_out(trace);
     let own = fitted.chain.own_of_trace(trace);
-    let mut rest = Normal::zeros(fitted.point.len());
-    for block in fitted.blocks.iter().filter(|block| block.trace != trace) {
-        rest.cost += block.white.cost;
-        rest.gradient += &block.white.gradient;
-        rest.curvature += &block.white.curvature;
-    }
+    let rest = fitted.total(&others, |block| f64::from(u8::from(block.trace != trace)));
     let step = fitted.step(&rest, &own);
     let foretold =
         rest.cost + 2.0 * rest.gradient.dot(&step) + step.dot(&(&rest.curvature * &step));
@@ -121,12 +127,12 @@ fn left_out(problem: &Problem, fitted: &Fitted, trace: usize) -> TraceError {
         residuals = others.apart(&point, trace).1;
     }
     let mut error = TraceError::default();
-    for mut residual in residuals.into_iter().map(|stretch| stretch.residual) {
+    let mut residuals: Vec<Vec<f64>> = residuals.into_iter().map(|s| s.residual).collect();
+    for residual in &residuals {
         error.samples += residual.len() as f64;
         error.square += residual.iter().map(|r| r * r).sum::<f64>();
-        problem.whiten(&mut residual);
-        error.whitened += residual.iter().map(|r| r * r).sum::<f64>();
     }
+    error.whitened = problem.whitened_square(trace, &mut residuals);
     error
 }
 

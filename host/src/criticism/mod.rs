@@ -9,6 +9,7 @@
 //! - [`change`]: an effect added or taken out, everything refitted.
 
 pub mod adequacy;
+pub mod agreement;
 pub mod change;
 pub mod compare;
 pub mod dependence;

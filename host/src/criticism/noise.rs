@@ -81,6 +81,9 @@ pub fn noise_model(data: &Data) -> Option<NoiseModel> {
     let longest = data.pieces.iter().map(|piece| piece.measured.len()).max().unwrap_or(0);
     let whitening = estimate(&without_hum(quiet, data.shortest_interval()), longest);
     let level = whitening.standard_deviation();
+    let interval = data.shortest_interval();
+    let middles: Vec<f64> = data.middles().into_iter().map(|time| time / interval).collect();
+    let whitening = whitening.through_pauses(&middles);
     (level > 0.0).then_some(NoiseModel { level, whitening, seen: Seen::OffTheSpecimen, samples })
 }
 

@@ -16,9 +16,8 @@ pub struct Rest {
 
 /// Rise of the whitened sum of squares that chance explains.
 const CHANCE: f64 = 25.0;
-/// Part of what an effect explains in all that it may cost at rest: as much as the form of its law
-/// may be off.
-const FORM: f64 = 0.05;
+/// Times by which an effect may raise the error at rest: the form of its law may be off there.
+const FORM: f64 = 2.0;
 
 impl Rest {
     /// The error of a fitted model off the specimen: before the first touch, and while the surfaces
@@ -49,11 +48,11 @@ impl Rest {
         (self.square / self.samples.max(1.0)).sqrt()
     }
 
-    /// Whether an effect that explains `gain` of the whitened sum of squares in all makes the error off
-    /// the specimen larger than chance and the form of its law allow.
+    /// Whether an effect makes the error off the specimen larger than chance and the form of its law
+    /// allow.
     #[must_use]
-    pub fn denies(&self, without: &Self, gain: f64) -> bool {
-        self.whitened - without.whitened > CHANCE.max(FORM * gain) && self.square > without.square
+    pub fn denies(&self, without: &Self) -> bool {
+        self.whitened - without.whitened > CHANCE && self.rms() > FORM * without.rms()
     }
 }
 

@@ -13,6 +13,7 @@ use rayon::prelude::*;
 use super::tail::log_tail;
 use crate::effects::{Candidate, Form};
 use crate::fit::data::Data;
+use crate::fit::levels::LevelSums;
 use crate::fit::problem::Problem;
 use crate::fit::watch;
 use crate::fit::whitening::Whitening;
@@ -51,6 +52,9 @@ pub struct Screen {
     pub chance: Vec<f64>,
     /// Projected sensitivities against each other: cosines between columns.
     pub cosines: DMatrix<f64>,
+    /// Inner products of the projected sensitivities with the residual of each part of the data: parts
+    /// × columns.
+    pub scores: DMatrix<f64>,
 }
 
 /// Draws of the null distribution.
@@ -74,7 +78,7 @@ pub fn screen(
     let mut directions = directions(candidates);
     let base = point.len();
     let size = base + directions.last().map_or(0, |d| d.columns.end);
-    let gram = gram(problem, data, point, whitening, candidates, &directions, size);
+    let (gram, along) = gram(problem, data, point, whitening, candidates, &directions, size);
     let samples = data.samples() as f64;
     let floor = if whitening.is_guess() { 0.0 } else { 1.0 };
     let projected = Projected::new(&gram, base, samples, floor);
@@ -96,7 +100,8 @@ pub fn screen(
     }
     let cosines = projected.cosines();
     let chance = chances(&directions, candidates, &cosines);
-    Screen { directions, chance, cosines }
+    let scores = projected.scores(&along, base);
+    Screen { directions, chance, cosines, scores }
 }
 
 /// Every law at every point of its grid that these data can show.
@@ -128,7 +133,11 @@ fn directions(candidates: &[Candidate]) -> Vec<Direction> {
     found
 }
 
-/// Inner products of the model's derivatives, all sensitivities and the residual, whitened.
+/// Fewest parts that data are taken apart into, to see whether they agree.
+const FEWEST_PARTS: usize = 8;
+
+/// Inner products of the model's derivatives, all sensitivities and the residual, whitened; and those of
+/// each part of the data with its residual. A part is a trace, or a piece of one where there are few.
 fn gram(
     problem: &Problem,
     data: &Data,
@@ -137,7 +146,7 @@ fn gram(
     candidates: &[Candidate],
     directions: &[Direction],
     size: usize,
-) -> DMatrix<f64> {
+) -> (DMatrix<f64>, Vec<DVector<f64>>) {
     let base = point.len();
     let parameters = problem.declared(point);
     let mut probes: Vec<Probe> = directions
@@ -148,6 +157,14 @@ fn gram(
         })
         .collect();
     let mut gram = DMatrix::zeros(size + 1, size + 1);
+    let mut sums =
+        whitening.levels().map(|levels| LevelSums::zeros(size + 1, levels.traces()));
+    let traces = data.labels.len();
+    let pieces = if traces < FEWEST_PARTS { FEWEST_PARTS.div_ceil(data.pieces.len()) } else { 1 };
+    let mut along: Vec<DVector<f64>> = vec![];
+    if traces >= FEWEST_PARTS {
+        along.resize(traces, DVector::zeros(size));
+    }
     watch::stage("stretches screened", data.pieces.len());
     problem.derivatives(point, |piece, residual, derivatives| {
         watch::done();
@@ -170,6 +187,24 @@ fn gram(
         }
         columns.push((size, residual.into_iter().map(|r| -r).collect()));
         columns.par_iter_mut().for_each(|(_, column)| whitening.apply(column));
+        if let Some(sums) = &mut sums {
+            sums.add(piece.trace, &whitening.unit_level(scene.len()), &columns, &[], 0);
+        }
+        let residual = columns.last().map(|(_, residual)| residual.clone()).unwrap_or_default();
+        let length = scene.len().div_ceil(pieces).max(1);
+        for begin in (0..scene.len()).step_by(length) {
+            let range = begin..(begin + length).min(scene.len());
+            let part = if traces >= FEWEST_PARTS {
+                piece.trace
+            } else {
+                along.push(DVector::zeros(size));
+                along.len() - 1
+            };
+            for (place, column) in &columns[..columns.len() - 1] {
+                let products = column[range.clone()].iter().zip(&residual[range.clone()]);
+                along[part][*place] += products.map(|(a, b)| a * b).sum::<f64>();
+            }
+        }
         // A few thousand samples at a time: a long trace has many more than fit beside their products.
         let mut products = DMatrix::zeros(columns.len(), columns.len());
         for begin in (0..scene.len()).step_by(AT_A_TIME) {
@@ -184,7 +219,10 @@ fn gram(
             }
         }
     });
-    gram
+    if let Some((levels, sums)) = whitening.levels().zip(sums) {
+        gram -= levels.explained(&sums);
+    }
+    (gram, along)
 }
 
 /// Runs a chain with one more effect beside the chain itself.
@@ -331,6 +369,18 @@ impl Projected {
         let shift = &self.rest - answer * &strengths;
         direction.strengths = strengths.as_slice().to_vec();
         direction.shift = shift.as_slice().to_vec();
+    }
+
+    /// What each part of the data says of each sensitivity beside the model's own derivatives.
+    fn scores(&self, along: &[DVector<f64>], base: usize) -> DMatrix<f64> {
+        let count = self.answers.ncols();
+        let mut scores = DMatrix::zeros(along.len(), count);
+        for (part, along) in along.iter().enumerate() {
+            let own = self.answers.tr_mul(&along.rows(0, base));
+            let score = along.rows(base, count) - own;
+            scores.row_mut(part).copy_from(&score.transpose());
+        }
+        scores
     }
 
     fn cosines(&self) -> DMatrix<f64> {

@@ -7,6 +7,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
+use super::agreement;
 use super::evidence::{Evidence, Judged, Refusal, Refused, weigh};
 use super::fitted::Fitted;
 use super::screen::{Direction, Screen, screen};
@@ -100,6 +101,9 @@ pub struct Found {
     pub last: Screen,
     /// The screen of the base.
     pub first: Screen,
+    /// Whether what the last model leaves need not be noise: names were chosen by the traces left out,
+    /// and p values are those of the agreement between parts of the data.
+    pub inexact: bool,
     /// The evidence beside the fit for the base and for the model after each step.
     pub evidence: Vec<Evidence>,
     /// What was tried and refused.
@@ -111,6 +115,14 @@ impl Found {
     #[must_use]
     pub fn model(&self) -> &Fitted {
         self.models.last().unwrap_or(&self.base)
+    }
+
+    /// Takes down what was refused, the latest trial of each effect.
+    pub fn refuse(&mut self, refused: impl IntoIterator<Item = Refused>) {
+        for refused in refused {
+            self.refused.retain(|earlier| earlier.effect != refused.effect);
+            self.refused.push(refused);
+        }
     }
 
     /// Whether an effect is among the steps.
@@ -153,7 +165,7 @@ impl Search<'_> {
             }
         }
         for step in &mut found.steps {
-            resample(&mut step.rivals);
+            resample(self.problem, &mut step.rivals);
             step.credible = credible(&step.effect, &step.rivals);
         }
         found
@@ -168,6 +180,7 @@ impl Search<'_> {
             models: Vec::new(),
             last: first.clone(),
             first,
+            inexact: false,
             evidence: Vec::new(),
             refused: Vec::new(),
         }
@@ -197,7 +210,7 @@ impl Search<'_> {
     /// likelihood of the noise says nothing about names.
     #[must_use]
     pub fn climb(&self, base: Fitted) -> Found {
-        let mut found = self.begin(base);
+        let mut found = Found { inexact: true, ..self.begin(base) };
         found.evidence.push(self.evidence(&found.base));
         while found.steps.len() < MOST_STEPS && self.step_up(&mut found) {}
         found
@@ -210,7 +223,7 @@ impl Search<'_> {
             return false;
         }
         let mut rivals = self.refit(found.model(), &found.last, &BROAD);
-        resample(&mut rivals);
+        resample(self.problem, &mut rivals);
         let evidence: Vec<Evidence> =
             rivals.iter().map(|rival| self.evidence(&rival.fitted)).collect();
         let without = found.judged(found.steps.len());
@@ -218,7 +231,10 @@ impl Search<'_> {
         let mut refusals: Vec<Refused> = Vec::new();
         for (index, (rival, evidence)) in rivals.iter().zip(&evidence).enumerate() {
             let with = Judged { fitted: &rival.fitted, evidence };
-            match self.weigh_inexact(without, with) {
+            if found.last.chance[rival.candidate] > 0.5 * FALSE_ALARMS {
+                continue;
+            }
+            match weigh_inexact(without, with) {
                 Ok(()) => borne_out.push(index),
                 Err(reason) => refusals.push(refused(&rival.effect, without, with, reason)),
             }
@@ -228,10 +244,10 @@ impl Search<'_> {
             None => rivals[index].fitted.bic(),
         };
         borne_out.sort_by(|&a, &b| error(a).total_cmp(&error(b)));
-        found.refused.extend(refusals);
+        found.refuse(refusals);
         let Some(&best) = borne_out.first() else { return false };
         let as_good = |&&index: &&usize| match (&evidence[best].held_out, &evidence[index].held_out) {
-            (Some(best), Some(other)) => !best.gain_over(other).exceeds(1.0),
+            (Some(best), Some(other)) => !best.gain(other).exceeds(1.0),
             _ => false,
         };
         let mut names: Vec<String> =
@@ -242,23 +258,16 @@ impl Search<'_> {
         }
         names.retain(|name| *name != effect);
         names.insert(0, effect.clone());
-        let p_value = found.last.chance[rivals[best].candidate];
+        // Where the law is inexact, noise alone is no measure of chance: the parts of the data vote.
+        let p_value = agreement::chances(&found.last, self.candidates)[rivals[best].candidate];
         found.models.push(rivals[best].fitted.clone());
         found.evidence.push(evidence[best].clone());
         rivals.swap(0, best);
         rivals[1..].sort_by(by_criterion);
+        found.refused.retain(|refused| refused.effect != effect);
         found.steps.push(Step { effect, p_value, rivals, credible: names, fresh: true });
         found.last = self.screen(found.model());
         true
-    }
-
-    /// Weighs a rival where what it leaves need not be noise.
-    fn weigh_inexact(&self, without: Judged, with: Judged) -> Result<(), Refusal> {
-        weigh(without, with, false)?;
-        if with.evidence.held_out.is_none() && !with.fitted.beats_inexact(without.fitted, DECISIVE) {
-            return Err(Refusal::FittedError);
-        }
-        Ok(())
     }
 
     /// Adds the effect that is missed most, if one is missed beyond the chance of `budget`.
@@ -535,6 +544,14 @@ impl Search<'_> {
     }
 }
 
+/// Weighs a rival where what it leaves need not be noise: the fit must gain by the samples that are
+/// independent in it, whatever the number of all.
+fn weigh_inexact(without: Judged, with: Judged) -> Result<(), Refusal> {
+    weigh(without, with, false)?;
+    let better = with.fitted.beats_inexact(without.fitted, DECISIVE);
+    if better { Ok(()) } else { Err(Refusal::FitUncertain) }
+}
+
 /// What is told of a model that was refused.
 fn refused(effect: &str, without: Judged, with: Judged, reason: Refusal) -> Refused {
     let held_out = |judged: Judged| judged.evidence.held_out.as_ref().map(|held_out| held_out.rms);
@@ -552,7 +569,7 @@ fn by_criterion(a: &Rival, b: &Rival) -> Ordering {
 }
 
 /// How often each rival is best when the blocks of the data are drawn anew.
-fn resample(rivals: &mut [Rival]) {
+fn resample(problem: &Problem, rivals: &mut [Rival]) {
     let Some(first) = rivals.first() else { return };
     let blocks = first.fitted.blocks.len();
     let mut random = ChaCha8Rng::seed_from_u64(SEED);
@@ -567,7 +584,7 @@ fn resample(rivals: &mut [Rival]) {
         .collect();
     let best = |weights: &Vec<f64>| {
         let criteria: Vec<f64> =
-            rivals.iter().map(|rival| rival.fitted.weighted_bic(weights)).collect();
+            rivals.iter().map(|rival| rival.fitted.weighted_bic(problem, weights)).collect();
         (0..criteria.len()).min_by(|&a, &b| criteria[a].total_cmp(&criteria[b])).unwrap_or(0)
     };
     let winners: Vec<usize> = draws.par_iter().map(best).collect();

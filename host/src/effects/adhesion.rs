@@ -2,7 +2,7 @@
 
 use super::memory::direction;
 use super::shapes::FULL_SPEED;
-use super::{Count, Covariate, Effect, Law, Needs, Role, Shape, Sign, Strength};
+use super::{Count, Covariate, Effect, Law, Needs, Role, Scales, Shape, Sign, Strength};
 use crate::model::{Act, Remembered, Scene, Stage};
 
 const PULL: Strength = Strength {
@@ -11,7 +11,7 @@ const PULL: Strength = Strength {
     meaning: "largest force of the pull",
     sign: Sign::Positive,
     typical: |scales| 0.01 * scales.force,
-    most: |scales| scales.force,
+    most: |scales| 10.0 * scales.force,
     count: Count::Fixed(&[]),
 };
 
@@ -19,8 +19,51 @@ const LENGTH: Shape = Shape {
     name: "length",
     unit: "mm",
     meaning: "distance from the touch at which the pull has faded",
-    grid: |scales| [0.03, 0.15].map(|part| part * scales.compression).to_vec(),
-    role: Role::Fitted(|scales| (0.003 * scales.compression, 0.3 * scales.compression)),
+    grid: |scales| {
+        let near = [0.03, 0.15].map(|part| part * scales.compression);
+        far(scales).into_iter().map(|reach| 0.4 * reach).chain(near).collect()
+    },
+    role: Role::Fitted(|scales| (1e-3 * scales.compression, 3.0 * reach(scales))),
+};
+
+/// Part of the compression beyond which the surfaces parted so far that a long neck could be seen.
+const LONG: f64 = 0.2;
+
+/// The way over which a pull could act: the compression, or the parting where that is larger.
+fn reach(scales: &Scales) -> f64 {
+    scales.compression.max(scales.parting)
+}
+
+/// How far a neck could reach off the specimen, mm: none where the surfaces hardly part.
+fn far(scales: &Scales) -> Option<f64> {
+    (scales.parting > LONG * scales.compression).then(|| scales.parting.min(scales.compression))
+}
+
+const WIDTH: Shape = Shape {
+    grid: |scales| {
+        let near = 0.1 * scales.compression;
+        far(scales).into_iter().map(|reach| 0.4 * reach).chain([near]).collect()
+    },
+    ..LENGTH
+};
+
+const PLACE: Shape = Shape {
+    name: "place",
+    unit: "mm",
+    meaning: "compression at which the pull is largest",
+    grid: |scales| {
+        let near = [0.0, 0.1].map(|part| part * scales.compression);
+        far(scales).into_iter().map(|reach| -0.4 * reach).chain(near).collect()
+    },
+    role: Role::Fitted(|scales| (-scales.parting.max(0.1 * scales.compression), scales.compression)),
+};
+
+const EXPONENT: Shape = Shape {
+    name: "exponent",
+    unit: "",
+    meaning: "how the pull grows with the speed",
+    grid: |_| vec![0.3],
+    role: Role::Fitted(|_| (0.01, 3.0)),
 };
 
 /// Part of the length of the pull in which a motion turns from approaching to parting.
@@ -55,16 +98,8 @@ pub const EFFECT: Effect = Effect {
             formula: "F → F − w e^(−((x − x_p)/ℓ)²) while parting",
             strength: PULL,
             shapes: &[
-                Shape { grid: |scales| vec![0.1 * scales.compression], ..LENGTH },
-                Shape {
-                    name: "place",
-                    unit: "mm",
-                    meaning: "compression at which the pull is largest",
-                    grid: |scales| [0.0, 0.1].map(|part| part * scales.compression).to_vec(),
-                    role: Role::Fitted(|scales| {
-                        (-0.1 * scales.compression, 0.25 * scales.compression)
-                    }),
-                },
+                WIDTH,
+                PLACE,
             ],
             act: Act::Force(|scene, parameters, remembered, force| {
                 let (pull, length, place) = (parameters[0], parameters[1], parameters[2]);
@@ -75,20 +110,17 @@ pub const EFFECT: Effect = Effect {
             }),
         },
         Law {
+            name: "neck",
+            formula: "F → F − w |v/V|^k e^(−((x − x_p)/ℓ)²) while parting",
+            strength: Strength { meaning: "largest force of the pull at full speed", ..PULL },
+            shapes: &[WIDTH, PLACE, EXPONENT, FULL_SPEED],
+            act: Act::Force(neck),
+        },
+        Law {
             name: "rate",
             formula: "F → F − w |v/V|^k e^(−|x|/ℓ) while parting",
             strength: Strength { meaning: "largest force of the pull at full speed", ..PULL },
-            shapes: &[
-                LENGTH,
-                Shape {
-                    name: "exponent",
-                    unit: "",
-                    meaning: "how the pull grows with the speed",
-                    grid: |_| vec![0.5],
-                    role: Role::Fitted(|_| (0.05, 2.0)),
-                },
-                FULL_SPEED,
-            ],
+            shapes: &[LENGTH, EXPONENT, FULL_SPEED],
             act: Act::Force(by_rate),
         },
         Law {
@@ -108,6 +140,15 @@ fn parting(scene: &Scene, remembered: &mut Remembered, length: f64) -> Vec<f64> 
         *way = 0.5 * (1.0 - *way);
     }
     parting
+}
+
+fn neck(scene: &Scene, parameters: &[f64], remembered: &mut Remembered, force: &mut [f64]) {
+    let &[pull, length, place, exponent, full] = parameters else { return };
+    for (k, parting) in parting(scene, remembered, length).into_iter().enumerate() {
+        let off = (scene.motion.displacement[k] - place) / length;
+        let fast = (scene.velocity[k] / full).abs().powf(exponent);
+        force[k] -= pull * parting * fast * (-off * off).exp();
+    }
 }
 
 fn by_rate(scene: &Scene, parameters: &[f64], remembered: &mut Remembered, force: &mut [f64]) {

@@ -3,13 +3,17 @@
 use super::{Count, Covariate, Effect, Law, Needs, Sign, Strength};
 use crate::model::{Act, Channel, Stage};
 
+/// Largest part of the signal's range that leaks from one channel. All channels answer to the same
+/// motion: what explains more than this is no leak but a misfit that they share.
+const LARGEST: f64 = 0.15;
+
 const LEAK: Strength = Strength {
     name: "leak",
     unit: "",
     meaning: "part of this channel, in its unit, that is added to the signal",
     sign: Sign::Either,
     typical: |_| 0.01,
-    most: |_| 1e3,
+    most: |scales| LARGEST * scales.force,
     count: Count::Channels,
 };
 
@@ -63,7 +67,7 @@ pub const EFFECT: Effect = Effect {
                 unit: "s",
                 meaning: "part of the other channel's slope that leaks in",
                 typical: |scales| scales.interval,
-                most: |scales| 100.0 * scales.interval,
+                most: |scales| LARGEST * scales.force * 10.0 * scales.interval,
                 ..LEAK
             },
             shapes: &[],

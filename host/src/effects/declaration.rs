@@ -129,6 +129,8 @@ pub struct Scales {
     pub force: f64,
     /// Largest compression, mm.
     pub compression: f64,
+    /// Largest distance off the specimen, mm.
+    pub parting: f64,
     /// Largest speed, mm/s.
     pub speed: f64,
     /// Largest acceleration, mm/s².
@@ -143,6 +145,8 @@ pub struct Scales {
     pub set_duration: f64,
     /// Shortest interval between samples, s.
     pub interval: f64,
+    /// Interval between samples that nine of ten do not exceed, s.
+    pub common_interval: f64,
     /// Strongest line near 50 Hz and near 60 Hz, Hz; none where it has not been looked for.
     pub mains: Option<[f64; 2]>,
 }
@@ -156,6 +160,8 @@ pub struct Setting {
     pub traces: Vec<String>,
     /// Its other channels.
     pub channels: Vec<&'static str>,
+    /// The range of each other channel, in its unit: largest less smallest value.
+    pub channel_ranges: Vec<f64>,
 }
 
 impl Needs {
@@ -171,7 +177,7 @@ impl Needs {
             Self::Channels if setting.channels.is_empty() => {
                 Some("no other channel was recorded that could leak into this one")
             }
-            Self::FastSampling if scales.interval > 0.05 => {
+            Self::FastSampling if scales.common_interval > 0.05 => {
                 Some("sampled too slowly to tell a hum from other changes")
             }
             Self::Loadings if scales.loadings < 1.0 => Some("it takes more than one loading"),
@@ -206,13 +212,18 @@ impl Law {
     #[must_use]
     pub fn applied(&self, effect: &Effect, setting: &Setting) -> Applied {
         let scales = &setting.scales;
-        let most = (self.strength.most)(scales);
-        let strength = |name: String| Parameter {
+        let most = |place: usize| {
+            // A leak is stated per unit of the channel that it is from.
+            let channels = self.strength.count == Count::Channels;
+            let range = setting.channel_ranges.get(place).filter(|_| channels);
+            (self.strength.most)(scales) / range.map_or(1.0, |range| range.max(f64::MIN_POSITIVE))
+        };
+        let strength = |(place, name): (usize, String)| Parameter {
             name: name.into(),
             unit: self.strength.unit.into(),
             meaning: self.strength.meaning.into(),
-            lower: if self.strength.sign == Sign::Positive { 0.0 } else { -most },
-            upper: most,
+            lower: if self.strength.sign == Sign::Positive { 0.0 } else { -most(place) },
+            upper: most(place),
         };
         let shape = |shape: &Shape| {
             let (lower, upper) = match shape.role {
@@ -243,6 +254,7 @@ impl Law {
             },
             parameters: strengths
                 .into_iter()
+                .enumerate()
                 .map(strength)
                 .chain(self.shapes.iter().map(shape))
                 .collect(),

@@ -35,7 +35,7 @@ pub const EFFECT: Effect = Effect {
                     unit: "",
                     meaning: "how steeply it grows",
                     grid: |_| vec![3.0, 5.0],
-                    role: Role::Fitted(|_| (2.5, 8.0)),
+                    role: Role::Fitted(|_| (2.0, 40.0)),
                 },
                 FULL_COMPRESSION,
             ],

@@ -10,7 +10,7 @@ const DEVIATION: Strength = Strength {
     meaning: "part of the full force that is lost there",
     sign: Sign::Either,
     typical: |_| 0.01,
-    most: |_| 0.3,
+    most: |_| 1.0,
     count: Count::Fixed(&[]),
 };
 

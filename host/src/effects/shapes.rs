@@ -35,5 +35,5 @@ pub(super) const BODY_TIME: Shape = Shape {
     unit: "s",
     meaning: "time in which the body takes on the temperature of the air",
     grid: |scales| [0.03, 0.2].map(|part| part * scales.set_duration).to_vec(),
-    role: Role::Fitted(|scales| (0.003 * scales.set_duration, 3.0 * scales.set_duration)),
+    role: Role::Fitted(|scales| (0.003 * scales.set_duration, 30.0 * scales.set_duration)),
 };

@@ -9,7 +9,7 @@ const SHARE: Strength = Strength {
     meaning: "share of the elastic response that relaxes in a decade of time",
     sign: Sign::Positive,
     typical: |_| 0.01,
-    most: |_| 0.2,
+    most: |_| 1.0,
     count: Count::Fixed(&[]),
 };
 

@@ -18,7 +18,7 @@ const TIME: Shape = Shape {
     unit: "s",
     meaning: "time in which the electronics become warm",
     grid: |scales| [0.05, 0.3].map(|part| part * scales.set_duration).to_vec(),
-    role: Role::Fitted(|scales| (0.005 * scales.set_duration, 3.0 * scales.set_duration)),
+    role: Role::Fitted(|scales| (0.005 * scales.set_duration, 30.0 * scales.set_duration)),
 };
 
 /// The effect.

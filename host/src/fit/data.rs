@@ -212,7 +212,31 @@ impl<'a> Data<'a> {
         if lines.iter().any(|(_, line)| line.is_some()) {
             scales.mains = Some(lines.map(|(mains, line)| line.unwrap_or(mains)));
         }
-        Setting { scales, traces, channels }
+        let channel_ranges = (0..channels.len()).map(|place| self.channel_range(place)).collect();
+        Setting { scales, traces, channels, channel_ranges }
+    }
+
+    /// Largest less smallest value of another channel, in its unit.
+    fn channel_range(&self, place: usize) -> f64 {
+        let channels = self.pieces.iter().filter_map(|piece| piece.channels.get(place));
+        let values = channels.flat_map(|channel| channel.values.iter().copied());
+        let (least, most) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), v| {
+            (least.min(v), most.max(v))
+        });
+        (most - least).max(0.0)
+    }
+
+    /// Interval between samples that nine of ten do not exceed, s.
+    fn common_interval(&self) -> f64 {
+        let times = self.pieces.iter().map(|piece| &piece.motion.time);
+        let mut intervals: Vec<f64> =
+            times.flat_map(|time| time.windows(2).map(|pair| pair[1] - pair[0])).collect();
+        let place = intervals.len() * 9 / 10;
+        if intervals.is_empty() {
+            return 0.0;
+        }
+        let last = intervals.len() - 1;
+        *intervals.select_nth_unstable_by(place.min(last), f64::total_cmp).1
     }
 
     /// Time since the data set began, s, and the signal, as much as it takes to find a hum.
@@ -259,6 +283,7 @@ impl<'a> Data<'a> {
             compression: self.largest_compression(),
             duration: self.longest(),
             interval: self.shortest_interval(),
+            common_interval: self.common_interval(),
             ..Scales::default()
         };
         let mut end = f64::NEG_INFINITY;
@@ -266,6 +291,8 @@ impl<'a> Data<'a> {
             let scene = self.scene(piece);
             let most = |values: &[f64]| values.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
             scales.force = scales.force.max(most(piece.measured));
+            let least = piece.motion.displacement.iter().copied().fold(0.0, f64::min);
+            scales.parting = scales.parting.max(-least);
             scales.speed = scales.speed.max(most(&scene.velocity));
             scales.acceleration = scales.acceleration.max(most(&scene.acceleration));
             scales.loadings = scales.loadings.max(most(&scene.loadings));
@@ -274,6 +301,24 @@ impl<'a> Data<'a> {
         }
         scales.set_duration = end.max(scales.duration);
         scales
+    }
+
+    /// Time from the beginning of the data set to the middle of each trace, s.
+    #[must_use]
+    pub fn middles(&self) -> Vec<f64> {
+        let middle = |trace: usize| {
+            let own = self.pieces.iter().filter(|piece| piece.trace == trace);
+            let ends = own.flat_map(|piece| {
+                let time = &piece.motion.time;
+                let since = |time: &f64| piece.begin + time - piece.first;
+                time.first().into_iter().chain(time.last()).map(since).collect::<Vec<_>>()
+            });
+            let (least, most) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), t| {
+                (least.min(t), most.max(t))
+            });
+            if least <= most { 0.5 * (least + most) } else { 0.0 }
+        };
+        (0..self.labels.len()).map(middle).collect()
     }
 
     /// Number of samples.

@@ -13,6 +13,7 @@ pub mod elastic_law;
 pub mod exponentials;
 pub mod hold;
 pub mod least_squares;
+pub mod levels;
 pub mod line;
 pub mod power_law;
 pub mod problem;

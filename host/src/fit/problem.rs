@@ -13,6 +13,7 @@ use nalgebra::{DMatrix, DVector};
 use super::coordinates::Coordinates;
 use super::data::{Data, Piece};
 use super::least_squares::{LeastSquares, Normal};
+use super::levels::LevelSums;
 use super::whitening::Whitening;
 use crate::model::{Chain, Elasticity, History, Scene};
 
@@ -93,7 +94,8 @@ impl<'a> Problem<'a> {
     /// measured) of the stretches of `trace`.
     #[must_use]
     pub fn apart(&self, point: &[f64], trace: usize) -> (f64, Vec<StretchResidual>) {
-        let (mut cost, mut apart) = (0.0, Vec::new());
+        let (mut normal, mut apart) = (Normal::zeros(0), Vec::new());
+        let mut sums = self.level_sums(0);
         self.each_piece(&[point.to_vec()], |piece, forces| {
             let mut residual: Vec<f64> =
                 forces[0].iter().zip(piece.measured).map(|(f, y)| f - y).collect();
@@ -103,10 +105,14 @@ impl<'a> Problem<'a> {
             }
             if self.fitted(piece) {
                 self.whitening.apply(&mut residual);
-                cost += residual.iter().map(|r| r * r).sum::<f64>();
+                if let Some(sums) = &mut sums {
+                    sums.add(piece.trace, &self.unit_level(residual.len()), &[], &residual, 0);
+                }
+                normal.cost += residual.iter().map(|r| r * r).sum::<f64>();
             }
         });
-        (cost, apart)
+        self.marginalise(sums.as_ref(), &mut normal);
+        (normal.cost, apart)
     }
 
     /// The coordinates of the base law.
@@ -245,11 +251,13 @@ impl<'a> Problem<'a> {
             let first = blocks.len();
             for begin in (0..count).step_by(size) {
                 let mut block = Block::new(piece.trace, point.len());
+                block.levels = self.level_sums(point.len());
                 let range = begin..(begin + size).min(count);
                 block.samples = range.len();
                 block.raw.add(&columns, &residual, range.clone());
                 blocks.push(block);
             }
+            let unit = self.unit_level(count);
             self.whitening.apply(&mut residual);
             for (_, column) in &mut columns {
                 self.whitening.apply(column);
@@ -257,6 +265,9 @@ impl<'a> Problem<'a> {
             for (block, begin) in blocks[first..].iter_mut().zip((0..count).step_by(size)) {
                 let range = begin..(begin + size).min(count);
                 block.slow = sums_of_neighbours(&residual[range.clone()]);
+                if let Some(sums) = &mut block.levels {
+                    sums.add(piece.trace, &unit[range.clone()], &columns, &residual, range.start);
+                }
                 block.white.add(&columns, &residual, range);
             }
         });
@@ -286,6 +297,42 @@ impl<'a> Problem<'a> {
             square += residual.iter().map(|r| r * r).sum::<f64>();
         });
         if square > 0.0 { product / square } else { 0.0 }
+    }
+
+    /// Sums over no samples, where slow noise moves the levels of the traces.
+    fn level_sums(&self, coordinates: usize) -> Option<LevelSums> {
+        self.whitening.levels().map(|levels| LevelSums::zeros(coordinates, levels.traces()))
+    }
+
+    /// The whitened unit level of a stretch; empty where nothing moves the levels.
+    fn unit_level(&self, samples: usize) -> Vec<f64> {
+        self.whitening.levels().map_or(Vec::new(), |_| self.whitening.unit_level(samples))
+    }
+
+    /// Takes out of normal equations what the levels of the traces could explain.
+    pub fn marginalise(&self, sums: Option<&LevelSums>, normal: &mut Normal) {
+        if let (Some(levels), Some(sums)) = (self.whitening.levels(), sums) {
+            levels.marginalise(sums, normal);
+        }
+    }
+
+    /// Sum of squares of the whitened residual of one trace, from that of its stretches, without what
+    /// its level could explain.
+    #[must_use]
+    pub fn whitened_square(&self, trace: usize, stretches: &mut [Vec<f64>]) -> f64 {
+        let (mut square, mut along, mut of_unit) = (0.0, 0.0, 0.0);
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        for residual in stretches {
+            let unit = self.unit_level(residual.len());
+            self.whitening.apply(residual);
+            square += dot(residual, residual);
+            along += dot(&unit, residual);
+            of_unit += dot(&unit, &unit);
+        }
+        match self.whitening.levels() {
+            Some(levels) => levels.of_one(trace, square, along, of_unit),
+            None => square,
+        }
     }
 
     fn fitted(&self, piece: &Piece) -> bool {
@@ -322,6 +369,8 @@ pub struct Block {
     /// Sum over runs of neighbours of the squared sum of their whitened residuals, over their number:
     /// the sum of squares times the number of samples that count as one.
     pub slow: f64,
+    /// What the levels of the traces have in common with it, where slow noise moves them.
+    pub levels: Option<LevelSums>,
 }
 
 /// Least and largest number of neighbours whose residuals are summed.
@@ -336,7 +385,7 @@ fn sums_of_neighbours(residual: &[f64]) -> f64 {
 impl Block {
     fn new(trace: usize, dimension: usize) -> Self {
         let zeros = || Normal::zeros(dimension);
-        Self { trace, samples: 0, white: zeros(), raw: zeros(), slow: 0.0 }
+        Self { trace, samples: 0, white: zeros(), raw: zeros(), slow: 0.0, levels: None }
     }
 }
 
@@ -374,29 +423,40 @@ impl LeastSquares for Problem<'_> {
     }
 
     fn cost(&self, point: &[f64]) -> f64 {
-        let mut cost = 0.0;
+        let mut normal = Normal::zeros(0);
+        let mut sums = self.level_sums(0);
         self.each_piece(&[point.to_vec()], |piece, forces| {
             if self.fitted(piece) {
                 let mut residual: Vec<f64> =
                     forces[0].iter().zip(piece.measured).map(|(f, y)| f - y).collect();
                 self.whitening.apply(&mut residual);
-                cost += residual.iter().map(|r| r * r).sum::<f64>();
+                if let Some(sums) = &mut sums {
+                    sums.add(piece.trace, &self.unit_level(residual.len()), &[], &residual, 0);
+                }
+                normal.cost += residual.iter().map(|r| r * r).sum::<f64>();
             }
         });
-        cost
+        self.marginalise(sums.as_ref(), &mut normal);
+        normal.cost
     }
 
     fn normal(&self, point: &[f64]) -> Normal {
         let mut normal = Normal::zeros(point.len());
+        let mut sums = self.level_sums(point.len());
         self.derivatives(point, |piece, mut residual, mut columns| {
             if self.fitted(piece) {
                 self.whitening.apply(&mut residual);
                 for (_, column) in &mut columns {
                     self.whitening.apply(column);
                 }
+                if let Some(sums) = &mut sums {
+                    let unit = self.unit_level(residual.len());
+                    sums.add(piece.trace, &unit, &columns, &residual, 0);
+                }
                 normal.add(&columns, &residual, 0..residual.len());
             }
         });
+        self.marginalise(sums.as_ref(), &mut normal);
         normal
     }
 }

@@ -10,6 +10,8 @@ use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
 
+use super::levels::Levels;
+
 /// A model of noise, as a filter.
 #[derive(Clone, Debug)]
 pub struct Whitening {
@@ -27,10 +29,14 @@ pub struct Whitening {
     none: bool,
     /// Whether the size of the noise is a guess: what is left tells it then.
     guessed: bool,
+    /// How slow noise moves the level of each trace.
+    levels: Option<Arc<Levels>>,
 }
 
 /// Time constants of the processes that together are flicker, in samples.
 const TIMES: [f64; 6] = [4.0, 16.0, 64.0, 256.0, 1024.0, 4096.0];
+/// Factor between the times of neighbouring processes.
+const APART: f64 = 4.0;
 /// Samples after which the Kalman filter counts as settled at the latest.
 const SETTLED: usize = 8192;
 
@@ -45,6 +51,7 @@ impl Whitening {
             schedule: Arc::default(),
             none: true,
             guessed: true,
+            levels: None,
         }
     }
 
@@ -71,6 +78,7 @@ impl Whitening {
             schedule: Arc::default(),
             none: false,
             guessed: false,
+            levels: None,
         };
         if flicker > 0.0 {
             noise.schedule = Arc::new(noise.gains(longest));
@@ -82,6 +90,33 @@ impl Whitening {
     #[must_use]
     pub fn guess(self) -> Self {
         Self { guessed: true, ..self }
+    }
+
+    /// This noise with its flicker running on through the pauses between traces, in the middle of which
+    /// these times stand, in samples since the data set began; unchanged where there is no flicker.
+    #[must_use]
+    pub fn through_pauses(self, middles: &[f64]) -> Self {
+        let end = middles.iter().copied().fold(0.0, f64::max);
+        let longest = TIMES[TIMES.len() - 1];
+        let times: Vec<f64> = std::iter::successors(Some(longest * APART), |time| Some(time * APART))
+            .take_while(|time| *time < APART * end)
+            .collect();
+        let levels = Levels::of_processes(self.flicker, &times, middles).map(Arc::new);
+        Self { levels, ..self }
+    }
+
+    /// How slow noise moves the level of each trace; none where it does not.
+    #[must_use]
+    pub fn levels(&self) -> Option<&Levels> {
+        self.levels.as_deref()
+    }
+
+    /// A unit level over so many samples, whitened.
+    #[must_use]
+    pub fn unit_level(&self, samples: usize) -> Vec<f64> {
+        let mut unit = vec![1.0; samples];
+        self.apply(&mut unit);
+        unit
     }
 
     /// Whether the size of the noise is a guess.

@@ -6,7 +6,7 @@ use super::DiagnosisSummary;
 use crate::criticism::adequacy::Adequacy;
 use crate::criticism::noise::Seen;
 use crate::criticism::search::Rival;
-use crate::criticism::{dependence, screen, search};
+use crate::criticism::{agreement, dependence, screen, search};
 
 impl DiagnosisSummary<'_> {
     /// The diagnosis as one JSON object, as the format has it, with more beside.
@@ -39,6 +39,9 @@ impl DiagnosisSummary<'_> {
             "noise_rms_N": self.noise(),
             "base_rms_N": found.base.rms(),
             "final_rms_N": found.model().rms(),
+            "discrepancy_rms": diagnosis.discrepancy,
+            "p_values": if found.inexact { "agreement between parts of the data" } else { "noise" },
+            "standard_errors": if found.inexact { "jackknife over parts of the data" } else { "noise" },
             "steps": steps,
             "refused": self.refused_json(),
             "where": places,
@@ -65,6 +68,7 @@ impl DiagnosisSummary<'_> {
                 "null": screen::SEED,
                 "resampling": search::SEED,
                 "dependence": dependence::SEED,
+                "agreement": agreement::SEED,
             },
         })
     }

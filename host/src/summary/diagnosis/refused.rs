@@ -36,6 +36,9 @@ impl DiagnosisSummary<'_> {
         let unit = self.unit();
         match &refused.reason {
             Refusal::FittedError => "the error of the fit does not fall".into(),
+            Refusal::FitUncertain => {
+                "the error of the fit falls by no more than chance explains in a residual whose neighbours agree".into()
+            }
             Refusal::HeldOutError => "the error on traces left out rises".into(),
             Refusal::HeldOutUncertain(_) => {
                 "the error on traces left out falls by less than its uncertainty over the traces"
