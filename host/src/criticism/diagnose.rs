@@ -132,7 +132,7 @@ pub fn diagnose(model: &Model, traces: &[Trace]) -> Result<Diagnosis, DiagnoseEr
     let exact = assessed.verdict != Verdict::Unknown;
     let denied = search.examine(&mut found, exact);
     if denied.is_some() || (!exact && !found.steps.is_empty()) {
-        found = search.climb(found.base.clone());
+        found = search.borne_out(&found);
         let known = |denied: &Refused| {
             found.names(&denied.effect) || found.refused.iter().any(|r| r.effect == denied.effect)
         };

@@ -33,6 +33,9 @@ pub enum Refusal {
     HeldOutError,
     /// The error on traces left out falls by less than its uncertainty over the traces.
     HeldOutUncertain(Gain),
+    /// The parts of the data do not agree about it: the chance that parts which know nothing of it agree
+    /// as much.
+    Disagreement(f64),
     /// A parameter runs to the bound beyond which the law is no longer this effect.
     AtBound {
         /// Name of the parameter.

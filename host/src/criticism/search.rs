@@ -25,6 +25,8 @@ pub const FALSE_ALARMS: f64 = 0.01;
 pub const DECISIVE: f64 = 10.0;
 /// Most effects added.
 const MOST_STEPS: usize = 3;
+/// Chance of as much agreement between the parts of the data above which they do not agree.
+const DISAGREEMENT: f64 = 0.1;
 /// Part of all that was explained so far that a further effect must explain: less is how a law's form
 /// differs from the specimen's.
 const MINOR: f64 = 0.04;
@@ -115,6 +117,12 @@ impl Found {
     #[must_use]
     pub fn model(&self) -> &Fitted {
         self.models.last().unwrap_or(&self.base)
+    }
+
+    /// Error of the last model on traces left out; none for a single trace.
+    #[must_use]
+    pub fn held_out_rms(&self) -> Option<f64> {
+        Some(self.evidence.last()?.held_out.as_ref()?.rms)
     }
 
     /// Takes down what was refused, the latest trial of each effect.
@@ -216,6 +224,67 @@ impl Search<'_> {
         found
     }
 
+    /// The steps that are borne out on the data of a search by likelihood: its own effects in another
+    /// order or those that predict traces left out best one by one, whichever ends lower there.
+    #[must_use]
+    pub fn borne_out(&self, likeliest: &Found) -> Found {
+        let climbed = self.climb(likeliest.base.clone());
+        match self.reordered(likeliest) {
+            Some(reordered) if reordered.held_out_rms() < climbed.held_out_rms() => reordered,
+            _ => climbed,
+        }
+    }
+
+    /// The same effects as those of another search in the order, and as many of them, in which every one
+    /// is borne out: an effect may predict only beside another. The one that predicts traces left out
+    /// best; none where no order begins with an effect that is borne out.
+    #[must_use]
+    pub fn reordered(&self, other: &Found) -> Option<Found> {
+        let mut best: Option<Found> = None;
+        for first in 0..other.steps.len() {
+            let mut found = Found { inexact: true, ..self.begin(other.base.clone()) };
+            found.evidence.push(self.evidence(&found.base));
+            let mut left: Vec<usize> = (0..other.steps.len()).collect();
+            left.rotate_left(first);
+            for index in left {
+                self.try_on(&mut found, other, index);
+            }
+            let error = |found: &Found| found.held_out_rms().unwrap_or(f64::INFINITY);
+            if !found.steps.is_empty() && best.as_ref().is_none_or(|best| error(&found) < error(best)) {
+                best = Some(found);
+            }
+        }
+        best
+    }
+
+    /// Adds an effect of another search, as it stands at its end, if it is borne out.
+    fn try_on(&self, found: &mut Found, other: &Found, index: usize) {
+        let end = other.model();
+        let place = other.base.chain.effects.len() + index;
+        let chain = found.model().chain.with(end.chain.effects[place].clone());
+        let point = [&found.model().point[..], &end.point[end.chain.range(place)]].concat();
+        let problem = self.problem.with_chain(&chain);
+        let fitted = Fitted::new(&problem, &point, Effort::LONG);
+        let evidence = self.evidence(&fitted);
+        let effect = other.steps[index].effect.clone();
+        let (without, with) =
+            (found.judged(found.steps.len()), Judged { fitted: &fitted, evidence: &evidence });
+        let candidate = self.candidates.iter().position(|candidate| candidate.name == effect);
+        let Some(candidate) = candidate else { return };
+        let p_value = agreement::chances(&found.last, self.candidates)[candidate];
+        if let Err(reason) = weigh_inexact(without, with, p_value) {
+            let refused = refused(&effect, without, with, reason);
+            found.refuse([refused]);
+            return;
+        }
+        let credible = other.steps[index].credible.clone();
+        let rival = Rival { candidate, effect: effect.clone(), fitted: fitted.clone(), won: 1.0 };
+        found.models.push(fitted);
+        found.evidence.push(evidence);
+        found.steps.push(Step { effect, p_value, rivals: vec![rival], credible, fresh: true });
+        found.last = self.screen(found.model());
+    }
+
     /// Adds the effect that lowers the error on traces left out most, if one is borne out.
     fn step_up(&self, found: &mut Found) -> bool {
         let least = found.last.chance.iter().copied().fold(1.0, f64::min);
@@ -224,6 +293,8 @@ impl Search<'_> {
         }
         let mut rivals = self.refit(found.model(), &found.last, &BROAD);
         resample(self.problem, &mut rivals);
+        // Where the law is inexact, noise alone is no measure of chance: the parts of the data vote.
+        let agreement = agreement::chances(&found.last, self.candidates);
         let evidence: Vec<Evidence> =
             rivals.iter().map(|rival| self.evidence(&rival.fitted)).collect();
         let without = found.judged(found.steps.len());
@@ -234,7 +305,7 @@ impl Search<'_> {
             if found.last.chance[rival.candidate] > 0.5 * FALSE_ALARMS {
                 continue;
             }
-            match weigh_inexact(without, with) {
+            match weigh_inexact(without, with, agreement[rival.candidate]) {
                 Ok(()) => borne_out.push(index),
                 Err(reason) => refusals.push(refused(&rival.effect, without, with, reason)),
             }
@@ -258,8 +329,7 @@ impl Search<'_> {
         }
         names.retain(|name| *name != effect);
         names.insert(0, effect.clone());
-        // Where the law is inexact, noise alone is no measure of chance: the parts of the data vote.
-        let p_value = agreement::chances(&found.last, self.candidates)[rivals[best].candidate];
+        let p_value = agreement[rivals[best].candidate];
         found.models.push(rivals[best].fitted.clone());
         found.evidence.push(evidence[best].clone());
         rivals.swap(0, best);
@@ -546,10 +616,12 @@ impl Search<'_> {
 
 /// Weighs a rival where what it leaves need not be noise: the fit must gain by the samples that are
 /// independent in it, whatever the number of all.
-fn weigh_inexact(without: Judged, with: Judged) -> Result<(), Refusal> {
+fn weigh_inexact(without: Judged, with: Judged, agreement: f64) -> Result<(), Refusal> {
     weigh(without, with, false)?;
-    let better = with.fitted.beats_inexact(without.fitted, DECISIVE);
-    if better { Ok(()) } else { Err(Refusal::FitUncertain) }
+    if !with.fitted.beats_inexact(without.fitted, DECISIVE) {
+        return Err(Refusal::FitUncertain);
+    }
+    if agreement > DISAGREEMENT { Err(Refusal::Disagreement(agreement)) } else { Ok(()) }
 }
 
 /// What is told of a model that was refused.

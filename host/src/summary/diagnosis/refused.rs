@@ -44,6 +44,10 @@ impl DiagnosisSummary<'_> {
                 "the error on traces left out falls by less than its uncertainty over the traces"
                     .into()
             }
+            Refusal::Disagreement(chance) => format!(
+                "the parts of the data do not agree about it (p = {})",
+                significant(*chance, 2)
+            ),
             Refusal::AtBound { parameter, value, unit } => format!(
                 "{parameter} runs to its bound of {}, beyond which the law is no longer this effect",
                 format!("{} {unit}", significant(*value, 3)).trim_end()
