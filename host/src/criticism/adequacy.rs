@@ -5,6 +5,7 @@
 //! mean square is that of the samples; what a model lacks adds up within a block. What the whitening
 //! itself leaves in the noise is in the rest off the specimen as well, so the two are compared.
 
+use super::tail::log_tail;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 use crate::fit::problem::Problem;
@@ -53,6 +54,7 @@ pub fn adequacy(problem: &Problem, point: &[f64], whitening: &Whitening) -> Adeq
     let mut touched = [Sums::default(); LENGTHS.len()];
     let mut quiet = [Sums::default(); LENGTHS.len()];
     let mut counts = Counts::default();
+    let mut strongest = Strongest::default();
     let (mut square, mut samples): (f64, f64) = (0.0, 0.0);
     problem.each_piece(&[point.to_vec()], |piece, forces| {
         let mut residual: Vec<f64> =
@@ -69,6 +71,7 @@ pub fn adequacy(problem: &Problem, point: &[f64], whitening: &Whitening) -> Adeq
             }
         }
         counts.add(&residual);
+        strongest.add(&residual, x);
     });
     let mut p_value: f64 = 1.0;
     let mut excess: f64 = 0.0;
@@ -88,8 +91,57 @@ pub fn adequacy(problem: &Problem, point: &[f64], whitening: &Whitening) -> Adeq
             p_value = p_value.min(fisher.sf((mean / floor).max(0.0)));
         }
     }
-    let p_value = (p_value * LENGTHS.len() as f64).min(1.0);
+    let p_value = (p_value * LENGTHS.len() as f64).min(1.0).min(strongest.p_value());
     Adequacy { p_value, excess, rms: (square / samples.max(1.0)).sqrt(), lights: counts.lights() }
+}
+
+/// Lengths of the windows in which a short disturbance is looked for, samples.
+const WINDOWS: [usize; 6] = [1, 3, 6, 12, 25, 50];
+
+/// The strongest short disturbance: the largest sum over a window beside what noise sums to.
+#[derive(Debug, Default)]
+struct Strongest {
+    /// Largest squared sum of each length over the length, in contact.
+    largest: [f64; WINDOWS.len()],
+    /// The same off the specimen, where nothing but noise can be.
+    quiet: [f64; WINDOWS.len()],
+    /// Number of windows that do not overlap, in contact.
+    windows: [f64; WINDOWS.len()],
+}
+
+impl Strongest {
+    fn add(&mut self, whitened: &[f64], x: &[f64]) {
+        for (place, &length) in WINDOWS.iter().enumerate() {
+            if whitened.len() < length {
+                continue;
+            }
+            let mut sum: f64 = whitened[..length].iter().sum();
+            for begin in 0..=whitened.len() - length {
+                if begin > 0 {
+                    sum += whitened[begin + length - 1] - whitened[begin - 1];
+                }
+                let square = sum * sum / length as f64;
+                let off = x[begin..begin + length].iter().all(|&x| x <= 0.0);
+                let largest = if off { &mut self.quiet } else { &mut self.largest };
+                largest[place] = largest[place].max(square);
+            }
+            self.windows[place] += (whitened.len() / length) as f64;
+        }
+    }
+
+    /// Chance of a disturbance as strong under noise alone, over all windows. Noise with heavy tails
+    /// shows some off the specimen too: only what exceeds the strongest there counts.
+    fn p_value(&self) -> f64 {
+        let of_length = |place: usize| {
+            if self.largest[place] <= self.quiet[place] {
+                return 1.0;
+            }
+            // Windows overlap: about four of each length's places are independent.
+            4.0 * self.windows[place] * log_tail(self.largest[place], 1, false).exp()
+        };
+        let least = (0..WINDOWS.len()).map(of_length).fold(1.0, f64::min);
+        (WINDOWS.len() as f64 * least).min(1.0)
+    }
 }
 
 /// Distances at which neighbours are compared.

@@ -2,8 +2,8 @@
 
 use super::adequacy::{Adequacy, LEVEL, adequacy};
 use super::compare::{Cell, cells_of};
-use super::experiment::next_experiment;
 use super::evidence::{Evidence, Refused};
+use super::experiment::next_experiment;
 use super::fitted::Fitted;
 use super::held_out::HeldOut;
 use super::noise::{NoiseModel, Seen, noise_model, residual_noise};
@@ -252,8 +252,7 @@ impl Assessed {
         };
         let rms = found.model().rms();
         let beyond_noise = (rms * rms - noise.level * noise.level).max(0.0).sqrt();
-        let discrepancy =
-            if after.p_value < LEVEL || guessed { beyond_noise } else { 0.0 };
+        let discrepancy = if after.p_value < LEVEL || guessed { beyond_noise } else { 0.0 };
         Self { verdict, unexplained, discrepancy, after }
     }
 }

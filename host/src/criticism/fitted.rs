@@ -89,7 +89,9 @@ impl Fitted {
         let index = self.chain.effects.len().checked_sub(1)?;
         let range = self.chain.range(index);
         let mut pairs = self.chain.effects[index].parameters.iter().zip(range);
-        pairs.find(|(_, k)| self.at_bound[*k]).map(|(parameter, k)| (parameter, self.values[k]))
+        pairs
+            .find(|(p, k)| self.at_bound[*k] && !p.bounded)
+            .map(|(parameter, k)| (parameter, self.values[k]))
     }
 
     fn criterion(&self, cost: f64, samples: f64) -> f64 {
@@ -183,7 +185,8 @@ impl Fitted {
         };
         let steps: Vec<DVector<f64>> = (0..parts).map(refit).collect();
         let count = parts.max(1) as f64;
-        let mean = steps.iter().fold(DVector::zeros(self.point.len()), |sum, step| sum + step) / count;
+        let mean =
+            steps.iter().fold(DVector::zeros(self.point.len()), |sum, step| sum + step) / count;
         let spread = steps.iter().map(|step| step - &mean);
         spread.fold(DMatrix::zeros(self.point.len(), self.point.len()), |sum, off| {
             sum + &off * off.transpose()

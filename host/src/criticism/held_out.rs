@@ -68,16 +68,29 @@ impl Gain {
 /// as a refit.
 const SAME: f64 = 1.0;
 
-/// Errors of a fitted model on every trace when it is left out; none for a single trace.
+/// Errors of a fitted model on every trace when it is left out, refitted to the others in earnest where
+/// one step does not do; none for a single trace.
 #[must_use]
 pub fn held_out(problem: &Problem, fitted: &Fitted) -> Option<HeldOut> {
+    held_out_with(problem, fitted, true)
+}
+
+/// The same with one step in place of every refit.
+#[must_use]
+pub fn held_out_in_one_step(problem: &Problem, fitted: &Fitted) -> Option<HeldOut> {
+    held_out_with(problem, fitted, false)
+}
+
+fn held_out_with(problem: &Problem, fitted: &Fitted, in_earnest: bool) -> Option<HeldOut> {
     let traces = 1 + fitted.blocks.iter().map(|block| block.trace).max()?;
     if traces < 2 {
         return None;
     }
     let problem = problem.with_chain(&fitted.chain);
-    let errors: Vec<TraceError> =
-        (0..traces).into_par_iter().map(|trace| left_out(&problem, fitted, trace)).collect();
+    let errors: Vec<TraceError> = (0..traces)
+        .into_par_iter()
+        .map(|trace| left_out(&problem, fitted, trace, in_earnest))
+        .collect();
     let total: f64 = errors.iter().map(|error| error.square).sum();
     let samples: f64 = errors.iter().map(|error| error.samples).sum();
     Some(HeldOut {
@@ -96,7 +109,7 @@ struct TraceError {
 }
 
 /// The error on one trace of a fit to the others.
-fn left_out(problem: &Problem, fitted: &Fitted, trace: usize) -> TraceError {
+fn left_out(problem: &Problem, fitted: &Fitted, trace: usize, in_earnest: bool) -> TraceError {
     let others = problem.leaving_out(trace);
     let own = fitted.chain.own_of_trace(trace);
     let rest = fitted.total(&others, |block| f64::from(u8::from(block.trace != trace)));
@@ -115,7 +128,7 @@ fn left_out(problem: &Problem, fitted: &Fitted, trace: usize) -> TraceError {
     }
     let (mut cost, mut residuals) = others.apart(&point, trace);
     let variance = rest.cost / (fitted.samples as f64).max(1.0);
-    if cost.is_nan() || cost > foretold.max(0.0) + SAME * variance {
+    if in_earnest && (cost.is_nan() || cost > foretold.max(0.0) + SAME * variance) {
         point = minimise_with(&others, &point, Effort::QUICK).point;
         (cost, residuals) = others.apart(&point, trace);
     }

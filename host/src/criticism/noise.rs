@@ -56,9 +56,6 @@ const SHORTEST: usize = 16;
 const ORDER: usize = 3;
 /// Time after the touch that still counts as recovery, s.
 const RECOVERY: f64 = 0.3;
-/// Variance of block means over that of white noise above which flicker is looked for.
-const SLOW: f64 = 1.3;
-
 /// The noise, from rest off the specimen; none where the recordings have too little of it.
 #[must_use]
 pub fn noise_model(data: &Data) -> Option<NoiseModel> {
@@ -150,28 +147,7 @@ fn quiet(data: &Data) -> [Vec<Vec<f64>>; 2] {
 }
 
 fn estimate(stretches: &[Vec<f64>], longest: usize) -> Whitening {
-    let plain = autoregression(stretches);
-    if slowness(&plain, stretches) < SLOW {
-        return plain;
-    }
-    with_flicker(stretches, longest).unwrap_or(plain)
-}
-
-/// Variance of the means of blocks within each stretch, over what white noise would give.
-fn slowness(noise: &Whitening, stretches: &[Vec<f64>]) -> f64 {
-    const BLOCK: usize = 24;
-    let (mut squares, mut count) = (0.0, 0.0);
-    for stretch in stretches {
-        let mut values = centred(stretch.clone());
-        noise.apply(&mut values);
-        let sums: Vec<f64> = values.chunks_exact(BLOCK).map(|block| block.iter().sum()).collect();
-        if sums.len() > 1 {
-            let mean = sums.iter().sum::<f64>() / sums.len() as f64;
-            squares += sums.iter().map(|sum| (sum - mean).powi(2)).sum::<f64>() / BLOCK as f64;
-            count += (sums.len() - 1) as f64;
-        }
-    }
-    if count > 0.0 { squares / count } else { 1.0 }
+    with_flicker(stretches, longest).unwrap_or_else(|| autoregression(stretches))
 }
 
 /// The autoregression of up to third order with the least Bayesian information criterion.

@@ -134,10 +134,10 @@ fn directions(candidates: &[Candidate]) -> Vec<Direction> {
 }
 
 /// Fewest parts that data are taken apart into, to see whether they agree.
-const FEWEST_PARTS: usize = 8;
+const FEWEST_PARTS: usize = 24;
 
 /// Inner products of the model's derivatives, all sensitivities and the residual, whitened; and those of
-/// each part of the data with its residual. A part is a trace, or a piece of one where there are few.
+/// each part of the data with its residual. A part is a trace, or a section of one where there are few.
 fn gram(
     problem: &Problem,
     data: &Data,
@@ -157,14 +157,9 @@ fn gram(
         })
         .collect();
     let mut gram = DMatrix::zeros(size + 1, size + 1);
-    let mut sums =
-        whitening.levels().map(|levels| LevelSums::zeros(size + 1, levels.traces()));
-    let traces = data.labels.len();
-    let pieces = if traces < FEWEST_PARTS { FEWEST_PARTS.div_ceil(data.pieces.len()) } else { 1 };
+    let mut sums = whitening.levels().map(|levels| LevelSums::zeros(size + 1, levels.traces()));
+    let pieces = FEWEST_PARTS.div_ceil(data.pieces.len());
     let mut along: Vec<DVector<f64>> = vec![];
-    if traces >= FEWEST_PARTS {
-        along.resize(traces, DVector::zeros(size));
-    }
     watch::stage("stretches screened", data.pieces.len());
     problem.derivatives(point, |piece, residual, derivatives| {
         watch::done();
@@ -194,16 +189,12 @@ fn gram(
         let length = scene.len().div_ceil(pieces).max(1);
         for begin in (0..scene.len()).step_by(length) {
             let range = begin..(begin + length).min(scene.len());
-            let part = if traces >= FEWEST_PARTS {
-                piece.trace
-            } else {
-                along.push(DVector::zeros(size));
-                along.len() - 1
-            };
+            let mut part = DVector::zeros(size);
             for (place, column) in &columns[..columns.len() - 1] {
                 let products = column[range.clone()].iter().zip(&residual[range.clone()]);
-                along[part][*place] += products.map(|(a, b)| a * b).sum::<f64>();
+                part[*place] = products.map(|(a, b)| a * b).sum::<f64>();
             }
+            along.push(part);
         }
         // A few thousand samples at a time: a long trace has many more than fit beside their products.
         let mut products = DMatrix::zeros(columns.len(), columns.len());

@@ -7,9 +7,11 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
+use super::adequacy::{LEVEL, adequacy};
 use super::agreement;
 use super::evidence::{Evidence, Judged, Refusal, Refused, weigh};
 use super::fitted::Fitted;
+use super::held_out::held_out_in_one_step;
 use super::screen::{Direction, Screen, screen};
 use crate::effects::Candidate;
 use crate::fit::data::Data;
@@ -27,6 +29,10 @@ pub const DECISIVE: f64 = 10.0;
 const MOST_STEPS: usize = 3;
 /// Chance of as much agreement between the parts of the data above which they do not agree.
 const DISAGREEMENT: f64 = 0.1;
+/// Rivals that are refitted without each trace in earnest: those that one step speaks for most.
+const IN_EARNEST: usize = 4;
+/// Likeliest rivals that are refitted without each trace in earnest whatever one step says.
+const LIKELIEST: usize = 2;
 /// Part of all that was explained so far that a further effect must explain: less is how a law's form
 /// differs from the specimen's.
 const MINOR: f64 = 0.04;
@@ -45,7 +51,7 @@ struct Breadth {
 /// Where the likelihood of the noise ranks.
 const NARROW: Breadth = Breadth { refits: 12, laws: 12, worth: 0.25, close: 0.5 };
 /// Where traces left out rank, and a law that fits less may predict more.
-const BROAD: Breadth = Breadth { refits: 20, laws: 2, worth: 0.1, close: 0.2 };
+const BROAD: Breadth = Breadth { refits: 16, laws: 2, worth: 0.1, close: 0.2 };
 /// One effect is tried in the place of several where a few steps with it alone explain this part of what
 /// they do.
 const ALONE: f64 = 0.7;
@@ -250,7 +256,9 @@ impl Search<'_> {
                 self.try_on(&mut found, other, index);
             }
             let error = |found: &Found| found.held_out_rms().unwrap_or(f64::INFINITY);
-            if !found.steps.is_empty() && best.as_ref().is_none_or(|best| error(&found) < error(best)) {
+            if !found.steps.is_empty()
+                && best.as_ref().is_none_or(|best| error(&found) < error(best))
+            {
                 best = Some(found);
             }
         }
@@ -272,7 +280,11 @@ impl Search<'_> {
         let candidate = self.candidates.iter().position(|candidate| candidate.name == effect);
         let Some(candidate) = candidate else { return };
         let p_value = agreement::chances(&found.last, self.candidates)[candidate];
-        if let Err(reason) = weigh_inexact(without, with, p_value) {
+        let weighed = match self.leaves_noise(&fitted) {
+            true => weigh(without, with, true),
+            false => weigh_inexact(without, with, p_value),
+        };
+        if let Err(reason) = weighed {
             let refused = refused(&effect, without, with, reason);
             found.refuse([refused]);
             return;
@@ -295,8 +307,11 @@ impl Search<'_> {
         resample(self.problem, &mut rivals);
         // Where the law is inexact, noise alone is no measure of chance: the parts of the data vote.
         let agreement = agreement::chances(&found.last, self.candidates);
+        self.most_promising(&mut rivals);
         let evidence: Vec<Evidence> =
             rivals.iter().map(|rival| self.evidence(&rival.fitted)).collect();
+        let exact: Vec<bool> =
+            rivals.iter().map(|rival| self.leaves_noise(&rival.fitted)).collect();
         let without = found.judged(found.steps.len());
         let mut borne_out: Vec<usize> = Vec::new();
         let mut refusals: Vec<Refused> = Vec::new();
@@ -305,7 +320,11 @@ impl Search<'_> {
             if found.last.chance[rival.candidate] > 0.5 * FALSE_ALARMS {
                 continue;
             }
-            match weigh_inexact(without, with, agreement[rival.candidate]) {
+            let weighed = match exact[index] {
+                true => weigh(without, with, true),
+                false => weigh_inexact(without, with, agreement[rival.candidate]),
+            };
+            match weighed {
                 Ok(()) => borne_out.push(index),
                 Err(reason) => refusals.push(refused(&rival.effect, without, with, reason)),
             }
@@ -317,7 +336,8 @@ impl Search<'_> {
         borne_out.sort_by(|&a, &b| error(a).total_cmp(&error(b)));
         found.refuse(refusals);
         let Some(&best) = borne_out.first() else { return false };
-        let as_good = |&&index: &&usize| match (&evidence[best].held_out, &evidence[index].held_out) {
+        let as_good = |&&index: &&usize| match (&evidence[best].held_out, &evidence[index].held_out)
+        {
             (Some(best), Some(other)) => !best.gain(other).exceeds(1.0),
             _ => false,
         };
@@ -329,7 +349,8 @@ impl Search<'_> {
         }
         names.retain(|name| *name != effect);
         names.insert(0, effect.clone());
-        let p_value = agreement[rivals[best].candidate];
+        let candidate = rivals[best].candidate;
+        let p_value = if exact[best] { found.last.chance[candidate] } else { agreement[candidate] };
         found.models.push(rivals[best].fitted.clone());
         found.evidence.push(evidence[best].clone());
         rivals.swap(0, best);
@@ -338,6 +359,32 @@ impl Search<'_> {
         found.steps.push(Step { effect, p_value, rivals, credible: names, fresh: true });
         found.last = self.screen(found.model());
         true
+    }
+
+    /// Keeps the rivals that traces left out, each in one step from the fit to all, and the likelihood
+    /// speak for most: a refit to the others in earnest is for these.
+    fn most_promising(&self, rivals: &mut Vec<Rival>) {
+        let error = |rival: &Rival| {
+            held_out_in_one_step(self.problem, &rival.fitted).map_or(f64::INFINITY, |h| h.rms)
+        };
+        let mut errors: Vec<(f64, usize)> =
+            rivals.iter().map(error).enumerate().map(|(index, error)| (error, index)).collect();
+        errors.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut kept: Vec<usize> =
+            errors.iter().take(IN_EARNEST).map(|(_, index)| *index).collect();
+        kept.extend((0..rivals.len()).take(LIKELIEST));
+        let mut index = 0;
+        rivals.retain(|_| {
+            index += 1;
+            kept.contains(&(index - 1))
+        });
+    }
+
+    /// Whether what a model leaves is noise.
+    fn leaves_noise(&self, fitted: &Fitted) -> bool {
+        let problem = self.problem.with_chain(&fitted.chain);
+        let found = adequacy(&problem, &fitted.point, self.whitening);
+        found.p_value >= LEVEL && !self.whitening.is_guess()
     }
 
     /// Adds the effect that is missed most, if one is missed beyond the chance of `budget`.
@@ -435,11 +482,16 @@ impl Search<'_> {
             }
             kept
         });
-        self.refitted(tried, Effort::QUICK)
+        self.refitted(from, tried, Effort::QUICK)
     }
 
     /// Fits each to its end, from where it was tried; the best law of each effect, best effect first.
-    fn refitted(&self, tried: Vec<(&Direction, Chain, Solution)>, effort: Effort) -> Vec<Rival> {
+    fn refitted(
+        &self,
+        from: &Fitted,
+        tried: Vec<(&Direction, Chain, Solution)>,
+        effort: Effort,
+    ) -> Vec<Rival> {
         watch::stage("laws refitted", tried.len());
         let fits: Vec<(usize, Fitted)> = tried
             .into_par_iter()
@@ -450,18 +502,18 @@ impl Search<'_> {
                 (direction.candidate, fitted)
             })
             .collect();
-        self.by_effect(fits)
+        self.by_effect(fits, from)
     }
 
     /// The best law of each effect, best effect first.
-    fn by_effect(&self, fits: Vec<(usize, Fitted)>) -> Vec<Rival> {
+    fn by_effect(&self, fits: Vec<(usize, Fitted)>, from: &Fitted) -> Vec<Rival> {
         let mut rivals: Vec<Rival> = Vec::new();
         for (candidate, fitted) in fits {
             if !fitted.bic().is_finite() || !fitted.rms().is_finite() {
                 continue;
             }
             match rivals.iter_mut().find(|rival| rival.candidate == candidate) {
-                Some(rival) if fitted.bic() < rival.fitted.bic() => {
+                Some(rival) if stands_better(&fitted, &rival.fitted, from) => {
                     rival.fitted = fitted;
                 }
                 Some(_) => {}
@@ -570,7 +622,7 @@ impl Search<'_> {
         let explained = found.base.cost - found.model().cost;
         tried.retain(|(.., trial)| found.base.cost - trial.normal.cost > ALONE * explained);
         tried.truncate(2);
-        let rivals = self.refitted(tried, Effort::LONG);
+        let rivals = self.refitted(&found.base, tried, Effort::LONG);
         let Some(best) = rivals.first() else { return false };
         if best.fitted.bic() > found.model().bic() + DECISIVE {
             return false;
@@ -629,7 +681,13 @@ fn refused(effect: &str, without: Judged, with: Judged, reason: Refusal) -> Refu
     let held_out = |judged: Judged| judged.evidence.held_out.as_ref().map(|held_out| held_out.rms);
     Refused {
         effect: effect.to_owned(),
-        law: with.fitted.chain.effects.last().map(|effect| effect.law.to_string()).unwrap_or_default(),
+        law: with
+            .fitted
+            .chain
+            .effects
+            .last()
+            .map(|effect| effect.law.to_string())
+            .unwrap_or_default(),
         reason,
         rms: (without.fitted.rms(), with.fitted.rms()),
         held_out: held_out(without).zip(held_out(with)),
@@ -638,6 +696,21 @@ fn refused(effect: &str, without: Judged, with: Judged, reason: Refusal) -> Refu
 
 fn by_criterion(a: &Rival, b: &Rival) -> Ordering {
     a.fitted.bic().total_cmp(&b.fitted.bic())
+}
+
+/// Part of the gain of a law on its bound with which another law of the same effect, inside its bounds,
+/// stands for it.
+const INSIDE: f64 = 0.5;
+
+/// Whether one law of an effect stands better for it than another, both added to the same model.
+fn stands_better(law: &Fitted, other: &Fitted, from: &Fitted) -> bool {
+    let inside = |fitted: &Fitted| fitted.last_effect_at_bound().is_none();
+    let gain = |fitted: &Fitted| from.bic() - fitted.bic();
+    match (inside(law), inside(other)) {
+        (true, false) => gain(law) > INSIDE * gain(other),
+        (false, true) => gain(other) <= INSIDE * gain(law),
+        _ => law.bic() < other.bic(),
+    }
 }
 
 /// How often each rival is best when the blocks of the data are drawn anew.

@@ -55,7 +55,9 @@ const PLACE: Shape = Shape {
         let near = [0.0, 0.1].map(|part| part * scales.compression);
         far(scales).into_iter().map(|reach| -0.4 * reach).chain(near).collect()
     },
-    role: Role::Fitted(|scales| (-scales.parting.max(0.1 * scales.compression), scales.compression)),
+    role: Role::Fitted(|scales| {
+        (-scales.parting.max(0.1 * scales.compression), scales.compression)
+    }),
 };
 
 const EXPONENT: Shape = Shape {
@@ -97,10 +99,7 @@ pub const EFFECT: Effect = Effect {
             name: "gaussian",
             formula: "F → F − w e^(−((x − x_p)/ℓ)²) while parting",
             strength: PULL,
-            shapes: &[
-                WIDTH,
-                PLACE,
-            ],
+            shapes: &[WIDTH, PLACE],
             act: Act::Force(|scene, parameters, remembered, force| {
                 let (pull, length, place) = (parameters[0], parameters[1], parameters[2]);
                 for (k, parting) in parting(scene, remembered, length).into_iter().enumerate() {

@@ -36,7 +36,7 @@ pub fn candidates(setting: &Setting, own: &[StoredEffect]) -> Result<Vec<Candida
         let form = |law: &super::Law| Form {
             applied: law.applied(effect, setting),
             typical: (law.strength.typical)(&setting.scales),
-            positive: law.strength.sign == Sign::Positive,
+            positive: law.strength.sign != Sign::Either,
             grid: law.grid(&setting.scales),
         };
         Ok(Candidate {

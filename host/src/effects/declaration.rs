@@ -88,6 +88,8 @@ pub enum Role {
 pub enum Sign {
     /// Above zero only.
     Positive,
+    /// A part of a whole: from zero to its largest size, both given by physics.
+    Part,
     /// Either.
     Either,
 }
@@ -222,7 +224,8 @@ impl Law {
             name: name.into(),
             unit: self.strength.unit.into(),
             meaning: self.strength.meaning.into(),
-            lower: if self.strength.sign == Sign::Positive { 0.0 } else { -most(place) },
+            lower: if self.strength.sign == Sign::Either { -most(place) } else { 0.0 },
+            bounded: self.strength.sign == Sign::Part,
             upper: most(place),
         };
         let shape = |shape: &Shape| {
@@ -239,6 +242,7 @@ impl Law {
                 meaning: shape.meaning.into(),
                 lower,
                 upper,
+                bounded: false,
             }
         };
         let strengths = self.strengths(setting);

@@ -1,6 +1,6 @@
 //! `drift`: the zero of the sensor wanders steadily.
 
-use super::{Count, Covariate, Effect, Law, Needs, Sign, Strength};
+use super::{Count, Covariate, Effect, Law, Needs, Role, Shape, Sign, Strength};
 use crate::model::{Act, Scene, Stage};
 
 const RATE: Strength = Strength {
@@ -49,6 +49,22 @@ pub const EFFECT: Effect = Effect {
             shapes: &[],
             act: Act::Force(|scene, parameters, _, force| {
                 add(force, |k| parameters[0] * minutes(scene, k).max(0.0).sqrt());
+            }),
+        },
+        Law {
+            name: "onset",
+            formula: "F → F + d max(t_set − t_1, 0)",
+            strength: RATE,
+            shapes: &[Shape {
+                name: "onset",
+                unit: "s",
+                meaning: "time since the data set began at which the zero begins to wander",
+                grid: |scales| [0.3, 0.6].map(|part| part * scales.set_duration).to_vec(),
+                role: Role::Fitted(|scales| (0.0, 0.95 * scales.set_duration)),
+            }],
+            act: Act::Force(|scene, parameters, _, force| {
+                let onset = parameters[1] / MINUTE;
+                add(force, |k| parameters[0] * (minutes(scene, k) - onset).max(0.0));
             }),
         },
         Law {

@@ -7,7 +7,7 @@ const LOSS: Strength = Strength {
     name: "loss",
     unit: "",
     meaning: "part of what lies above the limit that is lost; 1 is a hard stop",
-    sign: Sign::Positive,
+    sign: Sign::Part,
     typical: |_| 0.5,
     most: |_| 1.0,
     count: Count::Fixed(&[]),

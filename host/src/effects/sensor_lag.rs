@@ -44,7 +44,7 @@ pub const EFFECT: Effect = Effect {
                 unit: "",
                 meaning: "damping ratio ζ",
                 grid: |_| vec![0.7],
-                role: Role::Fitted(|_| (0.2, 1.0)),
+                role: Role::Fitted(|_| (0.1, 5.0)),
             }],
             act: Act::Force(second_order),
         },
@@ -84,7 +84,7 @@ fn second_order(scene: &Scene, parameters: &[f64], _: &mut Remembered, force: &m
         return;
     }
     let frequency = 1.0 / constant;
-    let swing = frequency * (1.0 - damping * damping).max(0.0).sqrt();
+    let swing = frequency * (1.0 - damping * damping).abs().sqrt();
     let (mut before, mut rate) = (force.first().copied().unwrap_or_default(), 0.0);
     for k in 1..force.len() {
         let (ahead, interval) = (force[k], time[k] - time[k - 1]);
@@ -94,8 +94,10 @@ fn second_order(scene: &Scene, parameters: &[f64], _: &mut Remembered, force: &m
         let (off, off_rate) = (force[k - 1] - before + trail, rate - slope);
         let decay = (-damping * frequency * interval).exp();
         let angle = swing * interval;
-        let cosine = angle.cos();
-        let sine = if angle > 1e-6 { angle.sin() / swing } else { interval };
+        // Beyond critical damping the swing is two decays, and cosine and sine are hyperbolic.
+        let (cosine, sine) =
+            if damping > 1.0 { (angle.cosh(), angle.sinh()) } else { (angle.cos(), angle.sin()) };
+        let sine = if angle > 1e-6 { sine / swing } else { interval };
         let damped = damping * frequency;
         force[k] = ahead - trail + decay * (off * (cosine + damped * sine) + off_rate * sine);
         rate = slope

@@ -123,6 +123,7 @@ fn own(stored: &StoredEffect) -> Result<Applied, EffectError> {
         meaning: "".into(),
         lower: stored.lower.unwrap_or(f64::NEG_INFINITY),
         upper: stored.upper.unwrap_or(f64::INFINITY),
+        bounded: true,
     };
     Ok(Applied {
         name: name(),

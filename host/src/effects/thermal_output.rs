@@ -50,6 +50,30 @@ pub const EFFECT: Effect = Effect {
             }),
         },
         Law {
+            name: "compensated",
+            formula: "F → F + β (T − T0) − γ (T_s − T0), θ dT_s/dt = T − T_s",
+            strength: Strength { count: Count::Fixed(&["output", "compensation"]), ..OUTPUT },
+            shapes: &[BODY_TIME],
+            act: Act::Force(|scene, parameters, remembered, force| {
+                let body = body_warmth(scene, remembered, parameters[2]);
+                for (k, (force, body)) in force.iter_mut().zip(body).enumerate() {
+                    *force += parameters[0] * scene.warmth(k) - parameters[1] * body;
+                }
+            }),
+        },
+        Law {
+            name: "quadratic",
+            formula: "F → F + β (T − T0) + γ (T − T0)²",
+            strength: Strength { count: Count::Fixed(&["output", "curvature"]), ..OUTPUT },
+            shapes: &[],
+            act: Act::Force(|scene, parameters, _, force| {
+                for (k, force) in force.iter_mut().enumerate() {
+                    let warmth = scene.warmth(k);
+                    *force += (parameters[0] + parameters[1] * warmth) * warmth;
+                }
+            }),
+        },
+        Law {
             name: "zeroed",
             formula: "F → F + β (T − T_1), T_1 at the first sample of the set",
             strength: OUTPUT,

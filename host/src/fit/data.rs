@@ -313,9 +313,10 @@ impl<'a> Data<'a> {
                 let since = |time: &f64| piece.begin + time - piece.first;
                 time.first().into_iter().chain(time.last()).map(since).collect::<Vec<_>>()
             });
-            let (least, most) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), t| {
-                (least.min(t), most.max(t))
-            });
+            let (least, most) = ends
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), t| {
+                    (least.min(t), most.max(t))
+                });
             if least <= most { 0.5 * (least + most) } else { 0.0 }
         };
         (0..self.labels.len()).map(middle).collect()

@@ -35,7 +35,8 @@ impl Levels {
     #[must_use]
     pub fn new(covariance: &DMatrix<f64>) -> Option<Self> {
         let largest = covariance.diagonal().max();
-        let ridged = covariance + DMatrix::identity(covariance.nrows(), covariance.nrows()) * (RIDGE * largest);
+        let ridged = covariance
+            + DMatrix::identity(covariance.nrows(), covariance.nrows()) * (RIDGE * largest);
         let precision = ridged.cholesky()?.inverse();
         (largest > 0.0).then_some(Self { precision })
     }
@@ -95,7 +96,14 @@ impl LevelSums {
     }
 
     /// Adds whitened samples of one trace: those of its unit level, of derivatives, and of the residual.
-    pub fn add(&mut self, trace: usize, unit: &[f64], columns: &[(usize, Vec<f64>)], residual: &[f64], from: usize) {
+    pub fn add(
+        &mut self,
+        trace: usize,
+        unit: &[f64],
+        columns: &[(usize, Vec<f64>)],
+        residual: &[f64],
+        from: usize,
+    ) {
         let dot = |column: &[f64]| unit.iter().zip(column).map(|(a, b)| a * b).sum::<f64>();
         for (coordinate, column) in columns {
             self.along[(*coordinate, trace)] += dot(&column[from..from + unit.len()]);

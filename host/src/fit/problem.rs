@@ -101,7 +101,10 @@ impl<'a> Problem<'a> {
                 forces[0].iter().zip(piece.measured).map(|(f, y)| f - y).collect();
             if piece.trace == trace {
                 let touch = piece.motion.displacement.iter().position(|&x| x > 0.0);
-                apart.push(StretchResidual { residual: residual.clone(), touch: touch.unwrap_or(0) });
+                apart.push(StretchResidual {
+                    residual: residual.clone(),
+                    touch: touch.unwrap_or(0),
+                });
             }
             if self.fitted(piece) {
                 self.whitening.apply(&mut residual);

@@ -98,9 +98,10 @@ impl Whitening {
     pub fn through_pauses(self, middles: &[f64]) -> Self {
         let end = middles.iter().copied().fold(0.0, f64::max);
         let longest = TIMES[TIMES.len() - 1];
-        let times: Vec<f64> = std::iter::successors(Some(longest * APART), |time| Some(time * APART))
-            .take_while(|time| *time < APART * end)
-            .collect();
+        let times: Vec<f64> =
+            std::iter::successors(Some(longest * APART), |time| Some(time * APART))
+                .take_while(|time| *time < APART * end)
+                .collect();
         let levels = Levels::of_processes(self.flicker, &times, middles).map(Arc::new);
         Self { levels, ..self }
     }

@@ -54,7 +54,14 @@ fn parameter(
     meaning: &'static str,
     (lower, upper): (f64, f64),
 ) -> Parameter {
-    Parameter { name: name.into(), unit: unit.into(), meaning: meaning.into(), lower, upper }
+    Parameter {
+        name: name.into(),
+        unit: unit.into(),
+        meaning: meaning.into(),
+        lower,
+        upper,
+        bounded: true,
+    }
 }
 
 impl BaseLaw {

@@ -51,7 +51,7 @@ pub fn effect_json(effect: &Effect) -> Value {
                 "name": law.strength.name,
                 "unit": law.strength.unit,
                 "meaning": law.strength.meaning,
-                "sign": if law.strength.sign == Sign::Positive { "positive" } else { "either" },
+                "sign": if law.strength.sign == Sign::Either { "either" } else { "positive" },
                 "how_many": how_many(law),
             });
             let shapes: Vec<Value> = law
@@ -149,7 +149,7 @@ fn parameters(signature: &Signature) -> Table {
         let strength = &law.strength;
         let most = significant((strength.most)(scales), 2);
         let range = match strength.sign {
-            Sign::Positive => format!("0 (absent) to {most}"),
+            Sign::Positive | Sign::Part => format!("0 (absent) to {most}"),
             Sign::Either => format!("0 (absent), of either sign up to {most}"),
         };
         let values = match strength.count {
