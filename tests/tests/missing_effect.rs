@@ -97,3 +97,21 @@ fn an_experiment_is_proposed_also_where_traces_have_zeros_of_their_own() {
     assert_ne!(diagnosis.verdict, Verdict::Adequate);
     assert!(diagnosis.verdict != Verdict::Ambiguous || diagnosis.next_experiment.is_some());
 }
+
+#[test]
+fn flicker_that_runs_through_the_pauses_is_no_effect() {
+    let set = generate(&Scenario { noise: NoiseKind::FlickerThrough, ..scenario(5, &[], 0.0) });
+    let diagnosis = ask(&set);
+    assert_eq!(diagnosis.verdict, Verdict::Adequate, "{:?}", names(&diagnosis));
+}
+
+/// A base law that is off lacks nothing by name: what is added must predict what was not fitted.
+#[test]
+fn a_step_lowers_the_error_on_traces_left_out_where_the_law_is_inexact() {
+    for (seed, r) in [(51, 2.0), (52, 5.0)] {
+        let set = generate(&scenario(seed, &[("inexact", LawKind::Inexact)], r));
+        let diagnosis = ask(&set);
+        let held_out: Vec<f64> = diagnosis.held_out.iter().flatten().map(|h| h.rms).collect();
+        assert!(held_out.windows(2).all(|pair| pair[1] < pair[0]), "{held_out:?}");
+    }
+}
