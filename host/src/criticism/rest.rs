@@ -26,7 +26,7 @@ impl Rest {
     pub fn of(problem: &Problem, fitted: &Fitted) -> Self {
         let problem = problem.with_chain(&fitted.chain);
         let mut rest = Self::default();
-        problem.each_piece(&[fitted.point.clone()], |piece, forces| {
+        problem.each_piece(std::slice::from_ref(&fitted.point), |piece, forces| {
             let x = &piece.motion.displacement;
             let mut residual: Vec<f64> =
                 forces[0].iter().zip(piece.measured).map(|(f, y)| f - y).collect();
