@@ -6,6 +6,7 @@ use super::output::{Output, print_json, print_sections, write_report};
 use super::{Failure, progress};
 use crate::criticism::change::{self, Change};
 use crate::criticism::compare::compare;
+use crate::files::plan::MODEL;
 use crate::model::Model;
 use crate::summary::{change_json, change_report, change_sections};
 use crate::trace::{Trace, read_set};
@@ -42,6 +43,10 @@ pub struct Args {
 
 /// Adds, refits and prints.
 pub fn run(args: &Args) -> Result<(), Failure> {
+    let mut files = args.result.files(args.traces.iter().chain([&args.model]))?;
+    if let Some(path) = &args.output {
+        files.writes(path, &MODEL)?;
+    }
     let model = Model::read(&args.model).map_err(Failure::input)?;
     let traces = read_set(&args.traces).map_err(Failure::input)?;
     let wait = progress::spinner("refitting");

@@ -2,8 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use super::output::{print, print_sections, terminal, write_report};
+use super::output::{Force, print, print_sections, terminal, write_report};
 use super::{Failure, progress};
+use crate::files::plan::{Plan, REPORT, TRACE};
 use crate::press::{Press, analyse};
 use crate::report::Section;
 use crate::summary::{name_of, press_sections};
@@ -26,10 +27,17 @@ pub struct Args {
     /// Also write the recording itself
     #[arg(long, value_name = "FILE.csv")]
     trace: Option<PathBuf>,
+    #[command(flatten)]
+    over: Force,
 }
 
 /// Runs the demo.
 pub fn run(args: &Args) -> Result<(), Failure> {
+    let mut files = Plan::reading([""; 0], args.over.into());
+    files.writes(&args.report, &REPORT)?;
+    if let Some(path) = &args.trace {
+        files.writes(path, &TRACE)?;
+    }
     let trace = parse(Path::new("press.csv"), RECORDING).map_err(Failure::work)?;
     if let Some(path) = &args.trace {
         super::output::write_file(path, RECORDING)?;

@@ -6,6 +6,7 @@ use super::add::give;
 use super::output::Output;
 use super::{Failure, progress};
 use crate::criticism::change;
+use crate::files::plan::MODEL;
 use crate::model::Model;
 use crate::trace::read_set;
 
@@ -34,6 +35,10 @@ pub struct Args {
 
 /// Takes the effect out, refits and prints.
 pub fn run(args: &Args) -> Result<(), Failure> {
+    let mut files = args.result.files(args.traces.iter().chain([&args.model]))?;
+    if let Some(path) = &args.output {
+        files.writes(path, &MODEL)?;
+    }
     let model = Model::read(&args.model).map_err(Failure::input)?;
     let traces = read_set(&args.traces).map_err(Failure::input)?;
     let wait = progress::spinner("refitting");

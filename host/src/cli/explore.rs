@@ -9,6 +9,7 @@ use super::output::{Output, print_json, print_sections, write_report};
 use super::{Failure, progress};
 use crate::criticism::diagnose::diagnose;
 use crate::criticism::explore::explored;
+use crate::files::plan::MODEL;
 use crate::fit::data::Data;
 use crate::model::Model;
 use crate::summary::{DiagnosisSummary, unit_of};
@@ -40,6 +41,10 @@ pub struct Args {
 
 /// Explores and prints.
 pub fn run(args: &Args) -> Result<(), Failure> {
+    let mut files = args.result.files(args.traces.iter().chain([&args.model]))?;
+    if let Some(path) = &args.output {
+        files.writes(path, &MODEL)?;
+    }
     let model = Model::read(&args.model).map_err(Failure::input)?;
     let traces = read_set(&args.traces).map_err(Failure::input)?;
     let wait = progress::spinner("climbing the ladder");

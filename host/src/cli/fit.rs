@@ -6,6 +6,7 @@ use clap::ValueEnum;
 
 use super::output::Output;
 use super::{Failure, progress};
+use crate::files::plan::MODEL;
 use crate::fit::choice::{Choice, Exponent};
 use crate::fit::data::Data;
 use crate::fit::hold::{self, HoldFit};
@@ -109,10 +110,15 @@ fn parse_exponent(text: &str) -> Result<Exponent, String> {
 
 /// Fits and prints.
 pub fn run(args: &Args) -> Result<(), Failure> {
+    let traces = if args.all { &args.names[..] } else { &args.names[1..] };
+    let mut files = args.result.files(traces)?;
+    if let Some(path) = &args.output {
+        files.writes(path, &MODEL)?;
+    }
     if args.all {
         return all(args, &read_set(&args.names).map_err(Failure::input)?);
     }
-    let (family, traces) = (family(&args.names[0])?, &args.names[1..]);
+    let family = family(&args.names[0])?;
     let wrong = |problem: String| Err(Failure::Input(miette::miette!("{problem}")));
     if traces.is_empty() {
         return wrong("name traces, or folders of traces, after the law".into());

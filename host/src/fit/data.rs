@@ -77,6 +77,10 @@ pub enum DataError {
         "nothing left to fit: every stretch begins in contact after a gap, so what the specimen remembers is unknown"
     )]
     NothingLeft,
+    #[error(
+        "the squares of {signal} are beyond what a number can hold: are its values, up to {largest:.1e}, in this unit?"
+    )]
+    Size { signal: String, largest: f64 },
 }
 
 impl<'a> Data<'a> {

@@ -85,7 +85,7 @@ impl MotionFit {
 /// Fits the law to the data, from starts of its own.
 ///
 /// # Errors
-/// When there are fewer samples than parameters, or no stretch of the data holds the specimen.
+/// When there are fewer samples than parameters, no stretch of the data holds the specimen, or its squares are no numbers.
 pub fn fit(law: BaseLaw, data: &Data) -> Result<MotionFit, DataError> {
     let chain = Chain::new(law);
     check_size(&chain, data)?;
@@ -110,19 +110,29 @@ pub fn fit(law: BaseLaw, data: &Data) -> Result<MotionFit, DataError> {
         })
         .min_by(|a, b| a.normal.cost.total_cmp(&b.normal.cost))
         .ok_or(DataError::NothingLeft)?;
-    Ok(describe(&problem, data, &best))
+    finite(describe(&problem, data, &best), data)
 }
 
 /// Fits a chain to the data from these parameters.
 ///
 /// # Errors
-/// When there are fewer samples than parameters.
+/// When there are fewer samples than parameters, or the squares of the data are no numbers.
 pub fn refit(chain: &Chain, from: &[f64], data: &Data) -> Result<MotionFit, DataError> {
     check_size(chain, data)?;
     let white = Whitening::none();
     let problem = Problem::new(chain, data, &white, None);
     let found = minimise(&problem, &problem.point(from));
-    Ok(describe(&problem, data, &found))
+    finite(describe(&problem, data, &found), data)
+}
+
+/// The fit, if its errors are numbers: squares of the data may be too large or too small to be any.
+fn finite(fit: MotionFit, data: &Data) -> Result<MotionFit, DataError> {
+    if fit.cost.is_finite() && fit.r_squared.is_finite() {
+        return Ok(fit);
+    }
+    let values = data.pieces.iter().flat_map(|piece| piece.measured);
+    let largest = values.fold(0.0, |largest: f64, value| largest.max(value.abs()));
+    Err(DataError::Size { signal: data.signal.clone(), largest })
 }
 
 /// Root mean square error on each trace when it is left out of the fit, the specimen's history kept.

@@ -18,6 +18,9 @@ pub const VARIABLES: [(&str, &str); 10] = [
     ("F", "force, N; at the stages of contact and sensor"),
 ];
 
+/// Longest expression, characters.
+pub const MAX_LAW_CHARS: usize = 2000;
+
 /// An expression with its parameters, ready to be evaluated.
 #[derive(Clone, Debug)]
 pub struct Expression {
@@ -87,6 +90,11 @@ impl Expression {
             length,
             message,
         };
+        if text.chars().nth(MAX_LAW_CHARS).is_some() {
+            let shown: String = text.chars().take(40).collect();
+            let message = format!("longer than {MAX_LAW_CHARS} characters");
+            return Err(ExpressionError { text: shown + "…", at: 0, length: 40, message });
+        }
         let compiled = FlatEx::<f64>::parse(text).map_err(|error| {
             let (at, length) = broken(text);
             fault(at, length, format!("not an expression: {}", error.msg()))
