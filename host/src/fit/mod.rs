@@ -22,6 +22,7 @@ mod start;
 mod uncertainty;
 pub mod warning;
 pub mod watch;
+pub mod welch;
 pub mod whitening;
 pub mod whole_motion;
 

@@ -8,7 +8,8 @@
 use std::ops::Range;
 
 use super::family::{Family, Separation};
-use super::hereditary::{Growth, Hereditary};
+use super::growth::Growth;
+use super::hereditary::Hereditary;
 use super::response::{Form, Response};
 use super::{Branch, Elasticity, HereditaryState, Motion, Parameter, Relaxation};
 
