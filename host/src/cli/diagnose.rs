@@ -36,12 +36,10 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<(), Failure> {
     let model = Model::read(&args.model).map_err(Failure::input)?;
     let traces = read_set(&args.traces).map_err(Failure::input)?;
-    let wait = progress::spinner("looking for what is missing");
-    let diagnosis = diagnose(&model, &traces).map_err(Failure::input)?;
+    let diagnosis = progress::watched("looking for what is missing", || diagnose(&model, &traces))?
+        .map_err(Failure::input)?;
     let data = Data::of_model(&model, &traces).map_err(Failure::input)?;
     let summary = DiagnosisSummary::new(&diagnosis, &data, next(&args.model, &args.traces));
-    wait.finish_and_clear();
-    wait.finish_and_clear();
     if let Some(path) = &args.result.report {
         let title = "What the model lacks";
         write_report(path, title, &diagnosis.signal, data.labels.clone(), summary.sections())?;

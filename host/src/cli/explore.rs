@@ -42,11 +42,10 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<(), Failure> {
     let model = Model::read(&args.model).map_err(Failure::input)?;
     let traces = read_set(&args.traces).map_err(Failure::input)?;
-    let wait = progress::spinner("climbing the ladder");
-    let diagnosis = diagnose(&model, &traces).map_err(Failure::input)?;
+    let diagnosis = progress::watched("climbing the ladder", || diagnose(&model, &traces))?
+        .map_err(Failure::input)?;
     let data = Data::of_model(&model, &traces).map_err(Failure::input)?;
     let summary = DiagnosisSummary::new(&diagnosis, &data, next(&args.model, &args.traces));
-    wait.finish_and_clear();
     if let Some(path) = &args.output {
         let better = explored(&model, &diagnosis, &data, unit_of(&diagnosis.signal));
         better.write(path).map_err(Failure::work)?;

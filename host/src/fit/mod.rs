@@ -5,7 +5,9 @@
 //! - [`consistency`]: whether repeats differ by more than their standard errors.
 //! - [`whole_motion`]: a law over loading, holds and unloading of every trace together.
 
+mod carried;
 pub mod choice;
+mod compression;
 pub mod consistency;
 pub mod coordinates;
 pub mod data;
@@ -18,6 +20,7 @@ pub mod power_law;
 pub mod problem;
 pub mod ranking;
 pub mod slope;
+mod spare;
 mod start;
 mod uncertainty;
 pub mod warning;

@@ -4,7 +4,7 @@
 //! So q and the rates go over a grid, the branch forces come from linear least squares, and the best
 //! few distinct starts are handed on. The other laws start from what Fung's law makes of the data.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DMatrixView, DVector};
 
 use super::data::Data;
 use crate::model::{BaseLaw, Constants, Family, Memory, Relaxation, elastic_response};
@@ -92,6 +92,8 @@ impl Start {
 
 const EXPONENTS: [f64; 7] = [0.0, 0.3, 0.6, 1.0, 1.5, 2.2, 3.0];
 const RATES: usize = 16;
+/// Samples whose products are taken at a time.
+const AT_A_TIME: usize = 256;
 
 /// The best start of Fung's law for each exponent q, best first.
 fn linear_starts(data: &Data, terms: usize, exponents: &[f64], reference: f64) -> Vec<Start> {
@@ -131,29 +133,45 @@ impl Gram {
         // Each branch by itself: a relaxation function whose whole response decays at its rate.
         let alone: Vec<Relaxation> =
             rates.iter().map(|&rate| Relaxation::new(&[1.0], &[rate])).collect();
-        let mut row = DVector::zeros(size);
+        // The signal counts as one more branch: one product of a few hundred rows gives all.
+        let mut rows = Vec::with_capacity(AT_A_TIME * (size + 1));
+        let mut sums = DMatrix::zeros(size + 1, size + 1);
+        let mut add = |rows: &mut Vec<f64>| {
+            let part = DMatrixView::from_slice(rows, size + 1, rows.len() / (size + 1));
+            sums.gemm(1.0, &part, &part.transpose(), 1.0);
+            rows.clear();
+        };
         for piece in &data.pieces {
             let mut memories = vec![Memory::rested(1); rates.len()];
             let mut before = piece.motion.time[0];
             let samples =
                 piece.motion.time.iter().zip(piece.motion.displacement.iter()).zip(piece.measured);
             for ((&time, &x), &y) in samples {
-                row[0] = elastic_response(p, q, x);
-                for (k, (memory, relaxation)) in memories.iter_mut().zip(&alone).enumerate() {
-                    row[k + 1] = if time > before {
-                        memory.step(relaxation, row[0], time - before)
+                let elastic = elastic_response(p, q, x);
+                let first = rows.len();
+                rows.push(elastic);
+                for (memory, relaxation) in memories.iter_mut().zip(&alone) {
+                    rows.push(if time > before {
+                        memory.step(relaxation, elastic, time - before)
                     } else {
-                        memory.jump(relaxation, row[0])
-                    };
+                        memory.jump(relaxation, elastic)
+                    });
                 }
                 before = time;
                 if x > 0.0 {
-                    gram.products.ger(1.0, &row, &row, 1.0);
-                    gram.measured.axpy(y, &row, 1.0);
-                    gram.total += y * y;
+                    rows.push(y);
+                } else {
+                    rows.truncate(first);
+                }
+                if rows.len() == AT_A_TIME * (size + 1) {
+                    add(&mut rows);
                 }
             }
         }
+        add(&mut rows);
+        gram.products.copy_from(&sums.view((0, 0), (size, size)));
+        gram.measured.copy_from(&sums.view((0, size), (size, 1)));
+        gram.total = sums[(size, size)];
         gram
     }
 
