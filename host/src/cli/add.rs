@@ -3,12 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use super::output::{Output, print_json, print_sections, write_report};
+use super::preparation::Prepare;
 use super::{Failure, progress};
-use crate::criticism::change::{self, Change};
+use crate::criticism::change::{self, Change, ChangeError};
 use crate::criticism::compare::compare;
 use crate::model::Model;
 use crate::summary::{change_json, change_report, change_sections};
-use crate::trace::{Trace, read_set};
+use crate::trace::Trace;
 
 /// Add an effect to a model, refit, and see the error fall.
 #[derive(clap::Args)]
@@ -16,7 +17,8 @@ use crate::trace::{Trace, read_set};
 NAME is an effect of the library (`palpate effects` lists them), or a law of your own that stands as
 `[[candidate]]` in the model file. Everything is refitted, and the ladder in the model file gains a
 rung: the error on the traces fitted and on each trace left out in turn. Where an effect has several
-laws, the one with the least BIC is taken.
+laws, the one with the least BIC is taken. Where the error rises, nothing is written, and the exit
+status is 1.
 
 Examples:
   palpate add mullins model.toml traces/ -o better.toml
@@ -37,17 +39,23 @@ pub struct Args {
     #[arg(short, long, value_name = "BETTER.toml")]
     output: Option<PathBuf>,
     #[command(flatten)]
+    prepare: Prepare,
+    #[command(flatten)]
     result: Output,
 }
 
 /// Adds, refits and prints.
 pub fn run(args: &Args) -> Result<(), Failure> {
     let model = Model::read(&args.model).map_err(Failure::input)?;
-    let traces = read_set(&args.traces).map_err(Failure::input)?;
+    let (traces, _) = args.prepare.read(&args.traces, &model.base.signal)?;
     let wait = progress::spinner("refitting");
     let change = change::add(&model, &args.name, args.law.as_deref(), &traces);
     wait.finish_and_clear();
-    give(&change.map_err(Failure::input)?, &traces, args.output.as_deref(), &args.result)
+    let change = change.map_err(|error| match error {
+        ChangeError::Worse { .. } => Failure::work(error),
+        _ => Failure::input(error),
+    })?;
+    give(&change, &traces, args.output.as_deref(), &args.result)
 }
 
 /// Writes the changed model, the report and the result.
