@@ -12,6 +12,7 @@ use crate::fit::hold::{self, HoldFit};
 use crate::fit::ranking::rank;
 use crate::fit::whole_motion::{self, MotionFit};
 use crate::fit::{elastic_law, hold::Terms};
+use crate::meant::did_you_mean;
 use crate::model::{BaseLaw, EXPONENTS_N, Family, MAX_TERMS, Model, Separation};
 use crate::summary::{FitSummary, hold_json, hold_sections, ranking_json, ranking_sections};
 use crate::trace::{FORCE, Trace, pooled_noise, read_set};
@@ -131,7 +132,8 @@ pub fn run(args: &Args) -> Result<(), Failure> {
 fn family(name: &Path) -> Result<Family, Failure> {
     let known = || Family::ALL.map(Family::name).join(", ");
     name.to_str().and_then(Family::named).ok_or_else(|| {
-        Failure::Input(miette::miette!("no law `{}`; known: {}", name.display(), known()))
+        let meant = did_you_mean(&name.to_string_lossy(), Family::ALL.map(Family::name));
+        Failure::Input(miette::miette!("no law `{}`{meant}; known: {}", name.display(), known()))
     })
 }
 
