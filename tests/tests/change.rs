@@ -182,5 +182,30 @@ fn what_cannot_be_added_or_taken_out_is_refused() {
         &["`y` is unknown", "pitch", "\n                      ^"],
     );
     broken("size * sin(2 * PI * x / pitch");
-    refused(&["add", "cogging", "broken.toml", "takes"], &["not an expression", "^"]);
+    refused(&["add", "cogging", "broken.toml", "takes"], &["never closed", "^"]);
+    broken("size * tnah(x / pitch + phase)");
+    refused(
+        &["add", "cogging", "broken.toml", "takes"],
+        &["no function `tnah`; did you mean `tanh`?", "^"],
+    );
+}
+
+#[test]
+fn a_model_that_would_be_worse_is_not_written() {
+    let place = place();
+    let folder = place.path();
+    // Vast wherever its parameters may go: no fit can take it away.
+    let own = fs::read_to_string(folder.join("own.toml")).unwrap();
+    let own = own
+        .replace(
+            "size * sin(2 * PI * x / pitch + phase)",
+            "size * exp(pitch * x^2) * (1 + phase^2)",
+        )
+        .replace("lower = 0.0\nupper = 1.0", "lower = 0.5\nupper = 1.0");
+    fs::write(folder.join("vast.toml"), own).unwrap();
+    let add = ["add", "cogging", "vast.toml", "takes", "-o", "no.toml"];
+    let (status, out, error) = call(folder, &add);
+    assert_eq!((status, out.as_str()), (1, ""), "{error}");
+    assert!(error.contains("worse") && error.contains("rises from 0.0"), "{error}");
+    assert!(!folder.join("no.toml").exists());
 }

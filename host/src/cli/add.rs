@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::output::{Output, print_json, print_sections, write_report};
 use super::{Failure, progress};
-use crate::criticism::change::{self, Change};
+use crate::criticism::change::{self, Change, ChangeError};
 use crate::criticism::compare::compare;
 use crate::model::Model;
 use crate::summary::{change_json, change_report, change_sections};
@@ -16,7 +16,8 @@ use crate::trace::{Trace, read_set};
 NAME is an effect of the library (`palpate effects` lists them), or a law of your own that stands as
 `[[candidate]]` in the model file. Everything is refitted, and the ladder in the model file gains a
 rung: the error on the traces fitted and on each trace left out in turn. Where an effect has several
-laws, the one with the least BIC is taken.
+laws, the one with the least BIC is taken. Where the error rises, nothing is written, and the exit
+status is 1.
 
 Examples:
   palpate add mullins model.toml traces/ -o better.toml
@@ -47,7 +48,11 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let wait = progress::spinner("refitting");
     let change = change::add(&model, &args.name, args.law.as_deref(), &traces);
     wait.finish_and_clear();
-    give(&change.map_err(Failure::input)?, &traces, args.output.as_deref(), &args.result)
+    let change = change.map_err(|error| match error {
+        ChangeError::Worse { .. } => Failure::work(error),
+        _ => Failure::input(error),
+    })?;
+    give(&change, &traces, args.output.as_deref(), &args.result)
 }
 
 /// Writes the changed model, the report and the result.

@@ -7,8 +7,9 @@ use serde_json::Value;
 use super::diagnose::next;
 use super::output::{Output, print_json, print_sections, write_report};
 use super::{Failure, progress};
-use crate::criticism::diagnose::diagnose;
-use crate::criticism::explore::explored;
+use crate::criticism::change::{Worse, worse};
+use crate::criticism::diagnose::{Diagnosis, diagnose};
+use crate::criticism::explore::{explored, rungs};
 use crate::fit::data::Data;
 use crate::model::Model;
 use crate::summary::{DiagnosisSummary, unit_of};
@@ -47,6 +48,9 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let data = Data::of_model(&model, &traces).map_err(Failure::input)?;
     let summary = DiagnosisSummary::new(&diagnosis, &data, next(&args.model, &args.traces));
     wait.finish_and_clear();
+    if let Some(worse) = lower(&diagnosis) {
+        return Err(Failure::Work(miette::miette!("{worse}; the model stays as it was")));
+    }
     if let Some(path) = &args.output {
         let better = explored(&model, &diagnosis, &data, unit_of(&diagnosis.signal));
         better.write(path).map_err(Failure::work)?;
@@ -64,4 +68,11 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     } else {
         print_sections(&summary.exploration(args.output.as_deref()))
     }
+}
+
+/// Whether the model at the top of the ladder is worse than the one that was given.
+fn lower(diagnosis: &Diagnosis) -> Option<Worse> {
+    let rungs = rungs(diagnosis);
+    let (first, last) = rungs.first().zip(rungs.last())?;
+    worse(first, last, unit_of(&diagnosis.signal))
 }

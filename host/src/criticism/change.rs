@@ -15,7 +15,7 @@ use crate::fit::watch;
 use crate::fit::whitening::Whitening;
 use crate::fit::whole_motion::{MotionFit, fit, held_out, over_traces, refit};
 use crate::model::{Chain, Model, Rung, StoredEffect};
-use crate::trace::{Noise, Trace, pooled_noise};
+use crate::trace::{Noise, Trace, pooled_noise, units};
 
 /// A model before and after a change.
 #[derive(Clone, Debug)]
@@ -69,13 +69,54 @@ pub enum ChangeError {
     Untestable { effect: String, reason: &'static str },
     #[error("`{effect}` is not in the model; it has: {present}")]
     Absent { effect: String, present: String },
+    #[error("`{effect}` makes the model worse: {worse}; the model stays as it was")]
+    Worse { effect: String, worse: Worse },
+}
+
+/// A model that describes its data worse than the one before.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("the error on the traces {which} rises from {} to {} {unit}", figure(.before), figure(.after))]
+pub struct Worse {
+    /// "fitted" or "left out".
+    pub which: &'static str,
+    /// Root mean square error before.
+    pub before: f64,
+    /// After.
+    pub after: f64,
+    /// Unit of the signal.
+    pub unit: String,
+}
+
+/// An error in four decimals, or as a power of ten where these say nothing.
+fn figure(error: &f64) -> String {
+    if (1e-2..1e6).contains(error) { format!("{error:.4}") } else { format!("{error:.3e}") }
+}
+
+/// A rise of an error by less than this factor is chance on traces left out, and rounding on those
+/// fitted.
+const RISE: f64 = 1.01;
+
+/// Whether a rung stands below the one before: its error on the traces fitted or on those left out is
+/// more than 1 % larger, or is no number.
+#[must_use]
+pub fn worse(before: &Rung, after: &Rung, unit: &str) -> Option<Worse> {
+    let rises = |which, before: f64, after: f64| {
+        let rises = !after.is_finite() || after > RISE * before;
+        rises.then(|| Worse { which, before, after, unit: unit.into() })
+    };
+    let left_out = || {
+        let (before, after) = before.heldout_rms.zip(after.heldout_rms)?;
+        rises("left out", before, after)
+    };
+    rises("fitted", before.fitted_rms, after.fitted_rms).or_else(left_out)
 }
 
 /// Adds an effect of the library, or a law of one's own among the candidates of the model, and refits
 /// everything. Without a named law, each of the effect's laws is tried at every point of its grid.
 ///
 /// # Errors
-/// When model or traces are not usable, or the effect is unknown, in the model, or beyond these traces.
+/// When model or traces are not usable, or the effect is unknown, in the model, or beyond these traces,
+/// and [`ChangeError::Worse`] where the model with it describes them worse than without.
 pub fn add(
     model: &Model,
     effect: &str,
@@ -94,6 +135,9 @@ pub fn add(
     let fit = refit(&trial.chain, &trial.values, &data)?;
     let before = ladder.last().cloned().unwrap_or_else(|| rung(fit.chain.base.name(), &fit, &data));
     let after = rung(effect, &fit, &data);
+    if let Some(worse) = worse(&before, &after, units::printed(&model.base.signal)) {
+        return Err(ChangeError::Worse { effect: effect.into(), worse });
+    }
     ladder.push(after.clone());
     let mut candidates = model.candidates.clone();
     candidates.retain(|own| own.name != effect);

@@ -1,0 +1,293 @@
+//! Laws of the user's own: an expression over what is known at every sample.
+
+mod function;
+mod parser;
+mod token;
+
+use self::parser::Step;
+use super::{Hereditary, Scene};
+
+/// What an expression may speak of, with its meaning.
+pub const VARIABLES: [(&str, &str); 10] = [
+    ("t", "time since the trace began, s"),
+    ("t_set", "time since the data set began, s"),
+    ("x", "compression, mm"),
+    ("v", "velocity, mm/s"),
+    ("a", "acceleration, mm/s²"),
+    ("T", "temperature above the reference, K"),
+    ("n", "loadings completed before this one"),
+    ("x_max", "largest compression so far, mm"),
+    ("N", "elastic response, N; at the stage of elasticity"),
+    ("F", "force, N; at the stages of contact and sensor"),
+];
+
+/// An expression with its parameters, ready to be evaluated.
+#[derive(Clone, Debug)]
+pub struct Expression {
+    text: String,
+    /// In postfix order.
+    program: Vec<Step>,
+}
+
+/// What is wrong with an expression, and where.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{message}\n  {text}\n  {}{}", " ".repeat(*.at), "^".repeat((*.length).max(1)))]
+pub struct ExpressionError {
+    /// The expression.
+    pub text: String,
+    /// Where the fault begins, in characters from 0.
+    pub at: usize,
+    /// How many characters it has.
+    pub length: usize,
+    /// What is wrong.
+    pub message: String,
+}
+
+/// What is known at one sample.
+struct Sample<'a> {
+    scene: &'a Scene<'a>,
+    k: usize,
+    /// Compression, elastic response or force at hand.
+    x: f64,
+    elastic: f64,
+    force: f64,
+}
+
+impl Sample<'_> {
+    fn value(&self, variable: usize) -> f64 {
+        let (scene, k) = (self.scene, self.k);
+        match VARIABLES[variable].0 {
+            "t" => scene.since[k],
+            "t_set" => scene.set_time(k),
+            "x" => self.x,
+            "v" => scene.velocity[k],
+            "a" => scene.acceleration[k],
+            "T" => scene.warmth(k),
+            "n" => scene.loadings[k],
+            "x_max" => scene.largest[k],
+            "N" => self.elastic,
+            _ => self.force,
+        }
+    }
+}
+
+impl Expression {
+    /// Reads an expression in which `parameters` may occur beside the [`VARIABLES`].
+    ///
+    /// # Errors
+    /// When it does not parse or speaks of something unknown, with the place.
+    pub fn parse(text: &str, parameters: &[&str]) -> Result<Self, ExpressionError> {
+        let program = parser::parse(text, parameters).map_err(|fault| ExpressionError {
+            text: text.into(),
+            at: fault.at,
+            length: fault.length,
+            message: fault.message,
+        })?;
+        Ok(Self { text: text.into(), program })
+    }
+
+    /// The expression as it was written.
+    #[must_use]
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// Adds the expression, mm, to the compression.
+    pub fn add(&self, scene: &Scene, parameters: &[f64], x: &mut [f64]) {
+        self.over(parameters, x, |k, x| Sample { scene, k, x, elastic: 0.0, force: 0.0 });
+    }
+
+    /// Adds the expression, N, to the elastic response.
+    pub fn add_to_elastic(
+        &self,
+        scene: &Scene,
+        parameters: &[f64],
+        x: &[f64],
+        elastic: &mut [f64],
+    ) {
+        self.over(parameters, elastic, |k, elastic| Sample {
+            scene,
+            k,
+            x: x[k],
+            elastic,
+            force: 0.0,
+        });
+    }
+
+    /// Adds the expression, N, to the force; x is the commanded displacement here.
+    pub fn add_to_force(&self, scene: &Scene, parameters: &[f64], force: &mut [f64]) {
+        let x = &scene.motion.displacement;
+        self.over(parameters, force, |k, force| Sample { scene, k, x: x[k], elastic: 0.0, force });
+    }
+
+    /// Multiplies the rates of relaxation by one plus the expression, but never by less than 0.
+    pub fn change_rates(
+        &self,
+        scene: &Scene,
+        parameters: &[f64],
+        x: &[f64],
+        relaxation: &mut Hereditary,
+    ) {
+        let mut factor = relaxation.rate_factor.take().unwrap_or_else(|| vec![1.0; x.len()]);
+        let sample = |k, _| Sample { scene, k, x: x[k], elastic: 0.0, force: 0.0 };
+        let mut change = vec![0.0; x.len()];
+        self.over(parameters, &mut change, sample);
+        for (factor, change) in factor.iter_mut().zip(change) {
+            *factor *= (1.0 + change).max(0.0);
+        }
+        relaxation.rate_factor = Some(factor);
+    }
+
+    /// Adds the expression to every value; where it has no finite value, nothing is added.
+    fn over<'a>(
+        &self,
+        parameters: &[f64],
+        values: &mut [f64],
+        sample: impl Fn(usize, f64) -> Sample<'a>,
+    ) {
+        let mut stack = Vec::with_capacity(self.program.len());
+        for (k, value) in values.iter_mut().enumerate() {
+            let at = sample(k, *value);
+            let change = self.value(parameters, |variable| at.value(variable), &mut stack);
+            if change.is_finite() {
+                *value += change;
+            }
+        }
+    }
+
+    /// Its value, with those of the variables.
+    fn value(
+        &self,
+        parameters: &[f64],
+        variable: impl Fn(usize) -> f64,
+        stack: &mut Vec<f64>,
+    ) -> f64 {
+        stack.clear();
+        let mut top = 0.0;
+        for step in &self.program {
+            // The topmost value stays out of the stack.
+            match step {
+                Step::One(apply) => top = apply(top),
+                Step::Two(apply) => top = apply(stack.pop().unwrap_or_default(), top),
+                known => {
+                    stack.push(top);
+                    top = match *known {
+                        Step::Number(number) => number,
+                        Step::Parameter(index) => parameters[index],
+                        Step::Variable(index) => variable(index),
+                        _ => top,
+                    };
+                }
+            }
+        }
+        top
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Its value where x = 3, v = −2, a = 2, every other variable 0, and k = 5.
+    fn value(text: &str) -> f64 {
+        let of = |index: usize| match VARIABLES[index].0 {
+            "x" => 3.0,
+            "v" => -2.0,
+            "a" => 2.0,
+            _ => 0.0,
+        };
+        Expression::parse(text, &["k"]).unwrap().value(&[5.0], of, &mut Vec::new())
+    }
+
+    #[test]
+    fn precedence_is_that_of_mathematics() {
+        assert_eq!(value("-a^2"), -4.0);
+        assert_eq!(value("exp(-((x - 1) / a)^2)"), (-1.0_f64).exp());
+        assert_eq!(value("2^-1"), 0.5);
+        assert_eq!(value("2^3^2"), 512.0);
+        assert_eq!(value("-2^-2"), -0.25);
+        assert_eq!(value("2 * -x"), -6.0);
+        assert_eq!(value("1 - 2 - 3"), -4.0);
+        assert_eq!(value("1 - 2 + 3"), 2.0);
+        assert_eq!(value("12 / 2 / 3"), 2.0);
+        assert_eq!(value("12 / 2 * 3"), 18.0);
+        assert_eq!(value("2 + 3 * 4^2 / 8"), 8.0);
+        assert_eq!(value("-x * a^2 + +k"), -7.0);
+        assert_eq!(value("(v)^2"), 4.0);
+        assert_eq!(value("--x"), 3.0);
+    }
+
+    #[test]
+    fn functions_constants_and_numbers_have_their_values() {
+        assert_eq!(value("max(min(x, a), -1) + abs(v)"), 4.0);
+        assert_eq!(value("atan2(0, -1) - PI"), 0.0);
+        assert_eq!(value("ln(E) + log10(1e3) + .5 + 2.5e-1"), 4.75);
+        assert_eq!(value("sign(v) + signum(0 * x)"), -1.0);
+        assert_eq!(value("TAU / π"), 2.0);
+        assert_eq!(value("tanh(t)"), 0.0);
+    }
+
+    fn fault(text: &str) -> ExpressionError {
+        Expression::parse(text, &["k", "place"]).map(|_| ()).unwrap_err()
+    }
+
+    #[test]
+    fn errors_point_into_the_expression() {
+        let unknown = fault("k * abs(x) * speed");
+        assert_eq!((unknown.at, unknown.length), (13, 5));
+        assert!(unknown.message.contains("`speed` is unknown"), "{unknown}");
+        let places = [
+            ("k * (x + 1", 4),
+            ("k * x) + 1", 5),
+            ("k * § x", 4),
+            ("k * x +", 7),
+            ("k * * x", 4),
+            ("k ** x", 3),
+            ("π k", 2),
+            ("min(x, )", 7),
+            ("", 0),
+        ];
+        for (text, at) in places {
+            assert_eq!(fault(text).at, at, "{text}: {}", fault(text));
+        }
+    }
+
+    #[test]
+    fn errors_are_told_in_the_terms_of_who_wrote_it() {
+        let told = [
+            ("k * tnah(v)", "no function `tnah`; did you mean `tanh`?"),
+            ("k * x * plcae", "did you mean `place`?"),
+            ("k * tanh v", "`tanh` is a function: write `tanh(...)`"),
+            ("2 x", "an operator is missing before `x`"),
+            ("k (x + 1)", "`k` is no function; a product is written `k * (...)`"),
+            ("k ** x", "a power is written `^`"),
+            ("2,5 * x", "decimals are written with a point"),
+            ("min(x)", "`min` takes two values, not 1"),
+            ("tanh(x, v)", "`tanh` takes one value, not 2"),
+            ("k * (x + 1", "never closed"),
+            ("1.2.3", "an operator is missing before `0.3`"),
+        ];
+        for (text, part) in told {
+            let message = fault(text).message;
+            assert!(message.contains(part), "{text}: {message}");
+        }
+    }
+
+    #[test]
+    fn a_long_nest_is_refused_not_overflown() {
+        let nest = format!("{}x{}", "(".repeat(100_000), ")".repeat(100_000));
+        assert!(fault(&nest).message.contains("nested too deeply"));
+        let signs = format!("{}x", "-".repeat(100_000));
+        assert!(fault(&signs).message.contains("nested too deeply"));
+        let sum = vec!["x"; 10_000].join(" + ");
+        assert_eq!(value(&sum), 30_000.0);
+    }
+
+    #[test]
+    fn the_name_of_a_parameter_is_not_taken_for_something_else() {
+        for name in ["x", "E", "tanh"] {
+            let message = Expression::parse("1", &[name]).map(|_| ()).unwrap_err().message;
+            assert!(message.contains(name), "{message}");
+        }
+    }
+}
