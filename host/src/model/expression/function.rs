@@ -1,7 +1,12 @@
 //! The functions and constants of expressions.
 
+/// A function of one number.
+pub(super) type OfOne = fn(f64) -> f64;
+/// A function of two numbers.
+pub(super) type OfTwo = fn(f64, f64) -> f64;
+
 /// Functions of one value.
-pub(super) const ONE: [(&str, fn(f64) -> f64); 25] = [
+pub(super) const ONE: [(&str, OfOne); 25] = [
     ("abs", f64::abs),
     ("sign", sign),
     ("signum", sign),
@@ -35,7 +40,7 @@ fn sign(x: f64) -> f64 {
 }
 
 /// Functions of two values.
-pub(super) const TWO: [(&str, fn(f64, f64) -> f64); 3] =
+pub(super) const TWO: [(&str, OfTwo); 3] =
     [("min", f64::min), ("max", f64::max), ("atan2", f64::atan2)];
 
 /// Constants.

@@ -57,7 +57,7 @@ struct Parser<'a> {
 }
 
 /// How strongly an operator binds on its left and on its right, and what it does.
-fn operator(sign: char) -> Option<(u8, u8, fn(f64, f64) -> f64)> {
+fn operator(sign: char) -> Option<(u8, u8, super::function::OfTwo)> {
     Some(match sign {
         '+' => (1, 2, |a, b| a + b),
         '-' => (1, 2, |a, b| a - b),
