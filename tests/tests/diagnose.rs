@@ -109,8 +109,14 @@ fn check_format(answer: &Value) {
     assert_eq!(answer["palpate_diagnosis"], 1);
     let verdict = answer["verdict"].as_str().expect("a verdict");
     assert!(["adequate", "named", "ambiguous", "unknown"].contains(&verdict));
-    for key in ["noise_rms_N", "base_rms_N", "final_rms_N"] {
+    text(&answer["unit"]);
+    for key in ["noise_rms", "given_rms", "base_rms", "final_rms"] {
         number(&answer[key]);
+    }
+    let in_newtons = answer["unit"] == "N";
+    for key in ["noise_rms", "base_rms", "final_rms"] {
+        let old = &answer[format!("{key}_N")];
+        assert_eq!(old, if in_newtons { &answer[key] } else { &Value::Null });
     }
     for step in answer["steps"].as_array().expect("steps") {
         text(&step["effect"]);
@@ -123,11 +129,20 @@ fn check_format(answer: &Value) {
             number(&parameter["value"]);
             assert!(parameter["standard_error"].is_null() || parameter["standard_error"].is_f64());
         }
-        for key in ["rms_before_N", "rms_after_N", "delta_bic", "p_value"] {
+        for rival in step["rivals"].as_array().expect("rivals") {
+            let own = find(rival["effect"].as_str().expect("a name"));
+            let has_law = own.is_none_or(|own| own.laws.iter().any(|law| rival["law"] == law.name));
+            assert!(has_law, "a law of another effect: {rival:#}");
+        }
+        for key in ["rms_before", "rms_after", "delta_bic", "p_value"] {
             number(&step[key]);
         }
-        for key in ["heldout_rms_before_N", "heldout_rms_after_N"] {
+        for key in ["heldout_rms_before", "heldout_rms_after"] {
             assert!(step[key].is_null() || step[key].is_f64(), "{step:#}");
+        }
+        for key in ["rms_before", "rms_after", "heldout_rms_before", "heldout_rms_after"] {
+            let old = &step[format!("{key}_N")];
+            assert_eq!(old, if in_newtons { &step[key] } else { &Value::Null });
         }
     }
     let places = answer["where"].as_array().expect("places");
@@ -136,7 +151,8 @@ fn check_format(answer: &Value) {
         text(&place["trace"]);
         text(&place["phase"]);
         number(&place["share_of_excess"]);
-        number(&place["rms_N"]);
+        number(&place["rms"]);
+        assert_eq!(place["rms_N"].is_number(), in_newtons);
     }
     for untestable in answer["untestable"].as_array().expect("untestable effects") {
         text(&untestable["effect"]);
@@ -250,4 +266,23 @@ fn bad_input_ends_with_status_2_and_nothing_on_standard_output() {
             assert!(err.contains("error") && err.contains(words), "{command} {rest}: {err}");
         }
     }
+}
+
+#[test]
+fn errors_of_a_gauge_are_told_in_its_unit_not_in_newtons() {
+    let folder = tempfile::tempdir().unwrap();
+    let press = concat!(env!("CARGO_MANIFEST_DIR"), "/traces/press.csv");
+    let model = folder.path().join("gauge.toml");
+    let fit = palpate()
+        .args(["fit", "fung", press, "--signal", "gauge1_ustrain", "--json", "-o"])
+        .arg(&model)
+        .output()
+        .unwrap();
+    assert!(fit.status.success(), "{}", String::from_utf8_lossy(&fit.stderr));
+    let answer = palpate().args(["diagnose", press, "--json", "--model"]).arg(&model).output();
+    let answer = answer.unwrap();
+    assert!(answer.status.success(), "{}", String::from_utf8_lossy(&answer.stderr));
+    let text = String::from_utf8(answer.stdout).unwrap();
+    check_format(&serde_json::from_str(&text).unwrap());
+    assert!(!text.contains("_N\""), "{text}");
 }

@@ -6,6 +6,7 @@ use clap::ValueEnum;
 
 use super::output::Output;
 use super::{Failure, progress};
+use crate::criticism::noise::noise_of;
 use crate::fit::choice::{Choice, Exponent};
 use crate::fit::data::Data;
 use crate::fit::hold::{self, HoldFit};
@@ -14,7 +15,7 @@ use crate::fit::whole_motion::{self, MotionFit};
 use crate::fit::{elastic_law, hold::Terms};
 use crate::model::{BaseLaw, EXPONENTS_N, Family, MAX_TERMS, Model, Separation};
 use crate::summary::{FitSummary, hold_json, hold_sections, ranking_json, ranking_sections};
-use crate::trace::{FORCE, Trace, pooled_noise, read_set};
+use crate::trace::{FORCE, Trace, read_set};
 
 /// Fit a contact model.
 #[derive(clap::Args)]
@@ -169,7 +170,7 @@ fn whole(args: &Args, laws: &[BaseLaw], traces: &[Trace]) -> Result<(), Failure>
         fit: best,
         data: &data,
         signal: &args.signal,
-        noise: pooled_noise(traces, &args.signal),
+        noise: noise_of(&data, traces),
         held_out: &held_out,
         candidates: &candidates,
     };
@@ -212,7 +213,10 @@ fn all(args: &Args, traces: &[Trace]) -> Result<(), Failure> {
     let wait = progress::spinner("fitting every law, leaving out each trace in turn");
     let ranking = rank(traces, &args.signal, terms, args.separation());
     wait.finish_and_clear();
-    let ranking = ranking.map_err(Failure::input)?;
+    let mut ranking = ranking.map_err(Failure::input)?;
+    if let Ok(data) = Data::of(traces, &args.signal) {
+        ranking.noise = noise_of(&data, traces);
+    }
     let sections = ranking_sections(&ranking, &args.signal);
     let json = || ranking_json(&ranking, &args.signal);
     args.result.give("Laws ranked", &args.signal, names(traces), &sections, json)

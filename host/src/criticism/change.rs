@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::fitted::Fitted;
-use super::noise::noise_model;
+use super::noise::{noise_model, noise_of};
 use super::screen::{ABSORBED, Direction, screen};
 use super::search::Search;
 use crate::effects::{Candidate, EffectError, candidates, chain_of, store};
@@ -15,7 +15,7 @@ use crate::fit::watch;
 use crate::fit::whitening::Whitening;
 use crate::fit::whole_motion::{MotionFit, fit, held_out, over_traces, refit};
 use crate::model::{Chain, Model, Rung, StoredEffect};
-use crate::trace::{Noise, Trace, pooled_noise, units};
+use crate::trace::{Noise, Trace, units};
 
 /// A model before and after a change.
 #[derive(Clone, Debug)]
@@ -141,7 +141,7 @@ pub fn add(
     ladder.push(after.clone());
     let mut candidates = model.candidates.clone();
     candidates.retain(|own| own.name != effect);
-    let noise = pooled_noise(traces, &model.base.signal);
+    let noise = noise_of(&data, traces);
     let mut warnings = reasons_for_care(&fit, &data, noise.as_ref());
     if trial.absorbed {
         warnings.insert(0, format!("the model's own parameters absorb `{effect}` on these traces: what it could explain, they explain too, so its values mean nothing"));
@@ -192,7 +192,7 @@ pub fn drop(model: &Model, effect: &str, traces: &[Trace]) -> Result<Change, Cha
         candidates.push(own.clone());
         notes.push(format!("`{effect}` stays in the model file as a [[candidate]]"));
     }
-    let noise = pooled_noise(traces, &model.base.signal);
+    let noise = noise_of(&data, traces);
     Ok(Change {
         effect: effect.into(),
         added: false,

@@ -3,14 +3,14 @@
 use super::adequacy::{LEVEL, adequacy};
 use super::covariate::Covariate;
 use super::dependence::{Dependence, dependences};
-use super::noise::{NoiseModel, noise_model};
+use super::noise::{noise_model, told};
 use super::region::{Region, regions};
 use super::residuals::{Stretch, stretches};
 use crate::effects::chain_of;
 use crate::fit::data::{Data, DataError};
 use crate::fit::problem::Problem;
 use crate::model::Model;
-use crate::trace::{Noise, Trace, pooled_noise};
+use crate::trace::{Noise, Trace};
 
 /// The error of a model in one region of one trace.
 #[derive(Clone, Debug, PartialEq)]
@@ -81,7 +81,7 @@ pub fn compare(model: &Model, traces: &[Trace]) -> Result<Comparison, CompareErr
         chain_of(model, &data.setting()).map_err(|error| CompareError::Model(error.to_string()))?;
     let stretches = stretches(&chain, &parameters, &data);
     let seen = noise_model(&data);
-    let noise = seen.as_ref().map(NoiseModel::in_short).or_else(|| pooled_noise(traces, signal));
+    let noise = told(seen.as_ref(), traces, signal);
     let only_noise = match (&seen, noise) {
         (Some(seen), Some(noise)) => {
             let problem = Problem::new(&chain, &data, &seen.whitening, None);

@@ -6,7 +6,7 @@ use super::evidence::{Evidence, Refused};
 use super::experiment::next_experiment;
 use super::fitted::Fitted;
 use super::held_out::HeldOut;
-use super::noise::{NoiseModel, Seen, noise_model, residual_noise};
+use super::noise::{NoiseModel, Seen, noise_model, residual_noise, samples_at_rest};
 use super::search::{FALSE_ALARMS, Found, Search, Step};
 use crate::effects::{Candidate, EffectError, candidates, chain_of, find};
 use crate::fit::data::{Data, DataError};
@@ -31,6 +31,8 @@ pub struct Diagnosis {
     pub separation: Separation,
     /// What the search found.
     pub found: Found,
+    /// Root mean square error of the model as it was given, before it was refitted to whitened residuals.
+    pub given_rms: f64,
     /// Standard errors of the parameters of the last model.
     pub standard_errors: Vec<Option<f64>>,
     /// Error on traces left out, before any step and after each; none for a single trace.
@@ -116,6 +118,8 @@ pub fn diagnose(model: &Model, traces: &[Trace]) -> Result<Diagnosis, DiagnoseEr
     let white = Whitening::none();
     let plain = Problem::new(&chain, &data, &white, None);
     let start = plain.point(&values);
+    let given: f64 = plain.trace_squares(&start).iter().map(|(squares, _)| squares).sum();
+    let given_rms = (given / data.samples() as f64).sqrt();
     let noise = noise_model(&data)
         .unwrap_or_else(|| noise_of_residual(&plain, &start, pooled_noise(traces, signal)));
     let problem = Problem::new(&chain, &data, &noise.whitening, None);
@@ -141,10 +145,15 @@ pub fn diagnose(model: &Model, traces: &[Trace]) -> Result<Diagnosis, DiagnoseEr
         assessed = Assessed::of(&search, &found, &before, &noise);
     }
     if noise.seen == Seen::Residual && data.labels.len() == 1 && beside_others(&mut found) {
-        notes.push(
-            "one trace without enough rest to see its noise in does not single out an effect: the next best stands beside it"
-                .into(),
-        );
+        let rest = match samples_at_rest(&data) {
+            0 => "without a stretch at rest off the specimen".to_owned(),
+            samples => {
+                format!("with {samples} samples at rest off the specimen, too few or too still,")
+            }
+        };
+        notes.push(format!(
+            "one trace {rest} does not show its noise, and so does not single out an effect: the next best stands beside it"
+        ));
         assessed = Assessed::of(&search, &found, &before, &noise);
     }
     let Assessed { verdict, unexplained, discrepancy, after } = assessed;
@@ -175,6 +184,7 @@ pub fn diagnose(model: &Model, traces: &[Trace]) -> Result<Diagnosis, DiagnoseEr
         notes,
         noise,
         found,
+        given_rms,
         candidates,
     })
 }

@@ -3,7 +3,7 @@
 use super::hum::{centred, without_hum};
 use crate::fit::data::Data;
 use crate::fit::whitening::Whitening;
-use crate::trace::{Noise, Source};
+use crate::trace::{Noise, Source, Trace, pooled_noise};
 
 /// What is known of the noise.
 #[derive(Clone, Debug)]
@@ -82,6 +82,24 @@ pub fn noise_model(data: &Data) -> Option<NoiseModel> {
     let middles: Vec<f64> = data.middles().into_iter().map(|time| time / interval).collect();
     let whitening = whitening.through_pauses(&middles);
     (level > 0.0).then_some(NoiseModel { level, whitening, seen: Seen::OffTheSpecimen, samples })
+}
+
+/// The noise of a data set as every answer tells it: from rest off the specimen, or where the recordings
+/// have too little of it as [`pooled_noise`] finds it. None where they do not tell.
+#[must_use]
+pub fn noise_of(data: &Data, traces: &[Trace]) -> Option<Noise> {
+    told(noise_model(data).as_ref(), traces, &data.signal)
+}
+
+/// The same where the model of the noise is known.
+pub(super) fn told(seen: Option<&NoiseModel>, traces: &[Trace], signal: &str) -> Option<Noise> {
+    seen.map(NoiseModel::in_short).or_else(|| pooled_noise(traces, signal))
+}
+
+/// Number of samples at rest off the specimen, in stretches that are long enough to see noise in.
+#[must_use]
+pub fn samples_at_rest(data: &Data) -> usize {
+    quiet(data).iter().flatten().map(Vec::len).sum()
 }
 
 /// The noise for want of rest: its size from second differences where they tell, and the correlation of

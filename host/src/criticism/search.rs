@@ -96,6 +96,15 @@ pub struct Rival {
     pub won: f64,
 }
 
+impl Rival {
+    /// Its own law: other effects may stand beside it in the model.
+    #[must_use]
+    pub fn law(&self) -> Option<&str> {
+        let mut effects = self.fitted.chain.effects.iter();
+        effects.find(|effect| effect.name == self.effect).map(|effect| effect.law.as_str())
+    }
+}
+
 /// What a search found.
 #[derive(Clone, Debug)]
 pub struct Found {

@@ -13,6 +13,7 @@ use crate::criticism::change::{self, Change};
 use crate::criticism::compare::{Comparison, compare};
 use crate::criticism::diagnose::{Diagnosis, diagnose};
 use crate::criticism::explore::explored;
+use crate::criticism::noise::noise_of;
 use crate::fit::data::Data;
 use crate::fit::whole_motion;
 use crate::model::Model;
@@ -22,7 +23,7 @@ use crate::summary::{
     DiagnosisSummary, FitSummary, NextCommand, change_json, change_report, compare_json,
     compare_sections, practice_json, unit_of,
 };
-use crate::trace::{Trace, pooled_noise, read_set};
+use crate::trace::{Trace, read_set};
 
 /// All that a piece of work needs, by itself.
 #[derive(Clone)]
@@ -131,7 +132,7 @@ impl Bench {
             fit: best,
             data: &data,
             signal: &self.signal,
-            noise: pooled_noise(&self.traces, &self.signal),
+            noise: noise_of(&data, &self.traces),
             held_out: &held_out,
             candidates: &fits,
         };

@@ -19,26 +19,27 @@ impl DiagnosisSummary<'_> {
             .places
             .iter()
             .map(|cell| {
-                json!({
+                self.with_newtons(json!({
                     "trace": diagnosis.labels[cell.trace],
                     "phase": cell.region.name(),
                     "share_of_excess": cell.share_of_excess,
-                    "rms_N": cell.rms,
-                })
+                    "rms": cell.rms,
+                }))
             })
             .collect();
         let untestable = diagnosis.untestable.iter();
         let untestable: Vec<Value> = untestable
             .map(|(effect, reason)| json!({"effect": effect, "reason": reason}))
             .collect();
-        json!({
+        self.with_newtons(json!({
             "palpate_diagnosis": 1,
             "verdict": diagnosis.verdict.word(),
             "signal": diagnosis.signal,
             "unit": self.unit(),
-            "noise_rms_N": self.noise(),
-            "base_rms_N": found.base.rms(),
-            "final_rms_N": found.model().rms(),
+            "noise_rms": self.noise(),
+            "given_rms": diagnosis.given_rms,
+            "base_rms": found.base.rms(),
+            "final_rms": found.model().rms(),
             "discrepancy_rms": diagnosis.discrepancy,
             "p_values": if found.inexact { "agreement between parts of the data" } else { "noise" },
             "standard_errors": if found.inexact { "jackknife over parts of the data" } else { "noise" },
@@ -70,7 +71,29 @@ impl DiagnosisSummary<'_> {
                 "dependence": dependence::SEED,
                 "agreement": agreement::SEED,
             },
-        })
+        }))
+    }
+
+    /// An object with every error under its name of version 1 as well, where the unit is N.
+    fn with_newtons(&self, mut object: Value) -> Value {
+        const ERRORS: [&str; 8] = [
+            "rms",
+            "noise_rms",
+            "base_rms",
+            "final_rms",
+            "rms_before",
+            "rms_after",
+            "heldout_rms_before",
+            "heldout_rms_after",
+        ];
+        if self.unit() == "N" {
+            for name in ERRORS {
+                if let Some(value) = object.get(name).cloned() {
+                    object[format!("{name}_N")] = value;
+                }
+            }
+        }
+        object
     }
 
     fn step_json(&self, index: usize) -> Value {
@@ -89,28 +112,28 @@ impl DiagnosisSummary<'_> {
             })
             .collect();
         let rival = |rival: &Rival| {
-            json!({
+            self.with_newtons(json!({
                 "effect": rival.effect,
-                "law": rival.fitted.chain.effects.last().map(|effect| &effect.law),
+                "law": rival.law(),
                 "delta_bic_to_best": rival.fitted.bic() - step.rivals[0].fitted.bic(),
                 "won": rival.won,
-                "rms_N": rival.fitted.rms(),
-            })
+                "rms": rival.fitted.rms(),
+            }))
         };
-        json!({
+        self.with_newtons(json!({
             "effect": step.effect,
             "law": self.applied(index).law,
             "credible_set": step.credible,
             "parameters": parameters,
-            "rms_before_N": before.rms(),
-            "rms_after_N": after.rms(),
-            "heldout_rms_before_N": held_out(index),
-            "heldout_rms_after_N": held_out(index + 1),
+            "rms_before": before.rms(),
+            "rms_after": after.rms(),
+            "heldout_rms_before": held_out(index),
+            "heldout_rms_after": held_out(index + 1),
             "heldout_gain_sure": self.diagnosis.sure[index],
             "delta_bic": before.bic() - after.bic(),
             "p_value": step.p_value,
             "rivals": step.rivals.iter().map(rival).collect::<Vec<_>>(),
-        })
+        }))
     }
 
     /// What the rest depends on, strongest first.

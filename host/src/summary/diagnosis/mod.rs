@@ -33,6 +33,9 @@ use crate::model::Rung;
 use crate::report::number::significant;
 use crate::report::{Block, Callout, Column, Section, Table};
 
+/// Relative change of the error by a refit that is worth a word.
+const MOVED: f64 = 0.005;
+
 /// A diagnosis with all that is told about it.
 pub struct DiagnosisSummary<'a> {
     diagnosis: &'a Diagnosis,
@@ -203,6 +206,9 @@ impl<'a> DiagnosisSummary<'a> {
             _ => "Held out: each trace predicted by a fit to the others.",
         };
         table = table.note(format!("Noise: {} {unit}. {held_out}", self.level(noise)));
+        if let Some(moved) = self.refit_in_words() {
+            table = table.note(moved);
+        }
         if found.steps.is_empty() {
             return table;
         }
@@ -211,6 +217,21 @@ impl<'a> DiagnosisSummary<'a> {
              noise alone shows as much anywhere in the library, {} at the least.",
             significant(1.0 / (DRAWS + 1) as f64, 2)
         ))
+    }
+
+    /// What the refit to whitened residuals, on which the evidence rests, did to the error of the model.
+    fn refit_in_words(&self) -> Option<String> {
+        let (given, refitted) = (self.diagnosis.given_rms, self.diagnosis.found.base.rms());
+        let moved = (refitted / given - 1.0).abs() > MOVED;
+        moved.then(|| {
+            format!(
+                "The model as it was given leaves {} {unit}. Here it is refitted so that the noise counts as \
+                 white, which p values and ΔBIC ask for: its parameters moved, and it leaves {} {unit}.",
+                self.level(given),
+                self.level(refitted),
+                unit = self.unit(),
+            )
+        })
     }
 
     fn ladder_bars(&self) -> crate::report::Bars {

@@ -149,7 +149,7 @@ impl DiagnosisSummary<'_> {
     }
 
     fn rival(&self, step: &Step, rival: &Rival) -> [String; 5] {
-        let law = rival.fitted.chain.effects.last().map_or("", |effect| effect.law.as_str());
+        let law = rival.law().unwrap_or_default();
         let form = if law == "reference" { String::new() } else { format!(" ({law})") };
         let told = if rival.effect == step.effect {
             "named"

@@ -43,7 +43,7 @@ function candidate(of, diagnosis, scale, unit, act) {
     of.gain_foretold > 0 ? (of.rms_foretold ? `would leave ${number(of.rms_foretold)} ${unit} RMS` : null) : "explains nothing here",
     of.gain_foretold > 0 ? `Δχ² ${number(of.gain_foretold)}` : null,
     of.gain_foretold > 0 ? `chance alone p = ${number(of.chance, 2)}` : null,
-    rival ? `refitted it leaves ${number(rival.rms_N)} ${unit}` : null,
+    rival ? `refitted it leaves ${number(rival.rms)} ${unit}` : null,
     rival?.delta_bic_to_best > 0 ? `${number(rival.delta_bic_to_best)} BIC behind the best` : null,
   ];
   const leave = () => act.hover(null);
