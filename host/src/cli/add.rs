@@ -3,12 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use super::output::{Output, print_json, print_sections, write_report};
+use super::preparation::Prepare;
 use super::{Failure, progress};
 use crate::criticism::change::{self, Change, ChangeError};
 use crate::criticism::compare::compare;
 use crate::model::Model;
 use crate::summary::{change_json, change_report, change_sections};
-use crate::trace::{Trace, read_set};
+use crate::trace::Trace;
 
 /// Add an effect to a model, refit, and see the error fall.
 #[derive(clap::Args)]
@@ -38,13 +39,15 @@ pub struct Args {
     #[arg(short, long, value_name = "BETTER.toml")]
     output: Option<PathBuf>,
     #[command(flatten)]
+    prepare: Prepare,
+    #[command(flatten)]
     result: Output,
 }
 
 /// Adds, refits and prints.
 pub fn run(args: &Args) -> Result<(), Failure> {
     let model = Model::read(&args.model).map_err(Failure::input)?;
-    let traces = read_set(&args.traces).map_err(Failure::input)?;
+    let (traces, _) = args.prepare.read(&args.traces, &model.base.signal)?;
     let wait = progress::spinner("refitting");
     let change = change::add(&model, &args.name, args.law.as_deref(), &traces);
     wait.finish_and_clear();

@@ -3,11 +3,12 @@
 use std::path::PathBuf;
 
 use super::output::Output;
+use super::preparation::Prepare;
 use super::{Failure, progress};
 use crate::criticism::compare::compare;
 use crate::model::Model;
 use crate::summary::{compare_json, compare_sections};
-use crate::trace::{Trace, read_set};
+use crate::trace::Trace;
 
 /// Compare a model with measurements, and see where it fails.
 #[derive(clap::Args)]
@@ -26,18 +27,20 @@ pub struct Args {
     #[arg(required = true, value_name = "TRACE")]
     traces: Vec<PathBuf>,
     #[command(flatten)]
+    prepare: Prepare,
+    #[command(flatten)]
     result: Output,
 }
 
 /// Compares and prints.
 pub fn run(args: &Args) -> Result<(), Failure> {
     let model = Model::read(&args.model).map_err(Failure::input)?;
-    let traces = read_set(&args.traces).map_err(Failure::input)?;
+    let (traces, preparation) = args.prepare.read(&args.traces, &model.base.signal)?;
     let wait = progress::spinner("comparing");
     let comparison = compare(&model, &traces).map_err(Failure::input)?;
     wait.finish_and_clear();
-    let sections = compare_sections(&model, &comparison, &traces);
+    let sections = preparation.before(compare_sections(&model, &comparison, &traces));
     let names = traces.iter().map(Trace::label).collect();
-    let json = || compare_json(&comparison);
+    let json = || preparation.within(compare_json(&comparison));
     args.result.give("Model against measurement", &comparison.signal, names, &sections, json)
 }

@@ -3,12 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use super::output::{Output, print_json, print_sections, write_report};
+use super::preparation::Prepare;
 use super::{Failure, progress};
 use crate::criticism::diagnose::diagnose;
 use crate::fit::data::Data;
 use crate::model::Model;
 use crate::summary::{DiagnosisSummary, NextCommand};
-use crate::trace::read_set;
 
 /// Say which physical effect a model lacks, with the evidence.
 #[derive(clap::Args)]
@@ -29,28 +29,41 @@ pub struct Args {
     #[arg(required = true, value_name = "TRACE")]
     traces: Vec<PathBuf>,
     #[command(flatten)]
+    prepare: Prepare,
+    #[command(flatten)]
     result: Output,
 }
 
 /// Diagnoses and prints.
 pub fn run(args: &Args) -> Result<(), Failure> {
     let model = Model::read(&args.model).map_err(Failure::input)?;
-    let traces = read_set(&args.traces).map_err(Failure::input)?;
+    let (traces, preparation) = args.prepare.read(&args.traces, &model.base.signal)?;
     let wait = progress::spinner("looking for what is missing");
     let diagnosis = diagnose(&model, &traces).map_err(Failure::input)?;
     let data = Data::of_model(&model, &traces).map_err(Failure::input)?;
-    let summary = DiagnosisSummary::new(&diagnosis, &data, next(&args.model, &args.traces));
+    let summary =
+        DiagnosisSummary::new(&diagnosis, &data, next(&args.model, &args.traces, &args.prepare));
     wait.finish_and_clear();
     wait.finish_and_clear();
     if let Some(path) = &args.result.report {
         let title = "What the model lacks";
-        write_report(path, title, &diagnosis.signal, data.labels.clone(), summary.sections())?;
+        write_report(
+            path,
+            title,
+            &diagnosis.signal,
+            data.labels.clone(),
+            preparation.before(summary.sections()),
+        )?;
     }
-    if args.result.json { print_json(&summary.json()) } else { print_sections(&summary.in_short()) }
+    if args.result.json {
+        print_json(&preparation.within(summary.json()))
+    } else {
+        print_sections(&preparation.before(summary.in_short()))
+    }
 }
 
 /// Model and traces as they were named.
-pub fn next(model: &Path, traces: &[PathBuf]) -> NextCommand {
+pub fn next(model: &Path, traces: &[PathBuf], prepare: &Prepare) -> NextCommand {
     let names: Vec<String> = traces.iter().map(|path| path.display().to_string()).collect();
-    NextCommand { model: model.display().to_string(), traces: names.join(" ") }
+    NextCommand { model: model.display().to_string(), traces: names.join(" ") + &prepare.flags() }
 }

@@ -4,10 +4,10 @@ use std::path::PathBuf;
 
 use super::add::give;
 use super::output::Output;
+use super::preparation::Prepare;
 use super::{Failure, progress};
 use crate::criticism::change;
 use crate::model::Model;
-use crate::trace::read_set;
 
 /// Take an effect out of a model, refit, and see the error rise.
 #[derive(clap::Args)]
@@ -29,13 +29,15 @@ pub struct Args {
     #[arg(short, long, value_name = "OTHER.toml")]
     output: Option<PathBuf>,
     #[command(flatten)]
+    prepare: Prepare,
+    #[command(flatten)]
     result: Output,
 }
 
 /// Takes the effect out, refits and prints.
 pub fn run(args: &Args) -> Result<(), Failure> {
     let model = Model::read(&args.model).map_err(Failure::input)?;
-    let traces = read_set(&args.traces).map_err(Failure::input)?;
+    let (traces, _) = args.prepare.read(&args.traces, &model.base.signal)?;
     let wait = progress::spinner("refitting");
     let change = change::drop(&model, &args.name, &traces);
     wait.finish_and_clear();

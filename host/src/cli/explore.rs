@@ -6,6 +6,7 @@ use serde_json::Value;
 
 use super::diagnose::next;
 use super::output::{Output, print_json, print_sections, write_report};
+use super::preparation::Prepare;
 use super::{Failure, progress};
 use crate::criticism::change::{Worse, worse};
 use crate::criticism::diagnose::{Diagnosis, diagnose};
@@ -13,7 +14,6 @@ use crate::criticism::explore::{explored, rungs};
 use crate::fit::data::Data;
 use crate::model::Model;
 use crate::summary::{DiagnosisSummary, unit_of};
-use crate::trace::read_set;
 
 /// Add what is missing until only noise is left, or say that it does not know.
 #[derive(clap::Args)]
@@ -36,17 +36,20 @@ pub struct Args {
     #[arg(short, long, value_name = "BETTER.toml")]
     output: Option<PathBuf>,
     #[command(flatten)]
+    prepare: Prepare,
+    #[command(flatten)]
     result: Output,
 }
 
 /// Explores and prints.
 pub fn run(args: &Args) -> Result<(), Failure> {
     let model = Model::read(&args.model).map_err(Failure::input)?;
-    let traces = read_set(&args.traces).map_err(Failure::input)?;
+    let (traces, preparation) = args.prepare.read(&args.traces, &model.base.signal)?;
     let wait = progress::spinner("climbing the ladder");
     let diagnosis = diagnose(&model, &traces).map_err(Failure::input)?;
     let data = Data::of_model(&model, &traces).map_err(Failure::input)?;
-    let summary = DiagnosisSummary::new(&diagnosis, &data, next(&args.model, &args.traces));
+    let summary =
+        DiagnosisSummary::new(&diagnosis, &data, next(&args.model, &args.traces, &args.prepare));
     wait.finish_and_clear();
     if let Some(worse) = lower(&diagnosis) {
         return Err(Failure::Work(miette::miette!("{worse}; the model stays as it was")));
@@ -58,15 +61,21 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     }
     if let Some(path) = &args.result.report {
         let title = "From the first model to the last";
-        write_report(path, title, &diagnosis.signal, data.labels.clone(), summary.sections())?;
+        write_report(
+            path,
+            title,
+            &diagnosis.signal,
+            data.labels.clone(),
+            preparation.before(summary.sections()),
+        )?;
     }
     if args.result.json {
-        let mut answer = summary.json();
+        let mut answer = preparation.within(summary.json());
         answer["model"] =
             args.output.as_ref().map_or(Value::Null, |path| path.display().to_string().into());
         print_json(&answer)
     } else {
-        print_sections(&summary.exploration(args.output.as_deref()))
+        print_sections(&preparation.before(summary.exploration(args.output.as_deref())))
     }
 }
 

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::ValueEnum;
 
 use super::output::Output;
+use super::preparation::Prepare;
 use super::{Failure, progress};
 use crate::criticism::noise::noise_of;
 use crate::fit::choice::{Choice, Exponent};
@@ -14,8 +15,10 @@ use crate::fit::ranking::rank;
 use crate::fit::whole_motion::{self, MotionFit};
 use crate::fit::{elastic_law, hold::Terms};
 use crate::model::{BaseLaw, EXPONENTS_N, Family, MAX_TERMS, Model, Separation};
-use crate::summary::{FitSummary, hold_json, hold_sections, ranking_json, ranking_sections};
-use crate::trace::{FORCE, Trace, read_set};
+use crate::summary::{
+    FitSummary, Preparation, Refit, hold_json, hold_sections, ranking_json, ranking_sections,
+};
+use crate::trace::{FORCE, Trace, outliers, without};
 
 /// Fit a contact model.
 #[derive(clap::Args)]
@@ -77,6 +80,8 @@ pub struct Args {
     #[arg(short, long, value_name = "MODEL.toml")]
     output: Option<PathBuf>,
     #[command(flatten)]
+    prepare: Prepare,
+    #[command(flatten)]
     result: Output,
 }
 
@@ -111,7 +116,8 @@ fn parse_exponent(text: &str) -> Result<Exponent, String> {
 /// Fits and prints.
 pub fn run(args: &Args) -> Result<(), Failure> {
     if args.all {
-        return all(args, &read_set(&args.names).map_err(Failure::input)?);
+        let (traces, preparation) = args.prepare.read(&args.names, &args.signal)?;
+        return all(args, &traces, &preparation);
     }
     let (family, traces) = (family(&args.names[0])?, &args.names[1..]);
     let wrong = |problem: String| Err(Failure::Input(miette::miette!("{problem}")));
@@ -125,8 +131,12 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         ));
     }
     let laws = args.choice(family).laws().map_err(Failure::input)?;
-    let traces = read_set(traces).map_err(Failure::input)?;
-    if args.hold_only { holds(args, &traces) } else { whole(args, &laws, &traces) }
+    let (traces, preparation) = args.prepare.read(traces, &args.signal)?;
+    if args.hold_only {
+        holds(args, &traces, &preparation)
+    } else {
+        whole(args, &laws, &traces, preparation)
+    }
 }
 
 fn family(name: &Path) -> Result<Family, Failure> {
@@ -156,7 +166,12 @@ impl Args {
     }
 }
 
-fn whole(args: &Args, laws: &[BaseLaw], traces: &[Trace]) -> Result<(), Failure> {
+fn whole(
+    args: &Args,
+    laws: &[BaseLaw],
+    traces: &[Trace],
+    mut preparation: Preparation,
+) -> Result<(), Failure> {
     let data = Data::of(traces, &args.signal).map_err(Failure::input)?;
     let candidates = candidates(laws, &data)?;
     let best = candidates
@@ -177,13 +192,30 @@ fn whole(args: &Args, laws: &[BaseLaw], traces: &[Trace]) -> Result<(), Failure>
     if let Some(path) = &args.output {
         summary.model().write(path).map_err(Failure::work)?;
     }
+    if !preparation.outliers.is_empty() && !preparation.dropped {
+        preparation.refit = without_outliers(best, traces, &args.signal);
+    }
     let title = "A fit over whole motions";
-    args.result.give(title, &args.signal, names(traces), &summary.sections(), || summary.json())?;
+    let sections = preparation.before(summary.sections());
+    let json = || preparation.within(summary.json());
+    args.result.give(title, &args.signal, names(traces), &sections, json)?;
     if best.stop.converged() {
         Ok(())
     } else {
         Err(Failure::Work(miette::miette!("{}", best.stop)))
     }
+}
+
+/// The same fit without impossible samples; none where nothing is left to fit.
+fn without_outliers(fit: &MotionFit, traces: &[Trace], signal: &str) -> Option<Refit> {
+    let left: Vec<Trace> =
+        traces.iter().map(|trace| without(trace, &outliers(trace, signal))).collect();
+    let data = Data::of(&left, signal).ok()?;
+    let other = whole_motion::fit(fit.chain.base, &data).ok()?;
+    Some(Refit {
+        r_squared: [fit.r_squared, other.r_squared],
+        residual_rms: [fit.rms(), other.rms()],
+    })
 }
 
 /// The fit of each law.
@@ -202,7 +234,7 @@ fn candidates(laws: &[BaseLaw], data: &Data) -> Result<Vec<MotionFit>, Failure> 
 }
 
 /// Every law, ranked.
-fn all(args: &Args, traces: &[Trace]) -> Result<(), Failure> {
+fn all(args: &Args, traces: &[Trace], preparation: &Preparation) -> Result<(), Failure> {
     let terms = match args.terms {
         Terms::Fixed(terms) => terms,
         Terms::Auto => {
@@ -217,12 +249,12 @@ fn all(args: &Args, traces: &[Trace]) -> Result<(), Failure> {
     if let Ok(data) = Data::of(traces, &args.signal) {
         ranking.noise = noise_of(&data, traces);
     }
-    let sections = ranking_sections(&ranking, &args.signal);
-    let json = || ranking_json(&ranking, &args.signal);
+    let sections = preparation.before(ranking_sections(&ranking, &args.signal));
+    let json = || preparation.within(ranking_json(&ranking, &args.signal));
     args.result.give("Laws ranked", &args.signal, names(traces), &sections, json)
 }
 
-fn holds(args: &Args, traces: &[Trace]) -> Result<(), Failure> {
+fn holds(args: &Args, traces: &[Trace], preparation: &Preparation) -> Result<(), Failure> {
     let wait = progress::bar(traces.len(), "fitting holds");
     let mut fits: Vec<HoldFit> = Vec::new();
     for trace in traces {
@@ -234,8 +266,8 @@ fn holds(args: &Args, traces: &[Trace]) -> Result<(), Failure> {
     if let Some(path) = &args.output {
         model_of_holds(&fits, &args.signal)?.write(path).map_err(Failure::work)?;
     }
-    let sections = hold_sections(&fits, traces, &args.signal);
-    let json = || hold_json(&fits, &args.signal);
+    let sections = preparation.before(hold_sections(&fits, traces, &args.signal));
+    let json = || preparation.within(hold_json(&fits, &args.signal));
     args.result.give("Relaxation during holds", &args.signal, names(traces), &sections, json)
 }
 

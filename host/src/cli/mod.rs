@@ -25,6 +25,7 @@ mod interrupt;
 mod output;
 mod plan;
 mod plot;
+mod preparation;
 mod progress;
 mod rates;
 mod record;

@@ -4,7 +4,7 @@ use std::fmt;
 
 use super::data::Data;
 use super::whole_motion::MotionFit;
-use crate::trace::Noise;
+use crate::trace::{Noise, units};
 
 /// A reason to be careful with a fit.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,6 +28,8 @@ pub enum Warning {
     TooFast { parameter: String, time_constant: f64, interval: f64 },
     /// The residual is more than noise.
     Misfit { rms: f64, noise: f64 },
+    /// The signal does not begin at 0.
+    Resting { value: f64, unit: String },
     /// Samples that were left out.
     LeftOut { what: String },
 }
@@ -73,6 +75,14 @@ impl fmt::Display for Warning {
                 "the model leaves {rms:.3e}, {:.1} times the noise of {noise:.3e}: something is missing from it, so the standard errors describe the fit, not the specimen",
                 rms / noise
             ),
+            Self::Resting { value, unit } => {
+                // Five digits.
+                let decimals = (4.0 - value.abs().log10().floor()).clamp(0.0, 9.0) as usize;
+                write!(
+                    f,
+                    "the signal rests at {value:.decimals$} {unit} before the touch, where the law is 0: take that off with `--tare`, or add the effect `zero-shift`"
+                )
+            }
             Self::LeftOut { what } => f.write_str(what),
         }
     }
@@ -85,6 +95,9 @@ const CORRELATED: f64 = 0.99;
 /// Rates closer than this, relatively, have merged.
 const MERGED: f64 = 0.01;
 
+/// A resting value beyond this part of the whole range of the signal is told.
+const RESTING: f64 = 0.1;
+
 /// Everything to be careful about, most serious first.
 #[must_use]
 pub fn warnings(fit: &MotionFit, data: &Data, noise: Option<&Noise>) -> Vec<Warning> {
@@ -93,6 +106,10 @@ pub fn warnings(fit: &MotionFit, data: &Data, noise: Option<&Noise>) -> Vec<Warn
         found.push(Warning::NotConverged { iterations: fit.iterations });
     }
     found.extend(data.left_out.iter().cloned().map(|what| Warning::LeftOut { what }));
+    if let Some(value) = resting(data).filter(|_| fit.chain.effects.is_empty()) {
+        let unit = units::printed(&data.signal).into();
+        found.push(Warning::Resting { value, unit });
+    }
     if let Some(noise) = noise {
         let (rms, noise) = (fit.rms(), noise.standard_deviation);
         if rms > MISFIT * noise {
@@ -102,6 +119,22 @@ pub fn warnings(fit: &MotionFit, data: &Data, noise: Option<&Noise>) -> Vec<Warn
     each_parameter(fit, data, &mut found);
     pairs(fit, &mut found);
     found
+}
+
+/// Mean of the signal before the touch, where it is a large part of the range of the signal.
+fn resting(data: &Data) -> Option<f64> {
+    let (mut sum, mut count) = (0.0, 0.0);
+    let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
+    for piece in &data.pieces {
+        let touch = piece.motion.displacement.iter().position(|&x| x > 0.0).unwrap_or(0);
+        sum += piece.measured[..touch].iter().sum::<f64>();
+        count += touch as f64;
+        for &value in piece.measured {
+            (least, most) = (least.min(value), most.max(value));
+        }
+    }
+    let value = sum / count;
+    (count > 0.0 && value.abs() > RESTING * (most - least)).then_some(value)
 }
 
 fn each_parameter(fit: &MotionFit, data: &Data, found: &mut Vec<Warning>) {

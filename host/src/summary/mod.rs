@@ -11,6 +11,7 @@ mod effects;
 mod grasp;
 mod holds;
 mod ladder;
+mod outliers;
 mod plan;
 mod practice;
 mod press;
@@ -46,6 +47,7 @@ pub use grasp::{
 };
 pub use holds::{hold_json, hold_sections};
 pub use ladder::ladder;
+pub use outliers::{Preparation, Refit};
 pub use plan::plan_section;
 pub use practice::{practice_json, practice_sections, truth_json, truth_sections};
 pub use press::press_sections;

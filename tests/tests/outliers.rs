@@ -1,0 +1,93 @@
+//! Impossible samples and resting values: told with their place, mended only when asked.
+
+use std::fs;
+use std::path::Path;
+
+use palpate::model::{BaseLaw, Separation};
+use palpate::trace::{Column, DISPLACEMENT, Trace, write};
+use palpate_tests::{answer, palpate, press};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, Normal};
+use serde_json::Value;
+
+const LAW: BaseLaw = BaseLaw::fung(2, Separation::Clamp);
+const TRUTH: [f64; 6] = [0.08, 0.8, 0.25, 0.24, 4.0, 0.55];
+const SIGNAL: &str = "sensor_ohm";
+
+/// Two presses whose signal is 100 Ω/N about `rest`, with drop-outs of the motion in the second.
+fn record(folder: &Path, rest: f64, drop_outs: &[usize]) {
+    let motions = [press(6.0, 10.0, 0.8), press(10.0, 40.0, 0.8)];
+    let force = LAW.predict(&TRUTH, &motions);
+    let mut random = ChaCha8Rng::seed_from_u64(29);
+    let normal = Normal::new(0.0, 1.0).unwrap();
+    for (number, (motion, force)) in motions.into_iter().zip(force).enumerate() {
+        let signal = force.iter().map(|f| rest + 100.0 * f + normal.sample(&mut random)).collect();
+        let mut x = motion.displacement.into_owned();
+        for &row in drop_outs.iter().filter(|_| number == 1) {
+            x[row - 1] -= 12.0;
+        }
+        let columns = vec![
+            Column { name: DISPLACEMENT.into(), values: x },
+            Column { name: SIGNAL.into(), values: signal },
+        ];
+        let trace = Trace { time: motion.time.into_owned(), columns, ..Trace::default() };
+        write(&folder.join(format!("take-{number}.csv")), &trace).unwrap();
+    }
+}
+
+fn text(folder: &Path, arguments: &[&str]) -> String {
+    let output = palpate().current_dir(folder).args(arguments).output().expect("palpate runs");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).unwrap()
+}
+
+fn json(folder: &Path, arguments: &[&str]) -> Value {
+    answer(folder, &[arguments, &["--json"]].concat())
+}
+
+#[test]
+fn drop_outs_are_told_by_file_and_row_and_left_out_when_asked() {
+    let place = tempfile::tempdir().unwrap();
+    let folder = place.path();
+    fs::create_dir(folder.join("takes")).unwrap();
+    let rows = [180, 260, 261, 300, 340];
+    record(&folder.join("takes"), 0.0, &rows);
+    let fit = ["fit", "fung", "takes", "--signal", SIGNAL];
+    let bad = json(folder, &[&fit[..], &["-o", "model.toml"]].concat());
+    let found: Vec<(&str, u64)> = bad["outliers"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|out| (out["trace"].as_str().unwrap(), out["row"].as_u64().unwrap()))
+        .collect();
+    assert_eq!(found, rows.map(|row| ("take-1.csv", row as u64)));
+    let good = json(folder, &[&fit[..], &["--drop-outliers"]].concat());
+    let r_squared = |answer: &Value| answer["r_squared"].as_f64().unwrap();
+    assert!(r_squared(&good) > r_squared(&bad) + 0.002, "{good:#} {bad:#}");
+    assert_eq!(bad["without_outliers"]["r_squared"], good["r_squared"]);
+    assert_eq!(good["outliers_dropped"], true);
+    let told = text(folder, &fit);
+    let words = format!("would be {:.3} instead of {:.3}", r_squared(&good), r_squared(&bad));
+    assert!(told.split_whitespace().collect::<Vec<_>>().join(" ").contains(&words), "{told}");
+    for command in [&["compare", "model.toml"][..], &["diagnose", "--model", "model.toml"]] {
+        let answer = json(folder, &[command, &["takes"]].concat());
+        assert_eq!(answer["outliers"].as_array().unwrap().len(), rows.len(), "{command:?}");
+    }
+}
+
+#[test]
+fn a_resting_value_is_named_with_its_remedy() {
+    let place = tempfile::tempdir().unwrap();
+    let folder = place.path();
+    record(folder, 33_000.0, &[]);
+    let fit = ["fit", "fung", "take-0.csv", "take-1.csv", "--signal", SIGNAL];
+    let resting = json(folder, &fit);
+    let warnings = resting["warnings"].to_string();
+    assert!(warnings.contains("rests at 33000") && warnings.contains("--tare"), "{warnings}");
+    assert_eq!(resting["outliers"].as_array().unwrap().len(), 0);
+    let tared = json(folder, &[&fit[..], &["--tare"]].concat());
+    assert!(tared["r_squared"].as_f64().unwrap() > 0.99, "{tared:#}");
+    assert!(!tared["warnings"].to_string().contains("rests at"));
+    assert!((tared["tared"]["take-0.csv"].as_f64().unwrap() - 33_000.0).abs() < 1.0);
+}
