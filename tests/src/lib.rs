@@ -8,6 +8,7 @@ pub mod emulator;
 pub mod hidden;
 #[cfg(unix)]
 pub mod server;
+pub mod tip;
 
 use std::path::{Path, PathBuf};
 

@@ -4,16 +4,16 @@ use std::ops::Range;
 use std::path::Path;
 
 use super::{AfmError, jpk};
-use crate::trace::{self, DISPLACEMENT, FORCE, Trace};
+use crate::trace::{self, DISPLACEMENT, FORCE, Kind, Trace};
 
 /// Which samples are what.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Segments {
-    /// From far off into the specimen.
+    /// From far off into the specimen, with all pauses.
     pub approach: Range<usize>,
-    /// At rest on the specimen.
-    pub hold: Option<Range<usize>>,
-    /// Back off the specimen.
+    /// The pauses of the piezo in it, in order.
+    pub pauses: Vec<Range<usize>>,
+    /// Back off the specimen; what comes in again after it is not looked at.
     pub retract: Option<Range<usize>>,
 }
 
@@ -38,10 +38,8 @@ pub struct ForceCurve {
 
 /// Key in the table `[setup]` of a trace's head: spring constant, N/m.
 pub const SPRING: &str = "spring_constant_N_per_m";
-/// The piezo rests where it is within this part of its travel from its farthest.
-const REST: f64 = 0.005;
-/// A rest is a hold if it lasts this part of the recording.
-const SHORTEST_HOLD: f64 = 0.05;
+/// A rest is a pause if it lasts this part of the recording.
+const SHORTEST_PAUSE: f64 = 0.05;
 
 impl ForceCurve {
     /// Reads a text export of JPK, or a trace.
@@ -99,27 +97,34 @@ impl ForceCurve {
     }
 }
 
-/// The approach goes until the piezo is nearest; if it rests there for long, that is a hold.
+/// The approach goes until the piezo first turns back, however often it rests on the way.
 fn segments(time: &[f64], piezo: &[f64]) -> Segments {
-    let bounds = piezo
+    let (low, high) = piezo
         .iter()
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &x| (low.min(x), high.max(x)));
-    let near = |x: &f64| *x >= bounds.1 - REST * (bounds.1 - bounds.0);
-    let count = piezo.len();
-    let first = piezo.iter().position(near).unwrap_or(count);
-    let last = piezo.iter().rposition(near).unwrap_or(first);
-    if first >= count {
+    // Counted from so far off that nothing is before a touch.
+    let way: Vec<f64> = piezo.iter().map(|x| x - low + (high - low)).collect();
+    let moves = trace::segments(time, &way);
+    let Some(comes) = moves.iter().position(|part| part.kind == Kind::Load) else {
         return Segments::default();
-    }
-    let rested = time[last] - time[first] > SHORTEST_HOLD * (time[count - 1] - time[0]);
-    let (top, hold) = if rested {
-        (first, Some(first..last + 1))
-    } else {
-        let nearest = (first..=last).max_by(|a, b| piezo[*a].total_cmp(&piezo[*b]));
-        (nearest.unwrap_or(first), None)
     };
-    let back = hold.as_ref().map_or(top + 1, |hold| hold.end);
-    Segments { approach: 0..top + 1, hold, retract: (back + 1 < count).then_some(back..count) }
+    let back = moves[comes..].iter().position(|part| part.kind == Kind::Unload);
+    let back = back.map_or(moves.len(), |k| comes + k);
+    let end = |part: usize| moves[..part].last().map_or(0, |part| part.range.end);
+    let again = moves[back..].iter().position(|part| part.kind == Kind::Load);
+    let over = again.map_or(moves.len(), |k| back + k);
+    let recording = time[time.len() - 1] - time[0];
+    let lasts = |range: &Range<usize>| time[range.end - 1] - time[range.start];
+    Segments {
+        approach: 0..end(back),
+        pauses: moves[comes..back]
+            .iter()
+            .filter(|part| part.kind == Kind::Hold)
+            .map(|part| part.range.clone())
+            .filter(|range| lasts(range) > SHORTEST_PAUSE * recording)
+            .collect(),
+        retract: (back < over).then(|| end(back)..end(over)),
+    }
 }
 
 #[cfg(test)]
@@ -131,11 +136,20 @@ mod tests {
         let time: Vec<f64> = (0..300).map(f64::from).collect();
         let held: Vec<f64> = time.iter().map(|t| t.min(100.0).min(300.0 - t)).collect();
         let found = segments(&time, &held);
-        assert_eq!(found.approach, 0..101);
-        assert_eq!(found.hold, Some(100..201));
+        assert_eq!(found.approach, 0..201);
+        assert_eq!(found.pauses, [100..201]);
         assert_eq!(found.retract, Some(201..300));
         let turned: Vec<f64> = time.iter().map(|t| t.min(300.0 - t)).collect();
         let found = segments(&time, &turned);
-        assert_eq!((found.approach, found.hold, found.retract), (0..151, None, Some(151..300)));
+        assert_eq!(found, Segments { approach: 0..151, pauses: vec![], retract: Some(151..300) });
+    }
+
+    #[test]
+    fn a_staircase_is_one_approach_with_its_pauses() {
+        let time: Vec<f64> = (0..500).map(f64::from).collect();
+        let way = |t: f64| t.min(100.0).max(t - 100.0).min(200.0).min(500.0 - t);
+        let found = segments(&time, &time.iter().map(|t| way(*t)).collect::<Vec<f64>>());
+        assert_eq!((found.approach, found.retract), (0..301, Some(301..500)));
+        assert_eq!(found.pauses, [100..201]);
     }
 }

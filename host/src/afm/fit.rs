@@ -1,21 +1,24 @@
-//! Baseline, contact point, modulus and adhesion of a force curve.
+//! Baseline, contact point, modulus, relaxation and adhesion of a force curve.
 //!
-//! The approach is fitted as a whole: F = b0 + b1 z + f(z − z0), f the force of tip and cantilever in series
-//! ([`Law`]). So the noise stays on the force alone, where it is, and does not enter the depth; and the standard errors of
-//! the contact point and the modulus include that of the baseline. They know nothing of the errors of spring constant,
-//! sensitivity and tip radius, which come on top.
+//! The curve is fitted as a whole, way in, pauses and way back, by the hereditary contact law of tip and cantilever in series
+//! ([`super::hereditary`]) over a tilted baseline; so a force that relaxes is not taken for one that adheres. Where the tip
+//! adheres on the way back, which Ting's law does not know, only the baseline of the way back counts. The noise stays on the
+//! force alone, where it is, and does not enter the depth; and the standard errors of the contact point and the modulus
+//! include those of baseline and relaxation. They know nothing of the errors of spring constant, sensitivity and tip radius,
+//! which come on top.
 
 use std::f64::consts::PI;
 use std::ops::Range;
 
 use super::curve::ForceCurve;
 use super::hold::{self, Relaxed};
+use super::identify::{CONTACT, Found, OFFSET, Samples, Start, TILT};
 use super::law::Law;
-use super::least::{Fitted, least_squares};
 use super::pressure::modulus_factor;
 use super::{AfmError, Estimate, within};
 use crate::contact::Tip;
 use crate::grasp::PressureLaw;
+use crate::model::Relaxation;
 
 /// What is known of tip and specimen.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,7 +31,25 @@ pub struct Options {
     pub pressure: PressureLaw,
 }
 
-/// The approach, fitted.
+/// One exponential of the relaxation function.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Exponential {
+    /// Share of the modulus at once.
+    pub share: Estimate,
+    /// Rate, 1/s.
+    pub rate: Estimate,
+}
+
+/// A pause of the piezo.
+#[derive(Clone, Debug)]
+pub struct Held {
+    /// Its samples.
+    pub range: Range<usize>,
+    /// What it says of relaxation, or why nothing.
+    pub relaxed: Result<Relaxed, String>,
+}
+
+/// The curve, fitted.
 #[derive(Clone, Debug)]
 pub struct CurveFit {
     /// Force of the baseline at the contact point, N.
@@ -37,8 +58,16 @@ pub struct CurveFit {
     pub tilt_n_per_m: f64,
     /// Where the straight cantilever would touch, m, on the piezo's way.
     pub contact_m: Estimate,
-    /// Young's modulus, Pa; none where the curve does not tell it.
+    /// Young's modulus at once, E(0), Pa; none where the curve does not tell it.
     pub modulus_pa: Option<Estimate>,
+    /// Young's modulus that remains, E(∞), Pa; none where nothing relaxes or the curve does not tell it.
+    pub equilibrium_modulus_pa: Option<Estimate>,
+    /// What of E(0) relaxes, the fastest first; empty where no relaxation is evident.
+    pub relaxation: Vec<Exponential>,
+    /// Whether the way back was fitted too, and not its baseline alone.
+    pub follows_back: bool,
+    /// Drag of the medium on the cantilever, N: pushing on the way in, pulling on the way back; none without a way back.
+    pub drag_n: Option<f64>,
     /// Why it does not.
     pub no_modulus: Option<String>,
     /// Pull of adhesion during the approach, N, where the curve shows a jump into contact.
@@ -47,22 +76,34 @@ pub struct CurveFit {
     pub noise_n: f64,
     /// Root mean square of what the fit leaves, N.
     pub residual_rms_n: f64,
-    /// Samples fitted, and outliers of the baseline left out.
+    /// Samples fitted.
     pub samples: usize,
     /// Outliers of the baseline that were left out.
     pub left_out: usize,
-    /// Depth at the end of the approach, m.
+    /// Depth where the force is largest, m.
     pub depth_m: f64,
-    /// Force there, N.
+    /// Largest force of the fit, N.
     pub force_n: f64,
-    /// Slope of force over the piezo's way there, over the spring constant: 1 for a rigid specimen.
+    /// Slope of force over the piezo's way at the end of the way in, over the spring constant: 1 for a rigid specimen.
     pub slope_over_spring: Option<f64>,
     /// Tip, reduced modulus and pull that were fitted, by Hertz's law.
     pub law: Law,
     /// What the retreat says of adhesion; none without a retreat.
     pub retreat: Option<Retreat>,
-    /// What the hold says of relaxation, or why nothing; none without a hold.
-    pub hold: Option<Result<Relaxed, String>>,
+    /// The pauses, in order.
+    pub holds: Vec<Held>,
+    /// Baseline at each sample, N.
+    pub baseline_n: Vec<f64>,
+    /// Fitted force of the contact at each sample, N; none on a way back that was not fitted.
+    pub contact_n: Vec<Option<f64>>,
+}
+
+impl CurveFit {
+    /// The longest pause.
+    #[must_use]
+    pub fn longest_hold(&self) -> Option<&Held> {
+        self.holds.iter().max_by_key(|held| held.range.len())
+    }
 }
 
 /// Adhesion on the way back.
@@ -96,8 +137,11 @@ const VAGUE: f64 = 0.5;
 const FAR: f64 = 0.2;
 /// Deviations beyond which a sample of the baseline is an outlier.
 const OUTLIER: f64 = 5.0;
-/// A jump into contact is fitted where it lowers the criterion (BIC) by this.
-const EVIDENT: f64 = 10.0;
+/// Most exponentials of a specimen whose pause or way back tells of them, and where neither does.
+pub const TERMS: usize = 3;
+const TERMS_OF_AN_APPROACH: usize = 1;
+/// Samples beyond which blocks are averaged for the fit.
+const MANY: usize = 8000;
 /// Distance between atoms at rest, m, in Tabor's number.
 const ATOMS: f64 = 0.3e-9;
 
@@ -107,24 +151,32 @@ const ATOMS: f64 = 0.3e-9;
 /// [`AfmError::Short`], [`AfmError::NoContact`], [`AfmError::Range`] for options that cannot be.
 pub fn fit(curve: &ForceCurve, options: &Options) -> Result<CurveFit, AfmError> {
     check(curve, options)?;
-    let approach = Approach::new(curve, options.tip)?;
-    let start = approach.start();
-    let all: Vec<usize> = (0..approach.z.len()).collect();
-    let first = approach.best(&start, &all);
-    let noise = approach.noise(&first, &all);
-    let kept: Vec<usize> =
-        all.iter().copied().filter(|&i| !approach.is_outlier(&first, i, noise)).collect();
-    let left_out = all.len() - kept.len();
-    let found = if left_out > 0 { approach.best(&start, &kept) } else { first };
-    let noise = approach.noise(&found, &kept);
-    let mut fit = approach.result(&found, noise, options);
+    let retract = curve.segments.retract.clone().filter(|range| range.len() >= LEAST);
+    let back = retract.map(|range| Back::of(curve, range));
+    let mut scaled = Scaled::of(curve, options.tip, back.as_ref())?;
+    let start = scaled.start(back.is_some());
+    let first = scaled.first(&start);
+    let noise = scaled.noise(&first);
+    let left_out = scaled.leave_out(&first, noise);
+    let slope = scaled.end_slope(first.point()[CONTACT]);
+    let start = Start { terms: scaled.most_terms(slope), ..start };
+    let samples = &scaled.samples;
+    let thin = (samples.z.len() > MANY).then(|| samples.thinned(MANY));
+    let found = thin.as_ref().unwrap_or(samples).identify(&start);
+    let noise = scaled.noise(&found);
+    let mut fit = scaled.result(&found, noise, slope, options);
     if fit.force_n < OUTLIER * noise {
         return Err(AfmError::NoContact { curve: curve.label.clone() });
     }
-    (fit.samples, fit.left_out) = (kept.len(), left_out);
-    let retract = curve.segments.retract.clone().filter(|range| range.len() >= LEAST);
-    fit.retreat = retract.map(|range| retreat(curve, range, options, &fit));
-    fit.hold = curve.segments.hold.clone().map(|range| hold::relaxed(curve, range, &fit));
+    fit.left_out = left_out;
+    fit.retreat = back.map(|back| back.adhesion(options, &fit));
+    let pauses = curve.segments.pauses.iter();
+    fit.holds = pauses
+        .map(|range| Held {
+            range: range.clone(),
+            relaxed: hold::relaxed(curve, range.clone(), &fit),
+        })
+        .collect();
     Ok(fit)
 }
 
@@ -147,38 +199,16 @@ fn check(curve: &ForceCurve, options: &Options) -> Result<(), AfmError> {
     Ok(())
 }
 
-/// The approach in numbers about one: ways over the whole way, forces over the whole range of force.
-struct Approach {
-    z: Vec<f64>,
-    force: Vec<f64>,
-    /// Way at 0 and whole way, m; range of force, N.
+/// A curve in numbers about one.
+struct Scaled<'a> {
+    curve: &'a ForceCurve,
+    samples: Samples,
+    /// Way at 0, m.
     from: f64,
-    way: f64,
-    range: f64,
-    tip: Tip,
-    spring: Option<f64>,
 }
 
-/// Coordinates: offset, tilt, contact point, and ln of the reduced modulus over that of the start; last, perhaps, the pull.
-struct Start {
-    point: [f64; 4],
-    reduced_modulus: f64,
-}
-
-struct Found {
-    fitted: Fitted,
-    reduced_modulus: f64,
-    criterion: f64,
-}
-
-impl Found {
-    fn point(&self) -> &[f64] {
-        &self.fitted.solution.point
-    }
-}
-
-impl Approach {
-    fn new(curve: &ForceCurve, tip: Tip) -> Result<Self, AfmError> {
+impl<'a> Scaled<'a> {
+    fn of(curve: &'a ForceCurve, tip: Tip, back: Option<&Back>) -> Result<Self, AfmError> {
         let range = curve.segments.approach.clone();
         let short =
             || AfmError::Short { curve: curve.label.clone(), samples: range.len(), least: LEAST };
@@ -186,45 +216,66 @@ impl Approach {
             return Err(short());
         }
         let (z, force) = (&curve.piezo_m[range.clone()], &curve.force_n[range.clone()]);
-        let extent = |values: &[f64]| {
-            values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &x| {
-                (low.min(x), high.max(x))
-            })
-        };
-        let ((from, to), (least, most)) = (extent(z), extent(force));
+        let from = z[0];
+        let to = z.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let (least, most) = force
+            .iter()
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &f| (a.min(f), b.max(f)));
         if to <= from || most <= least {
             return Err(short());
         }
         let (way, span) = (to - from, most - least);
-        Ok(Self {
-            z: z.iter().map(|z| (z - from) / way).collect(),
-            force: force.iter().map(|force| force / span).collect(),
-            from,
+        let end = back.map_or(range.end, |back| back.range.end);
+        let paused = |k: usize| curve.segments.pauses.iter().any(|pause| pause.contains(&k));
+        let sense = |k: usize| match (k >= range.end, paused(k)) {
+            (true, _) => -1.0,
+            (false, true) => 0.0,
+            (false, false) => 1.0,
+        };
+        let follows_back = back.is_some_and(|back| !back.adheres);
+        let counts = |k: usize| {
+            k >= range.start && back.is_none_or(|b| k < range.end || follows_back || k >= b.far)
+        };
+        let all = range.start..end;
+        let samples = Samples {
+            time: curve.time_s[all.clone()].to_vec(),
+            z: curve.piezo_m[all.clone()].iter().map(|z| (z - from) / way).collect(),
+            force: curve.force_n[all.clone()].iter().map(|force| force / span).collect(),
+            sense: all.clone().map(sense).collect(),
+            counts: all.map(counts).collect(),
+            leaves: range.len(),
+            follows_back,
             way,
             range: span,
             tip,
             spring: curve.spring_n_per_m,
-        })
+        };
+        Ok(Self { curve, samples, from })
+    }
+
+    /// The samples at which the piezo moves in.
+    fn moving(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..self.samples.leaves).filter(|&k| self.samples.sense[k] > 0.0)
     }
 
     /// Baseline by a robust line through the far end; contact where a line with a power of the way beyond it fits best.
-    fn start(&self) -> Start {
-        let far: Vec<usize> = (0..self.z.len()).filter(|&i| self.z[i] <= FAR).collect();
-        let pick = |values: &[f64]| far.iter().map(|&i| values[i]).collect::<Vec<f64>>();
-        let line = RobustLine::through(&pick(&self.z), &pick(&self.force));
-        let rest: Vec<f64> =
-            self.z.iter().zip(&self.force).map(|(z, force)| force - line.at(*z)).collect();
+    fn start(&self, drag: bool) -> Start {
+        let (z, force): (Vec<f64>, Vec<f64>) =
+            self.moving().map(|k| (self.samples.z[k], self.samples.force[k])).unzip();
+        let far = z.partition_point(|z| *z <= FAR).max(2).min(z.len());
+        let line = RobustLine::through(&z[..far], &force[..far]);
+        let rest: Vec<f64> = z.iter().zip(&force).map(|(z, force)| force - line.at(*z)).collect();
         let mut best = (f64::INFINITY, 0.5);
         for contact in (10..99).map(|percent| f64::from(percent) * 0.01) {
-            for power in [1.0, self.tip.exponent()] {
+            for power in [1.0, self.samples.tip.exponent()] {
                 let shape = |z: f64| (z - contact).max(0.0).powf(power);
                 let (mut top, mut bottom) = (0.0, 0.0);
-                for (z, force) in self.z.iter().zip(&rest) {
+                for (z, force) in z.iter().zip(&rest) {
                     top += shape(*z) * force;
                     bottom += shape(*z).powi(2);
                 }
                 let factor = (top / bottom.max(f64::MIN_POSITIVE)).max(0.0);
-                let miss = self.z.iter().zip(&rest).map(|(z, f)| (f - factor * shape(*z)).powi(2));
+                let miss = z.iter().zip(&rest).map(|(z, f)| (f - factor * shape(*z)).powi(2));
                 let miss: f64 = miss.sum();
                 if miss < best.0 {
                     best = (miss, contact);
@@ -234,117 +285,152 @@ impl Approach {
         let contact = best.1;
         let last = rest.len() - (rest.len() / 50).max(1);
         let end = rest[last..].iter().sum::<f64>() / (rest.len() - last) as f64;
-        let force = (end * self.range).max(1e-3 * self.range);
-        let beyond = (1.0 - contact) * self.way;
-        let bent = self.spring.map_or(0.0, |k| force / k);
+        let force = (end * self.samples.range).max(1e-3 * self.samples.range);
+        let beyond = (1.0 - contact) * self.samples.way;
+        let bent = self.samples.spring.map_or(0.0, |k| force / k);
         let depth = (beyond - bent).max(0.05 * beyond);
-        let reduced_modulus = force / self.tip.force(1.0, depth);
-        Start { point: [line.offset, line.slope, contact, 0.0], reduced_modulus }
+        let reduced_modulus = force / self.samples.tip.force(1.0, depth);
+        let (offset, tilt) = (line.offset, line.slope);
+        Start { offset, tilt, contact, reduced_modulus, drag, terms: 0 }
     }
 
-    /// Without a pull of adhesion, or with one where that is evident.
-    fn best(&self, start: &Start, kept: &[usize]) -> Found {
-        let without = self.fitted(start, kept, None);
-        let lowest = kept.iter().map(|&i| self.force[i] - start.point[0]).fold(0.0, f64::min);
-        let with = self.fitted(start, kept, Some(-lowest));
-        if with.criterion + EVIDENT < without.criterion { with } else { without }
-    }
-
-    fn fitted(&self, start: &Start, kept: &[usize], pull: Option<f64>) -> Found {
-        let mut point = start.point.to_vec();
-        let mut bounds = vec![(-1e12, 1e12), (-1e6, 1e6), (-0.5, 1.0), (-14.0, 14.0)];
-        if let Some(pull) = pull {
-            point.push(pull);
-            bounds.push((0.0, 2.0));
+    /// A first fit, to see the baseline by: that of the way in alone, without memory.
+    fn first(&mut self, start: &Start) -> Found {
+        let counted = self.samples.counts.clone();
+        for (k, counts) in self.samples.counts.iter_mut().enumerate() {
+            *counts &= self.samples.sense[k] > 0.0;
         }
-        let residuals = |point: &[f64]| {
-            let law = self.law(point, start.reduced_modulus);
-            kept.iter().map(|&i| self.predicted(point, &law, i) - self.force[i]).collect()
-        };
-        let fitted = least_squares(&bounds, &point, kept.len(), residuals);
-        let count = kept.len() as f64;
-        let cost = fitted.solution.normal.cost.max(f64::MIN_POSITIVE);
-        let criterion = count * (cost / count).ln() + point.len() as f64 * count.ln();
-        Found { fitted, reduced_modulus: start.reduced_modulus, criterion }
+        let found = self.samples.simplest(&Start { drag: false, ..*start });
+        self.samples.counts = counted;
+        found
     }
 
-    fn law(&self, point: &[f64], reduced_modulus: f64) -> Law {
-        Law {
-            tip: self.tip,
-            reduced_modulus: reduced_modulus * point[3].exp(),
-            adhesion_n: point.get(4).map_or(0.0, |pull| pull * self.range),
-        }
+    /// Force that a fit leaves at a sample, over the range, out of contact.
+    fn rest(&self, found: &Found, k: usize) -> f64 {
+        let point = found.point();
+        self.samples.force[k] - point[OFFSET] - point[TILT] * self.samples.z[k] - found.drag()
     }
 
-    fn predicted(&self, point: &[f64], law: &Law, i: usize) -> f64 {
-        let contact = law.force((self.z[i] - point[2]) * self.way, self.spring);
-        point[0] + point[1] * self.z[i] + contact / self.range
-    }
-
-    fn rest(&self, found: &Found, i: usize) -> f64 {
-        let law = self.law(found.point(), found.reduced_modulus);
-        self.force[i] - self.predicted(found.point(), &law, i)
-    }
-
-    /// Whether a sample lies before the touch, a little off from it.
-    fn is_before(&self, found: &Found, i: usize) -> bool {
-        self.z[i] < found.point()[2] - 0.02
+    /// Samples before the touch, a little off from it.
+    fn before(&self, found: &Found) -> Vec<usize> {
+        let touch = found.point()[CONTACT] - 0.02;
+        self.moving()
+            .take_while(|&k| self.samples.z[k] < touch)
+            .filter(|&k| self.samples.counts[k])
+            .collect()
     }
 
     /// Deviation of the baseline's samples, robust, N.
-    fn noise(&self, found: &Found, kept: &[usize]) -> f64 {
-        let before = kept.iter().filter(|&&i| self.is_before(found, i));
-        let mut sizes: Vec<f64> = before.map(|&i| self.rest(found, i).abs()).collect();
+    fn noise(&self, found: &Found) -> f64 {
+        let before = self.before(found).into_iter();
+        let mut sizes: Vec<f64> = before.map(|k| self.rest(found, k).abs()).collect();
         if sizes.is_empty() {
-            return found.fitted.rms * self.range;
+            return found.rms() * self.samples.range;
         }
         sizes.sort_by(f64::total_cmp);
-        sizes[sizes.len() / 2] * MAD * self.range
+        sizes[sizes.len() / 2] * MAD * self.samples.range
     }
 
-    fn is_outlier(&self, found: &Found, i: usize, noise: f64) -> bool {
-        self.is_before(found, i) && (self.rest(found, i) * self.range).abs() > OUTLIER * noise
+    /// Leaves out what lies off the baseline before the touch; says how many samples.
+    fn leave_out(&mut self, found: &Found, noise: f64) -> usize {
+        let before = self.before(found).into_iter();
+        let off = |k: &usize| (self.rest(found, *k) * self.samples.range).abs() > OUTLIER * noise;
+        let outliers: Vec<usize> = before.filter(off).collect();
+        for &k in &outliers {
+            self.samples.counts[k] = false;
+        }
+        outliers.len()
     }
 
-    fn result(&self, found: &Found, noise_n: f64, options: &Options) -> CurveFit {
-        let (point, errors) = (found.point(), &found.fitted.standard_errors);
-        let law = self.law(point, found.reduced_modulus);
-        let contact = self.from + point[2] * self.way;
-        let force_n = law.force((1.0 - point[2]) * self.way, self.spring);
+    /// Most exponentials that the curve can tell.
+    fn most_terms(&self, slope: f64) -> usize {
+        let rigid = self.samples.spring.is_some_and(|k| slope / k > RIGID);
+        match (rigid, self.samples.follows_back || !self.curve.segments.pauses.is_empty()) {
+            (true, _) => 0,
+            (false, true) => TERMS,
+            (false, false) => TERMS_OF_AN_APPROACH,
+        }
+    }
+
+    fn result(&self, found: &Found, noise_n: f64, end_slope: f64, options: &Options) -> CurveFit {
+        let samples = &self.samples;
+        let (point, law) = (found.point(), found.law(samples));
+        let relaxation: Relaxation = found.relaxation();
+        let contact = samples.contact(law, &relaxation, point[CONTACT]);
+        let largest = (0..samples.leaves).max_by(|&a, &b| contact[a].total_cmp(&contact[b]));
+        let largest = largest.unwrap_or(0);
+        let force_n = contact[largest] * samples.range;
         let v = options.poisson_ratio;
         let value = law.reduced_modulus * (1.0 - v * v) * modulus_factor(options.pressure);
-        let modulus = Estimate { value, standard_error: value * errors[3] };
-        let slope_over_spring = self.spring.map(|k| self.end_slope(point[2]) / k);
+        let modulus = Estimate { value, standard_error: value * found.modulus_error() };
+        let slope_over_spring = samples.spring.map(|k| end_slope / k);
         let no_modulus = reason(&modulus, slope_over_spring);
+        let told = no_modulus.is_none();
+        let (share, relative) = found.equilibrium();
+        let remains = Estimate { value: value * share, standard_error: value * share * relative };
+        let relaxes = !relaxation.branches.is_empty() && told && relative <= VAGUE;
+        let estimate = |(value, standard_error): (f64, f64)| Estimate { value, standard_error };
+        let begin = self.curve.segments.approach.start;
+        let place = |i: usize| i.checked_sub(begin).filter(|k| *k < samples.z.len());
+        let all = 0..self.curve.time_s.len();
+        let followed = |k: &usize| *k < samples.leaves || samples.follows_back;
         CurveFit {
-            offset_n: (point[0] + point[1] * point[2]) * self.range,
-            tilt_n_per_m: point[1] * self.range / self.way,
-            contact_m: Estimate { value: contact, standard_error: errors[2] * self.way },
-            modulus_pa: no_modulus.is_none().then_some(modulus),
+            offset_n: (point[OFFSET] + point[TILT] * point[CONTACT]) * samples.range,
+            tilt_n_per_m: point[TILT] * samples.range / samples.way,
+            contact_m: Estimate {
+                value: self.from + point[CONTACT] * samples.way,
+                standard_error: found.error(CONTACT) * samples.way,
+            },
+            modulus_pa: told.then_some(modulus),
+            equilibrium_modulus_pa: relaxes.then_some(remains),
+            relaxation: found
+                .terms()
+                .into_iter()
+                .map(|[share, rate]| Exponential { share: estimate(share), rate: estimate(rate) })
+                .collect(),
+            follows_back: samples.follows_back,
+            drag_n: (samples.leaves < samples.z.len()).then(|| found.drag() * samples.range),
             no_modulus,
-            approach_pull_n: point.get(4).map(|pull| Estimate {
-                value: pull * self.range,
-                standard_error: errors[4] * self.range,
+            approach_pull_n: found.pull(samples).map(|(pull, error)| Estimate {
+                value: pull * samples.range,
+                standard_error: error * samples.range,
             }),
             noise_n,
-            residual_rms_n: found.fitted.rms * self.range,
-            samples: 0,
+            residual_rms_n: found.rms() * samples.range,
+            samples: samples.counts.iter().filter(|counts| **counts).count(),
             left_out: 0,
-            depth_m: (1.0 - point[2]) * self.way - self.spring.map_or(0.0, |k| force_n / k),
+            depth_m: (samples.z[largest] - point[CONTACT]) * samples.way
+                - samples.spring.map_or(0.0, |k| force_n / k),
             force_n,
             slope_over_spring,
             law,
             retreat: None,
-            hold: None,
+            holds: Vec::new(),
+            baseline_n: all
+                .clone()
+                .map(|i| {
+                    let z = (self.curve.piezo_m[i] - self.from) / samples.way;
+                    let drag = place(i).map_or(0.0, |k| found.drag() * samples.sense[k]);
+                    (point[OFFSET] + point[TILT] * z + drag) * samples.range
+                })
+                .collect(),
+            contact_n: all
+                .map(|i| Some(contact[place(i).filter(followed)?] * samples.range))
+                .collect(),
         }
     }
 
-    /// Slope of force over way in the last half of the contact, N/m.
+    /// Slope of force over way in the last half of the contact, where the piezo last moved in, N/m.
     fn end_slope(&self, contact: f64) -> f64 {
-        let deep = 0.5 * (1.0 + contact.clamp(0.0, 0.98));
-        let inside = (0..self.z.len()).filter(|&i| self.z[i] >= deep);
-        let (x, y): (Vec<f64>, Vec<f64>) = inside.map(|i| (self.z[i], self.force[i])).unzip();
-        RobustLine::through(&x, &y).slope * self.range / self.way
+        let moves = |k: &usize| self.samples.sense[*k] > 0.0;
+        let end = (0..self.samples.leaves).rev().find(moves).map_or(0, |k| k + 1);
+        let begin = (0..end).rev().find(|k| !moves(k)).map_or(0, |k| k + 1);
+        let contact = contact.clamp(0.0, 0.98).max(self.samples.z[begin]);
+        let deep = 0.5 * (self.samples.z[end.max(1) - 1] + contact);
+        let inside = (begin..end).filter(|&k| self.samples.z[k] >= deep);
+        let (x, y): (Vec<f64>, Vec<f64>) =
+            inside.map(|k| (self.samples.z[k], self.samples.force[k])).unzip();
+        RobustLine::through(&x, &y).slope * self.samples.range / self.samples.way
     }
 }
 
@@ -404,35 +490,54 @@ impl RobustLine {
     }
 }
 
-/// The pull below the baseline of the retreat's far end.
-fn retreat(curve: &ForceCurve, range: Range<usize>, options: &Options, fit: &CurveFit) -> Retreat {
-    let (z, force) = (&curve.piezo_m[range.clone()], &curve.force_n[range]);
-    let far = z.len() - z.len() / 4;
-    let line = RobustLine::through(&z[far..], &force[far..]);
-    let pulls: Vec<f64> = z.iter().zip(force).map(|(z, force)| line.at(*z) - force).collect();
-    let pull_off_n = pulls.iter().copied().fold(0.0, f64::max);
-    let counted = |pull: f64| if pull > 3.0 * line.noise { pull } else { 0.0 };
-    let energy_j = (1..z.len())
-        .map(|i| 0.5 * (counted(pulls[i]) + counted(pulls[i - 1])) * (z[i] - z[i - 1]).abs())
-        .sum();
-    let adheres = pull_off_n > OUTLIER * line.noise;
-    let radius = match options.tip {
-        Tip::Paraboloid { radius_m } | Tip::Sphere { radius_m } if adheres => Some(radius_m),
-        _ => None,
-    };
-    let work_dmt = radius.map(|radius| pull_off_n / (2.0 * PI * radius));
-    let told = fit.modulus_pa.is_some();
-    let tabor = radius.zip(work_dmt).filter(|_| told).map(|(radius, work)| {
-        (radius * (work / fit.law.reduced_modulus).powi(2) / ATOMS.powi(3)).cbrt()
-    });
-    Retreat {
-        pull_off_n,
-        noise_n: line.noise,
-        adheres,
-        energy_j,
-        work_dmt,
-        work_jkr: work_dmt.map(|work| work * 4.0 / 3.0),
-        tabor,
+/// The way back.
+struct Back {
+    range: Range<usize>,
+    /// First sample of its far end, which tells its baseline.
+    far: usize,
+    noise: f64,
+    /// Largest pull below the baseline of the far end, N, and the energy that all of it takes, J.
+    pull_off_n: f64,
+    energy_j: f64,
+    adheres: bool,
+}
+
+impl Back {
+    fn of(curve: &ForceCurve, range: Range<usize>) -> Self {
+        let (z, force) = (&curve.piezo_m[range.clone()], &curve.force_n[range.clone()]);
+        let far = z.len() - z.len() / 4;
+        let line = RobustLine::through(&z[far..], &force[far..]);
+        let pulls: Vec<f64> = z.iter().zip(force).map(|(z, force)| line.at(*z) - force).collect();
+        let pull_off_n = pulls.iter().copied().fold(0.0, f64::max);
+        let counted = |pull: f64| if pull > 3.0 * line.noise { pull } else { 0.0 };
+        let energy_j = (1..z.len())
+            .map(|i| 0.5 * (counted(pulls[i]) + counted(pulls[i - 1])) * (z[i] - z[i - 1]).abs())
+            .sum();
+        let adheres = pull_off_n > OUTLIER * line.noise;
+        Self { far: range.start + far, range, noise: line.noise, pull_off_n, energy_j, adheres }
+    }
+
+    fn adhesion(self, options: &Options, fit: &CurveFit) -> Retreat {
+        let radius = match options.tip {
+            Tip::Paraboloid { radius_m } | Tip::Sphere { radius_m } if self.adheres => {
+                Some(radius_m)
+            }
+            _ => None,
+        };
+        let work_dmt = radius.map(|radius| self.pull_off_n / (2.0 * PI * radius));
+        let told = fit.modulus_pa.is_some();
+        let tabor = radius.zip(work_dmt).filter(|_| told).map(|(radius, work)| {
+            (radius * (work / fit.law.reduced_modulus).powi(2) / ATOMS.powi(3)).cbrt()
+        });
+        Retreat {
+            pull_off_n: self.pull_off_n,
+            noise_n: self.noise,
+            adheres: self.adheres,
+            energy_j: self.energy_j,
+            work_dmt,
+            work_jkr: work_dmt.map(|work| work * 4.0 / 3.0),
+            tabor,
+        }
     }
 }
 
@@ -513,7 +618,7 @@ mod tests {
         let relaxation = Relaxation::new(&[0.3], &[2.0]);
         let practice = Practice { relaxation, hold_s: 4.0, noise_n: 1e-12, ..Practice::gel() };
         let found = fitted(&practice, 3).unwrap();
-        let held = found.hold.unwrap().unwrap();
+        let held = found.holds[0].relaxed.as_ref().unwrap();
         // The cantilever lets the depth grow a little while the force falls, which slows it by a few per cent.
         let terms = held.exponentials.sum.terms.iter();
         let largest = terms.max_by(|a, b| a.coefficient.total_cmp(&b.coefficient)).unwrap();

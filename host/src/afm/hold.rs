@@ -74,9 +74,7 @@ pub(super) fn relaxed(
     }
     let since = curve.time_s[range.start];
     let time: Vec<f64> = curve.time_s[range.clone()].iter().map(|t| t - since).collect();
-    let baseline =
-        |i: usize| fit.offset_n + fit.tilt_n_per_m * (curve.piezo_m[i] - fit.contact_m.value);
-    let force: Vec<f64> = range.map(|i| curve.force_n[i] - baseline(i)).collect();
+    let force: Vec<f64> = range.map(|i| curve.force_n[i] - fit.baseline_n[i]).collect();
     let tenth = (force.len() / 10).max(2);
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
     let fall = mean(&force[..tenth]) - mean(&force[force.len() - tenth..]);

@@ -20,6 +20,9 @@ const HEIGHTS: [&str; 6] = [
     "height",
 ];
 
+/// The kinds of segments that are read.
+const SEGMENTS: [&str; 3] = ["extend", "pause", "retract"];
+
 /// Whether a text is such an export.
 #[must_use]
 pub fn is_export(text: &str) -> bool {
@@ -104,19 +107,27 @@ fn join(name: &str, blocks: &[Block]) -> Result<ForceCurve, AfmError> {
     let height = HEIGHTS.into_iter().find(has).ok_or_else(|| missing("height"))?;
     let (mut time_s, mut piezo_m, mut force_n) = (Vec::new(), Vec::new(), Vec::new());
     let mut segments = Segments::default();
+    let mut comes_again = false;
     for block in blocks {
         let begin = time_s.len();
         time_s.extend(column(name, block, "seriesTime", "s")?);
         piezo_m.extend(column(name, block, height, "m")?.iter().map(|height| -height));
         force_n.extend(column(name, block, "vDeflection", "N")?);
         let range: Range<usize> = begin..time_s.len();
-        match block.kind.as_str() {
-            "extend" => segments.approach = range,
-            "retract" => segments.retract = Some(range),
-            "pause" => segments.hold = Some(range),
-            other => {
-                let problem = format!("segment `{other}` is none of extend, pause, retract");
+        match (block.kind.as_str(), &mut segments.retract) {
+            (kind, _) if !SEGMENTS.contains(&kind) => {
+                let problem = format!("segment `{kind}` is none of {}", SEGMENTS.join(", "));
                 return Err(AfmError::Jpk { curve: name.into(), line: block.line, problem });
+            }
+            _ if comes_again => {}
+            ("extend", Some(_)) => comes_again = true,
+            (_, Some(back)) => back.end = range.end,
+            ("retract", back) => *back = Some(range),
+            (kind, None) => {
+                segments.approach.end = range.end;
+                if kind == "pause" {
+                    segments.pauses.push(range);
+                }
             }
         }
     }
@@ -125,6 +136,9 @@ fn join(name: &str, blocks: &[Block]) -> Result<ForceCurve, AfmError> {
         Some(k) => format!("spring constant of the header: {k} N/m"),
         None => "the header states no spring constant".into(),
     });
+    if comes_again {
+        notes.push("what comes in again after the first way back is left out".into());
+    }
     Ok(ForceCurve {
         label: name.into(),
         time_s,
@@ -167,6 +181,23 @@ mod tests {
         assert_eq!((curve.segments.approach, curve.segments.retract), (0..3, Some(3..5)));
         assert_eq!(curve.spring_n_per_m, Some(0.05));
         assert!(curve.notes[0].contains("`height`"));
+    }
+
+    #[test]
+    fn an_approach_in_steps_is_one_with_its_pauses() {
+        let columns = "# columns: height vDeflection seriesTime\n# units: m N s\n";
+        let mut export = String::from("# TEXT EXPORT\n");
+        for (index, kind) in
+            ["extend", "pause", "extend", "pause", "retract", "pause", "extend"].iter().enumerate()
+        {
+            export += &format!("# segmentIndex: {index}\n# segment: {kind}\n{columns}");
+            export += &format!("3e-6 0 {index}.0\n2e-6 0 {index}.5\n");
+        }
+        let curve = parse("c.txt", &export).unwrap();
+        assert_eq!(curve.segments.approach, 0..8);
+        assert_eq!(curve.segments.pauses, [2..4, 6..8]);
+        assert_eq!(curve.segments.retract, Some(8..12));
+        assert!(curve.notes.last().unwrap().contains("comes in again"));
     }
 
     #[test]

@@ -6,17 +6,19 @@
 //! - [`curve`]: a force curve out of a trace, or out of a text export of JPK ([`jpk`]).
 //! - [`law`]: force over depth with adhesion, and over the way of the piezo.
 //! - [`pressure`]: what the general pressure law (8.1) changes.
-//! - [`fit`]: baseline, contact point, modulus, adhesion, with standard errors.
-//! - [`hold`]: relaxation of a hold: two exponentials, and the latency model in place of Kelvin and Voigt (Fig. 8.8).
+//! - [`hereditary`]: the same of a specimen that relaxes, by Lee and Radok and by Ting.
+//! - [`fit`]: baseline, contact point, modulus, relaxation, adhesion, with standard errors.
+//! - [`hold`]: the force of a pause alone: two exponentials, and the latency model in place of Kelvin and Voigt (Fig. 8.8).
 //! - [`rough`]: what a rough surface does to the answer, by Monte Carlo.
 //! - [`simulate`]: practice curves.
 
 pub mod curve;
 pub mod fit;
+pub mod hereditary;
 pub mod hold;
+mod identify;
 pub mod jpk;
 pub mod law;
-mod least;
 pub mod pressure;
 pub mod rough;
 pub mod simulate;

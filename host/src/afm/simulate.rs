@@ -5,10 +5,11 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
 
 use super::curve::SPRING;
+use super::hereditary::Contact;
 use super::law::Law;
 use super::{AfmError, within};
 use crate::contact::{Elastic, Tip};
-use crate::model::{Memory, Relaxation};
+use crate::model::Relaxation;
 use crate::trace::{Control, DISPLACEMENT, FORCE, Head, Trace};
 
 /// A force curve to be made.
@@ -77,11 +78,12 @@ impl Practice {
         };
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let noise = Normal::new(0.0, self.noise_n).ok();
-        let mut contact = Relaxing::new(&law, &self.relaxation, self.spring_n_per_m);
-        let force = z.iter().map(|&z| {
+        let mut contact = Contact::new(law, &self.relaxation, Some(self.spring_n_per_m));
+        let leaves = self.there_s() + self.hold_s;
+        let force = time.iter().zip(&z).map(|(&time, &z)| {
             let [offset, tilt] = self.baseline;
             let noise = noise.map_or(0.0, |normal| normal.sample(&mut random));
-            contact.follow(z, 1.0 / self.rate_hz) + offset + tilt * z + noise
+            contact.follow(time, z, time > leaves) + offset + tilt * z + noise
         });
         let force = force.collect();
         let mut head = Head {
@@ -114,9 +116,14 @@ impl Practice {
         within("the number of samples", duration * self.rate_hz, 10.0, MOST)
     }
 
+    /// When the piezo is nearest, s.
+    fn there_s(&self) -> f64 {
+        (self.off_m + self.beyond_m) / self.speed_m_per_s
+    }
+
     /// Time, s, and way of the piezo, m.
     fn motion(&self) -> (Vec<f64>, Vec<f64>) {
-        let there = (self.off_m + self.beyond_m) / self.speed_m_per_s;
+        let there = self.there_s();
         let end = 2.0 * there + self.hold_s;
         let way = |t: f64| {
             let down = self.speed_m_per_s * t.min(there);
@@ -127,50 +134,5 @@ impl Practice {
         let time: Vec<f64> = time.collect();
         let z = time.iter().map(|t| way(*t)).collect();
         (time, z)
-    }
-}
-
-/// A contact that remembers, in series with the cantilever.
-struct Relaxing<'a> {
-    law: &'a Law,
-    relaxation: &'a Relaxation,
-    spring: f64,
-    memory: Memory,
-}
-
-impl<'a> Relaxing<'a> {
-    fn new(law: &'a Law, relaxation: &'a Relaxation, spring: f64) -> Self {
-        let memory = Memory::rested(relaxation.branches.len());
-        Self { law, relaxation, spring, memory }
-    }
-
-    /// Force, N, with the piezo at `z`, m, an interval after the last sample. The force of the memory is linear in the elastic
-    /// response at the end of the interval: two trials tell the line.
-    fn follow(&mut self, z: f64, interval: f64) -> f64 {
-        if self.relaxation.branches.is_empty() {
-            return self.law.force(z, Some(self.spring));
-        }
-        let trial = |elastic| self.memory.clone().step(self.relaxation, elastic, interval);
-        let held = trial(0.0);
-        let stiffness = trial(1.0) - held;
-        // Elastic response, and force of the contact without adhesion, at a depth.
-        let (law, k) = (self.law, self.spring);
-        let elastic = |depth: f64| law.tip.force(law.reduced_modulus, depth);
-        let free = (-held / stiffness).max(0.0);
-        let excess =
-            |depth: f64| held + stiffness * elastic(depth) - law.adhesion_n - k * (z - depth);
-        let (mut low, mut high) = (0.0, (z + law.adhesion_n / k).max(0.0));
-        // Parted: the surface is free of force, and the cantilever straight.
-        if high == 0.0 || elastic(high) < free {
-            self.memory.step(self.relaxation, free, interval);
-            return 0.0;
-        }
-        for _ in 0..100 {
-            let middle = 0.5 * (low + high);
-            if excess(middle) > 0.0 { high = middle } else { low = middle }
-        }
-        let depth = 0.5 * (low + high);
-        self.memory.step(self.relaxation, elastic(depth), interval);
-        k * (z - depth)
     }
 }

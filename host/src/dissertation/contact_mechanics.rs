@@ -5,7 +5,7 @@ use shared::latency::{Law, LawError};
 use super::{Chapter, Check, Comparison};
 use crate::afm::AfmError;
 use crate::afm::curve::ForceCurve;
-use crate::afm::fit::{CurveFit, Options, fit};
+use crate::afm::fit::{CurveFit, Held, Options, fit};
 use crate::afm::pressure::{modulus_factor, surface};
 use crate::afm::rough::{Rough, Trial, spread};
 use crate::afm::simulate::Practice;
@@ -193,7 +193,7 @@ fn latency() -> Result<Section, ContactError> {
              with a power n. On the way back the tip leaves before the surface has recovered.",
         )
         .figure(plot, "All three settle at the same force.");
-    if let Some(Ok(held)) = held_curve()?.hold {
+    if let Some(Held { relaxed: Ok(held), .. }) = held_curve()?.longest_hold() {
         let words = format!(
             "A practice curve of a gel with two exponentials, held for 6 s: the linear law leaves {} of the strain, the order n = {} \
              that fits best {}. A power stands in for several rates, as chapter 7 found.",
@@ -202,7 +202,7 @@ fn latency() -> Result<Section, ContactError> {
             percent(held.power.rms, 2),
         );
         section =
-            section.paragraph(words).figure(hold_figure(&held), "The hold of a practice curve.");
+            section.paragraph(words).figure(hold_figure(held), "The hold of a practice curve.");
     }
     Ok(section)
 }

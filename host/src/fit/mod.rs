@@ -5,6 +5,7 @@
 //! - [`consistency`]: whether repeats differ by more than their standard errors.
 //! - [`whole_motion`]: a law over loading, holds and unloading of every trace together.
 
+pub(crate) mod by_differences;
 pub mod choice;
 pub mod consistency;
 pub mod coordinates;

@@ -35,6 +35,7 @@ pub use motion::{Motion, MotionError};
 pub use options::OptionError;
 pub use parameter::Parameter;
 pub use profile::{Hold, Move, Profile, ProfileError, Step};
+pub(crate) use relaxation::mean_decay;
 pub use relaxation::{Branch, Memory, Relaxation};
 pub use response::{Form, Response};
 pub use scene::{Channel, Past, Scene};

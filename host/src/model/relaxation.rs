@@ -131,7 +131,7 @@ impl Memory {
 }
 
 /// (1 − e^(−z))/z, the mean of the decay over an interval, exact to rounding also for small z.
-pub(super) fn mean_decay(z: f64) -> f64 {
+pub(crate) fn mean_decay(z: f64) -> f64 {
     if z.abs() < 1e-5 {
         // The series 1 − z/2 + z²/6; its next term is below 1e-16.
         return (z / 6.0 - 0.5) * z + 1.0;

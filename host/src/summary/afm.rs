@@ -2,9 +2,9 @@
 
 use serde_json::{Value, json};
 
-use super::{concise, estimate};
+use super::{CONCISE, concise, estimate};
 use crate::afm::curve::ForceCurve;
-use crate::afm::fit::{CurveFit, Options, Retreat};
+use crate::afm::fit::{CurveFit, Held, Options, Retreat, TERMS};
 use crate::afm::hold::{Latency, Relaxed};
 use crate::afm::pressure::modulus_factor;
 use crate::afm::rough::{Rough, Spread, Trial, spread};
@@ -41,18 +41,34 @@ pub fn afm_sections(curves: &[FittedCurve], options: &Options) -> Vec<Section> {
         section = section.block(crate::report::Block::List(points));
     }
     for (curve, fit) in curves {
-        if let Ok(CurveFit { hold: Some(Ok(held)), .. }) = fit {
-            section = section.table(hold_table(&curve.label, held));
+        let Ok(fit) = fit else { continue };
+        if !fit.relaxation.is_empty() {
+            section = section.table(relaxation_table(&curve.label, fit));
+        }
+        for held in &fit.holds {
+            if let Ok(relaxed) = &held.relaxed {
+                section = section.table(hold_table(&hold_name(curve, fit, held), relaxed));
+            }
         }
     }
     let fitted = curves.iter().filter_map(|(curve, fit)| Some((curve, fit.as_ref().ok()?)));
     for (curve, fit) in fitted.take(MOST_DRAWN) {
         section = section.figure(curve_figure(curve, fit), curve.label.clone());
-        if let Some(Ok(held)) = &fit.hold {
-            section = section.figure(hold_figure(held), curve.label.clone());
+        for held in &fit.holds {
+            if let Ok(relaxed) = &held.relaxed {
+                section = section.figure(hold_figure(relaxed), hold_name(curve, fit, held));
+            }
         }
     }
     vec![section]
+}
+
+/// The curve's name, and which of its pauses it is where there are several.
+fn hold_name(curve: &ForceCurve, fit: &CurveFit, held: &Held) -> String {
+    match fit.holds.len() {
+        1 => curve.label.clone(),
+        _ => format!("{} from {} s", curve.label, significant(curve.time_s[held.range.start], 4)),
+    }
 }
 
 fn tip_in_words(options: &Options) -> String {
@@ -78,6 +94,7 @@ fn table(curves: &[FittedCurve]) -> Table {
     let columns = vec![
         Column::text("curve"),
         Column::number("modulus", "kPa"),
+        Column::number("that remains", "kPa"),
         Column::number("contact", "nm"),
         Column::number("depth", "nm"),
         Column::number("force", "nN"),
@@ -96,6 +113,7 @@ fn table(curves: &[FittedCurve]) -> Table {
         table = table.row([
             curve.label.clone(),
             fit.modulus_pa.map_or("–".into(), |modulus| scaled(modulus, 1e-3)),
+            fit.equilibrium_modulus_pa.map_or("–".into(), |modulus| scaled(modulus, 1e-3)),
             scaled(fit.contact_m, 1e9),
             significant(fit.depth_m * 1e9, 3),
             significant(fit.force_n * 1e9, 3),
@@ -104,7 +122,7 @@ fn table(curves: &[FittedCurve]) -> Table {
             significant(fit.residual_rms_n * 1e12, 3),
         ]);
     }
-    table.note("In parentheses: the standard error in units of the last digits, without those of spring constant, sensitivity and tip. Contact: on the piezo's way, as recorded.")
+    table.note("In parentheses: the standard error in units of the last digits, without those of spring constant, sensitivity and tip. Modulus: at once, before anything relaxes; that remains after all has. Contact: on the piezo's way, as recorded.")
 }
 
 /// What is to be said of a fit.
@@ -128,12 +146,25 @@ fn remarks(fit: &CurveFit) -> Vec<String> {
     if let Some(pull) = fit.approach_pull_n {
         remarks.push(format!("a jump into contact of {} nN", scaled(pull, 1e9)));
     }
+    if let Some(retreat) = &fit.retreat {
+        remarks.push(match (retreat.adheres, fit.follows_back) {
+            (_, true) => "the way back is fitted with the rest (Ting)".into(),
+            _ => "the tip adheres on the way back: of it only the baseline is fitted".to_owned(),
+        });
+    }
+    if fit.relaxation.len() == TERMS {
+        remarks.push(format!(
+            "{TERMS} exponentials are the most that are tried: the specimen relaxes in a spectrum that is at least so wide"
+        ));
+    }
     if fit.left_out > 0 {
         remarks.push(format!("{} outliers of the baseline were left out", fit.left_out));
     }
     remarks.extend(fit.retreat.as_ref().and_then(adhesion));
-    if let Some(Err(why)) = &fit.hold {
-        remarks.push(format!("the hold is not fitted: {why}"));
+    for held in &fit.holds {
+        if let Err(why) = &held.relaxed {
+            remarks.push(format!("a hold is not fitted: {why}"));
+        }
     }
     remarks
 }
@@ -156,6 +187,24 @@ fn adhesion(retreat: &Retreat) -> Option<String> {
             "work of adhesion between {dmt} (DMT) and {jkr} µJ/m² (JKR); the pull takes {energy}"
         ),
     })
+}
+
+/// The relaxation function that the whole curve tells.
+fn relaxation_table(label: &str, fit: &CurveFit) -> Table {
+    let columns = vec![
+        Column::number("share of the modulus", ""),
+        Column::number("rate", "1/s"),
+        Column::number("time constant", "s"),
+    ];
+    let mut table = Table::new(format!("Relaxation of {label}, from the whole curve"), columns);
+    for term in &fit.relaxation {
+        table = table.row([
+            scaled(term.share, 1.0),
+            scaled(term.rate, 1.0),
+            significant(1.0 / term.rate.value, 3),
+        ]);
+    }
+    table.note(CONCISE)
 }
 
 fn hold_table(label: &str, held: &Relaxed) -> Table {
@@ -194,20 +243,17 @@ fn hold_table(label: &str, held: &Relaxed) -> Table {
 fn curve_figure(curve: &ForceCurve, fit: &CurveFit) -> Panels {
     let x = || Axis::new("Way of the piezo beyond the contact", "nm");
     let way = |i: usize| (curve.piezo_m[i] - fit.contact_m.value) * 1e9;
-    let baseline =
-        |i: usize| fit.offset_n + fit.tilt_n_per_m * (curve.piezo_m[i] - fit.contact_m.value);
     let series = |name: &str, range: std::ops::Range<usize>| {
         let (x, y): (Vec<f64>, Vec<f64>) =
-            range.map(|i| (way(i), (curve.force_n[i] - baseline(i)) * 1e9)).unzip();
+            range.map(|i| (way(i), (curve.force_n[i] - fit.baseline_n[i]) * 1e9)).unzip();
         Series::points(name, x, y)
     };
     let approach = curve.segments.approach.clone();
-    let law = |i: usize| {
-        fit.law.force(curve.piezo_m[i] - fit.contact_m.value, curve.spring_n_per_m) * 1e9
-    };
-    let (at, fitted): (Vec<f64>, Vec<f64>) = approach.clone().map(|i| (way(i), law(i))).unzip();
-    let rest: Vec<f64> =
-        approach.clone().map(|i| ((curve.force_n[i] - baseline(i)) * 1e9 - law(i)) * 1e3).collect();
+    let all = 0..curve.time_s.len();
+    let (at, fitted): (Vec<f64>, Vec<f64>) =
+        all.clone().filter_map(|i| Some((way(i), fit.contact_n[i]? * 1e9))).unzip();
+    let left = |i: usize| Some((curve.force_n[i] - fit.baseline_n[i] - fit.contact_n[i]?) * 1e12);
+    let rest: Vec<f64> = all.filter_map(left).collect();
     let mut plot = Plot::new("", x(), Axis::new("Force", "nN"))
         .series(series("approach", approach).colour(Colour::Muted));
     if let Some(range) = curve.segments.retract.clone() {
@@ -274,7 +320,7 @@ fn fit_json(curve: &ForceCurve, fit: &CurveFit) -> Value {
             "rms": l.rms,
         })
     };
-    let hold = fit.hold.as_ref().map(|hold| match hold {
+    let hold = |held: &Held| match &held.relaxed {
         Ok(held) => {
             let sum = &held.exponentials.sum;
             let terms: Vec<Value> = sum
@@ -292,7 +338,12 @@ fn fit_json(curve: &ForceCurve, fit: &CurveFit) -> Value {
             })
         }
         Err(why) => json!({"error": why}),
-    });
+    };
+    let relaxation: Vec<Value> = fit
+        .relaxation
+        .iter()
+        .map(|term| json!({"share": value(term.share), "rate_per_s": value(term.rate)}))
+        .collect();
     let retreat = fit.retreat.as_ref().map(|retreat| {
         json!({
             "adheres": retreat.adheres,
@@ -309,6 +360,10 @@ fn fit_json(curve: &ForceCurve, fit: &CurveFit) -> Value {
         "remarks": remarks(fit),
         "spring_constant_N_per_m": curve.spring_n_per_m,
         "modulus_Pa": fit.modulus_pa.map(value),
+        "equilibrium_modulus_Pa": fit.equilibrium_modulus_pa.map(value),
+        "relaxation": relaxation,
+        "way_back_fitted": fit.follows_back,
+        "drag_N": fit.drag_n,
         "no_modulus": fit.no_modulus,
         "contact_m": value(fit.contact_m),
         "baseline_N": fit.offset_n,
@@ -322,7 +377,12 @@ fn fit_json(curve: &ForceCurve, fit: &CurveFit) -> Value {
         "force_N": fit.force_n,
         "slope_over_spring_constant": fit.slope_over_spring,
         "retreat": retreat,
-        "hold": hold,
+        "hold": fit.longest_hold().map(hold),
+        "holds": fit.holds.iter().map(|held| {
+            let mut told = hold(held);
+            told["from_s"] = curve.time_s[held.range.start].into();
+            told
+        }).collect::<Vec<Value>>(),
     })
 }
 
