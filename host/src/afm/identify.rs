@@ -10,7 +10,7 @@ use nalgebra::{DMatrix, DVector};
 use super::hereditary::Contact;
 use super::law::Law;
 use crate::contact::Tip;
-use crate::fit::by_differences::{Fitted, least_squares_with};
+use crate::fit::by_differences::{Fitted, least_squares};
 use crate::fit::least_squares::Effort;
 use crate::model::Relaxation;
 
@@ -279,9 +279,9 @@ impl Samples {
         let mut follow = Contact::new(law, relaxation, self.spring);
         let end = if self.follows_back { self.z.len() } else { self.leaves };
         let mut forces = vec![0.0; self.z.len()];
-        for k in 0..end {
+        for (k, force) in forces.iter_mut().enumerate().take(end) {
             let z = (self.z[k] - contact) * self.way;
-            forces[k] = follow.follow(self.time[k], z, k >= self.leaves) / self.range;
+            *force = follow.follow(self.time[k], z, k >= self.leaves) / self.range;
         }
         forces
     }
@@ -355,7 +355,7 @@ impl Samples {
         }
         let residuals = |point: &[f64]| self.residuals(model, point, start.reduced_modulus);
         let count = self.counts.iter().filter(|counts| **counts).count();
-        let fitted = least_squares_with(&bounds, point, count, effort, residuals);
+        let fitted = least_squares(&bounds, point, count, effort, residuals);
         let residuals = residuals(&fitted.solution.point);
         // On a specimen that hardly gives in the modulus may be anything, and depends on nothing else.
         let fitted = match fitted.standard_errors[MODULUS] > UNTOLD {

@@ -21,14 +21,16 @@ const SHOWN: usize = 5;
   palpate import pull.csv --suggest > pull.map.toml    a proposal to check and edit
   palpate import pull.csv --map pull.map.toml --preview
   palpate import pull.csv --map pull.map.toml          writes pull.trace.csv
-  palpate import long.csv --map pull.map.toml --every 10 -o long.trace.csv")]
+  palpate import long.csv --map pull.map.toml --every 10 -o long.trace.csv
+  palpate import step_*.csv --map pull.map.toml -o all.trace.csv    one recording in many files")]
 pub struct Args {
-    /// The recording
-    pub file: PathBuf,
+    /// The recording; several files are parts of one, put in the order of their times
+    #[arg(required = true, value_name = "FILE")]
+    pub files: Vec<PathBuf>,
     /// The mapping file
     #[arg(long, value_name = "MAP.toml", required_unless_present = "suggest")]
     pub map: Option<PathBuf>,
-    /// The trace to write [default: FILE's name with .trace.csv, in the current folder]
+    /// The trace to write [default: the first FILE's name with .trace.csv, in the current folder]
     #[arg(short, long, value_name = "TRACE")]
     pub output: Option<PathBuf>,
     /// Keep every N-th sample, whatever the mapping says
@@ -52,23 +54,28 @@ pub struct Args {
 /// trace cannot be written.
 pub fn run(args: &Args) -> Result<(), Failure> {
     let Some(map) = args.map.as_ref().filter(|_| !args.suggest) else {
-        return show(&trace::suggest(&args.file).map_err(|error| input(&error))?);
+        return show(&trace::suggest(first(args)).map_err(|error| input(&error))?);
     };
     let mut mapping = Mapping::read(map).map_err(|error| input(&error))?;
     if let Some(every) = args.every {
         mapping.every = Some(every as usize);
     }
-    let output = args.output.clone().unwrap_or_else(|| default_output(&args.file));
+    let output = args.output.clone().unwrap_or_else(|| default_output(first(args)));
     if !args.preview {
         check_output(args, &output)?;
     }
-    let imported = trace::import(&args.file, &mapping).map_err(|error| input(&error))?;
+    let imported = trace::import_parts(&args.files, &mapping).map_err(|error| input(&error))?;
     if args.preview {
         return show(&preview(&imported));
     }
     trace::write(&output, &imported.trace).map_err(|error| Failure::Work(report(&error)))?;
     eprintln!("{}", summary(&imported, &output));
     Ok(())
+}
+
+/// The file that stands for the recording where one is enough.
+fn first(args: &Args) -> &Path {
+    args.files.first().map_or_else(|| Path::new(""), PathBuf::as_path)
 }
 
 /// Prints a result; a reader that has seen enough (`| head`) is no failure.
@@ -94,7 +101,7 @@ fn check_output(args: &Args, output: &Path) -> Result<(), Failure> {
         (Ok(a), Ok(b)) => a == b,
         _ => false,
     };
-    if same(&args.file) || args.map.as_deref().is_some_and(same) {
+    if args.files.iter().any(|file| same(file)) || args.map.as_deref().is_some_and(same) {
         let what = output.display();
         return Err(Failure::Input(miette!("{what}: is read by this import. Choose another -o.")));
     }

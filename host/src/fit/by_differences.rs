@@ -64,16 +64,6 @@ pub(crate) fn least_squares(
     bounds: &[(f64, f64)],
     start: &[f64],
     samples: usize,
-    residuals: impl Fn(&[f64]) -> Vec<f64>,
-) -> Fitted {
-    least_squares_with(bounds, start, samples, Effort::FULL, residuals)
-}
-
-/// The same with limited effort.
-pub(crate) fn least_squares_with(
-    bounds: &[(f64, f64)],
-    start: &[f64],
-    samples: usize,
     effort: Effort,
     residuals: impl Fn(&[f64]) -> Vec<f64>,
 ) -> Fitted {
@@ -124,7 +114,7 @@ mod tests {
             let jump = if p[0] > 0.5 + 0.5 * STEP { 3.0 } else { 0.0 };
             vec![p[0] - 0.4, p[0] - 0.6, jump]
         };
-        let fitted = least_squares(&[(0.0, 1.0)], &[0.5], 3, residuals);
+        let fitted = least_squares(&[(0.0, 1.0)], &[0.5], 3, Effort::FULL, residuals);
         // Two samples of slope 1 about their mean.
         let error = fitted.rms / 2f64.sqrt();
         assert!(
@@ -137,7 +127,7 @@ mod tests {
     #[test]
     fn a_parameter_that_nothing_tells_can_be_held() {
         let residuals = |p: &[f64]| vec![p[0] - 0.4, p[0] - 0.6, 0.0 * p[1]];
-        let fitted = least_squares(&[(0.0, 1.0); 2], &[0.5, 0.5], 3, residuals);
+        let fitted = least_squares(&[(0.0, 1.0); 2], &[0.5, 0.5], 3, Effort::FULL, residuals);
         assert!(fitted.covariance.is_none() && fitted.standard_errors[0].is_infinite());
         let fitted = fitted.holding(1);
         assert!((fitted.standard_errors[0] / (fitted.rms / 2f64.sqrt()) - 1.0).abs() < 1e-6);

@@ -1,6 +1,6 @@
 //! Foreign recordings become traces, exactly as their mapping says.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::error::Place;
 use super::import_error::ImportError;
@@ -31,19 +31,37 @@ pub struct Imported {
 /// # Errors
 /// See [`ImportError`]; each names the file and, where there is one, line and column.
 pub fn import(path: &Path, mapping: &Mapping) -> Result<Imported, ImportError> {
-    let mut rows = Rows::open(path, mapping)?;
-    let mut recording = None;
-    while rows.next()? {
-        let recording = match &mut recording {
-            Some(recording) => recording,
-            none => none.insert(Recording::plan(&rows, mapping)?),
-        };
-        recording.take(&rows)?;
+    Recording::read(path, mapping)?.finish(&[path], mapping)
+}
+
+/// Brings in one recording that its machine wrote into several files, one for each interval or step.
+///
+/// The files are put into the order of their times, whatever the order of `paths`.
+///
+/// # Errors
+/// Those of [`import`]; [`ImportError::PartsDiffer`] for files of different columns,
+/// [`ImportError::PartsOverlap`] for files that share time, [`ImportError::PartsWithoutClock`] for a
+/// mapping without a column of time.
+pub fn import_parts(paths: &[PathBuf], mapping: &Mapping) -> Result<Imported, ImportError> {
+    if let [path] = paths {
+        return import(path, mapping);
     }
-    match recording {
-        Some(recording) => recording.finish(path, mapping),
-        None => Err(ImportError::TooShort { path: path.into(), samples: 0 }),
+    if mapping.time.from.is_none() {
+        return Err(ImportError::PartsWithoutClock);
     }
+    let mut parts = Vec::with_capacity(paths.len());
+    for path in paths {
+        parts.push((path.as_path(), Recording::read(path, mapping)?));
+    }
+    parts.sort_by(|(_, a), (_, b)| a.start().total_cmp(&b.start()));
+    let ordered: Vec<&Path> = parts.iter().map(|(path, _)| *path).collect();
+    let mut parts = parts.into_iter();
+    let (mut before, mut whole) = parts.next().ok_or(ImportError::PartsWithoutClock)?;
+    for (path, part) in parts {
+        whole.append(before, part, path)?;
+        before = path;
+    }
+    whole.finish(&ordered, mapping)
 }
 
 /// A name of letters, digits and underscores for a column that the mapping does not name.
@@ -100,6 +118,58 @@ struct Recording {
 }
 
 impl Recording {
+    /// Takes every row of a file.
+    fn read(path: &Path, mapping: &Mapping) -> Result<Self, ImportError> {
+        let mut rows = Rows::open(path, mapping)?;
+        let mut recording = None;
+        while rows.next()? {
+            let recording = match &mut recording {
+                Some(recording) => recording,
+                none => none.insert(Self::plan(&rows, mapping)?),
+            };
+            recording.take(&rows)?;
+        }
+        let mut recording =
+            recording.ok_or_else(|| ImportError::TooShort { path: path.into(), samples: 0 })?;
+        recording.close();
+        Ok(recording)
+    }
+
+    /// Time of the first sample, s.
+    fn start(&self) -> f64 {
+        self.time.first().copied().unwrap_or(f64::INFINITY)
+    }
+
+    /// Adds the samples of the file that follows; `before` is the file the last ones came from.
+    fn append(&mut self, before: &Path, part: Self, path: &Path) -> Result<(), ImportError> {
+        let names = |of: &Self| -> Vec<String> {
+            of.sources.iter().map(|source| source.name.clone()).collect()
+        };
+        if names(self) != names(&part) {
+            return Err(ImportError::PartsDiffer { path: path.into(), other: before.into() });
+        }
+        if let (Some(&end), Some(&start)) = (self.time.last(), part.time.first())
+            && start <= end
+        {
+            let (path, other) = (path.into(), before.into());
+            return Err(ImportError::PartsOverlap { path, other, start, end });
+        }
+        for (source, more) in self.sources.iter_mut().zip(part.sources) {
+            source.dropped = source.dropped.take().or(more.dropped);
+        }
+        for (column, more) in self.clocked.iter_mut().zip(part.clocked) {
+            column.time.extend(more.time);
+            column.values.extend(more.values);
+        }
+        self.time.extend(part.time);
+        for (column, more) in self.values.iter_mut().zip(part.values) {
+            column.extend(more);
+        }
+        self.rows += part.rows;
+        self.stamps += part.stamps;
+        Ok(())
+    }
+
     /// Finds every column that the mapping names in the file.
     fn plan(rows: &Rows, mapping: &Mapping) -> Result<Self, ImportError> {
         let shown = |index: usize| match rows.names.get(index) {
@@ -232,8 +302,9 @@ impl Recording {
         self.stamps += 1;
     }
 
-    fn finish(mut self, path: &Path, mapping: &Mapping) -> Result<Imported, ImportError> {
-        self.close();
+    /// The trace of all that was taken from the files `paths`, in their order.
+    fn finish(mut self, paths: &[&Path], mapping: &Mapping) -> Result<Imported, ImportError> {
+        let path = paths.first().copied().unwrap_or_else(|| Path::new(""));
         subtract(self.plan.reference.as_ref(), &mut self.time);
         let mut columns = vec![(self.time_shown, TIME.to_owned())];
         let mut dropped = Vec::new();
@@ -258,7 +329,7 @@ impl Recording {
         }
         trace.head = mapping.head.clone();
         trace.head.version = Some(head::VERSION);
-        trace.head.other.insert("import".into(), origin(path, mapping, self.every).into());
+        trace.head.other.insert("import".into(), origin(paths, mapping, self.every).into());
         Ok(Imported {
             uncovered: samples - trace.len(),
             merged: self.rows - self.stamps,
@@ -376,10 +447,17 @@ fn check_names(path: &Path, columns: &[(String, String)]) -> Result<(), ImportEr
 }
 
 /// Where a trace came from, for its head.
-fn origin(path: &Path, mapping: &Mapping, every: usize) -> toml::Table {
-    let file = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+fn origin(paths: &[&Path], mapping: &Mapping, every: usize) -> toml::Table {
+    let name = |path: &&Path| -> toml::Value {
+        path.file_name().unwrap_or_default().to_string_lossy().into_owned().into()
+    };
     let mut origin = toml::Table::new();
-    origin.insert("file".into(), file.into());
+    match paths {
+        [path] => origin.insert("file".into(), name(path)),
+        several => {
+            origin.insert("files".into(), several.iter().map(name).collect::<Vec<_>>().into())
+        }
+    };
     origin.insert("mapping".into(), mapping.name.clone().into());
     if every > 1 {
         origin.insert("every".into(), i64::try_from(every).unwrap_or(i64::MAX).into());
@@ -489,6 +567,42 @@ mod tests {
         }
         let error = with("").unwrap_err().to_string();
         assert!(error.contains("line 3, column 1: time 1 s is repeated"), "{error}");
+    }
+
+    #[test]
+    fn a_recording_in_several_files_is_one_trace_whatever_their_order() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = |name: &str, text: &str| {
+            let path = folder.path().join(name);
+            std::fs::write(&path, text).unwrap();
+            path
+        };
+        let map = |time: &str| {
+            let text = format!(
+                "palpate-map = 1\n[table]\nheader_line = 1\n[time]\n{time}\n\
+                 [[column]]\nfrom = \"x\"\nname = \"a\"\nreference = \"first\""
+            );
+            Mapping::parse(Path::new("map.toml"), &text).unwrap()
+        };
+        let own = map("from = \"t\"\nreference = \"first\"");
+        let late = file("a.csv", "t,x\n7,30\n8,40\n");
+        let early = file("b.csv", "t,x\n5,10\n6,20\n");
+        let found = import_parts(&[late.clone(), early.clone()], &own).unwrap();
+        assert_eq!(found.trace.time, [0.0, 1.0, 2.0, 3.0]);
+        assert_eq!(column(&found, "a"), [0.0, 10.0, 20.0, 30.0]);
+        assert_eq!(found.rows, 4);
+        let files = found.trace.head.other["import"]["files"].as_array().unwrap();
+        assert_eq!(files, &["b.csv".into(), "a.csv".into()] as &[toml::Value]);
+
+        let refused = |paths: &[PathBuf], map: &Mapping| import_parts(paths, map).unwrap_err();
+        let same = file("c.csv", "t,x\n6,1\n9,2\n");
+        let error = refused(&[early.clone(), same], &own);
+        assert!(matches!(error, ImportError::PartsOverlap { start: 6.0, end: 6.0, .. }), "{error}");
+        let other = file("d.csv", "t,x,y\n9,1,2\n10,2,3\n");
+        let error = refused(&[early.clone(), other], &own);
+        assert!(matches!(error, ImportError::PartsDiffer { .. }), "{error}");
+        let even = map("step_s = 1.0");
+        assert!(matches!(refused(&[early, late], &even), ImportError::PartsWithoutClock));
     }
 
     #[test]

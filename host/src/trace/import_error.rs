@@ -185,4 +185,29 @@ pub enum ImportError {
         /// Its clock's last time, s.
         to_s: f64,
     },
+    /// Files of one recording with different columns.
+    #[error("{}: has other columns than {}. Import them one by one.", path.display(), other.display())]
+    PartsDiffer {
+        /// The later file.
+        path: PathBuf,
+        /// The file before.
+        other: PathBuf,
+    },
+    /// Files of one recording that share time.
+    #[error("{}: begins at {start} s, before {} ends at {end} s. Files of one recording follow each other; import others one by one.", path.display(), other.display())]
+    PartsOverlap {
+        /// The later file.
+        path: PathBuf,
+        /// The file before.
+        other: PathBuf,
+        /// First time of the later, s.
+        start: f64,
+        /// Last time of the one before, s.
+        end: f64,
+    },
+    /// Several files and no clock to put them in order.
+    #[error(
+        "several files are put in order by their time, and the mapping has no column for it. Name one in `[time]` (`from`), or import the files one by one."
+    )]
+    PartsWithoutClock,
 }

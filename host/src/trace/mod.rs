@@ -37,7 +37,7 @@ pub use error::{Error, Place, SignalError};
 pub use gaps::{Gap, gaps, runs};
 pub use head::{Control, Head, Setup, Shape, Specimen};
 pub use holds::holds;
-pub use import::{Imported, import};
+pub use import::{Imported, import, import_parts};
 pub use import_error::ImportError;
 pub use mapping::Mapping;
 pub use noise::{Noise, Source, force_noise, noise};
