@@ -241,3 +241,50 @@ fn every_analysis_writes_a_report() {
         assert!(page.contains("<svg") && page.contains("<table"), "{arguments:?}");
     }
 }
+
+/// A pad pressed at 0.1 mm/s with 2 samples a second and pulled off at `speed` mm/s with 100, `pull` N at most.
+fn pad(folder: &Path, speed: f64, pull: f64) -> PathBuf {
+    let force = |x: f64| 3.0 * x.max(0.0);
+    let wobble = |k: usize| 0.001 * ((k * 7919 % 101) as f64 / 29.0 - 1.74);
+    let slow = (0..100).map(move |k| {
+        let x = (0.05 * k as f64 - 2.0).min(1.0);
+        [0.5 * k as f64, x, force(x) + wobble(k)]
+    });
+    let fast = (0..(300.0 / speed) as usize).map(move |k| {
+        let x = 1.0 - 0.01 * speed * k as f64;
+        let pulls = pull * (-((x + 0.4) / 0.2).powi(2)).exp();
+        [50.0 + 0.01 * k as f64, x, force(x) - pulls + wobble(k)]
+    });
+    write(folder, &format!("pad-{speed}.csv"), "", slow.chain(fast))
+}
+
+#[test]
+fn the_growth_of_a_pull_off_is_told_where_the_speeds_tell_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let law = |v: f64| 0.5 * (1.0 + (v / 0.3).powf(0.6));
+    let speeds = [0.03, 0.1, 0.3, 1.0, 3.0, 10.0];
+    let pads: Vec<PathBuf> =
+        speeds.iter().map(|speed| pad(folder.path(), *speed, law(*speed))).collect();
+    let found = answer(&["segment"], &pads);
+    let pull = &found["traces"][1]["cycles"][0]["pull_off"];
+    assert!((pull["force_N"].as_f64().unwrap() - law(0.1)).abs() < 0.01, "{pull}");
+    let growth = &found["pull_off_growth"];
+    let told: Vec<f64> = growth["speeds"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|speed| speed["speed_mm_per_s"].as_f64().unwrap())
+        .collect();
+    assert!(told.iter().zip(speeds).all(|(a, b)| (a / b - 1.0).abs() < 0.02), "{told:?}");
+    for (name, truth) in [("F0_N", 0.5), ("v0_mm_per_s", 0.3), ("n", 0.6)] {
+        let found = &growth["law"][name];
+        let [value, error] = ["value", "standard_error"].map(|key| found[key].as_f64().unwrap());
+        assert!((value - truth).abs() < 4.0 * error + 0.02 * truth, "{name}: {value} ± {error}");
+    }
+    // Three speeds cannot tell three parameters and their errors.
+    let few = answer(&["segment"], &pads[..3]);
+    assert!(few["pull_off_growth"]["law"].is_null());
+    assert!(few["pull_off_growth"]["not_identifiable"].as_str().unwrap().contains("too few"));
+    // One speed is no growth.
+    assert!(answer(&["segment"], &pads[..1])["pull_off_growth"].is_null());
+}

@@ -4,10 +4,11 @@ use std::ops::RangeInclusive;
 
 use shared::phase::{Region, RelaxationType};
 
+use super::pull_off::{PullOff, Sampled, pull_off};
 use crate::decomposition::{DecompositionError, decompose, default_relaxation};
 use crate::fit::slope::{acceleration, velocity};
 use crate::model::Motion;
-use crate::regions::{Regions, RegionsError, Stretch, regions};
+use crate::regions::{Regions, RegionsError, Stretch, regions, touch_level};
 use crate::trace::{Control, DISPLACEMENT, FORCE, SignalError, Trace, control, gaps, noise};
 
 /// Share of the stroke by which the ends of a cycle may lie apart for it to count as closed.
@@ -20,7 +21,8 @@ const NORMAL_MAD: f64 = 1.482_602_218_505_602;
 /// A point of Fig. 3.10.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Point {
-    /// `O`, `A`, …; from the second hold of a cycle on with its number: `C2`.
+    /// `O`, `A`, …; from the second hold of a cycle on with its number: `C2`. Where the specimen adheres,
+    /// `Z` is where the force passes zero and `P` the largest pull.
     pub name: String,
     /// Sample of the trace.
     pub sample: usize,
@@ -39,8 +41,11 @@ pub struct Piece {
     pub region: Region,
     /// In a hold, the type of relaxation or creep.
     pub relaxation: RelaxationType,
-    /// Its samples, from its first to the first of what follows.
+    /// Its samples, from its first to the first of what follows; a hold ends at its own last sample, and a
+    /// loading that turns back at the turn: what moves beyond them belongs to the unloading.
     pub samples: RangeInclusive<usize>,
+    /// Whether the specimen pulls: the part of an unloading beyond zero force.
+    pub pulls: bool,
     /// ∫F dx over it, mJ: positive where work goes into the specimen.
     pub work_mj: f64,
 }
@@ -78,6 +83,8 @@ pub struct Cycle {
     pub peak: usize,
     /// Largest force by size, with its sign, N.
     pub peak_force_n: f64,
+    /// How the contact came off; none where the specimen does not adhere.
+    pub pull_off: Option<PullOff>,
 }
 
 impl Cycle {
@@ -172,9 +179,12 @@ pub fn segment(trace: &Trace) -> Result<Segmentation, SegmentError> {
     let channel = decompose(trace, FORCE, &default_relaxation(), || {})?;
     let regions = regions(trace, &channel)?;
     let force_noise_n = noise(trace, FORCE).map_or(0.0, |noise| noise.standard_deviation);
-    let cycles: Vec<Cycle> = groups(regions.stretches())
-        .into_iter()
-        .filter_map(|group| Path::of(trace)?.cycle(&group, force_noise_n))
+    let groups = groups(regions.stretches());
+    let ends = groups.iter().skip(1).map(|next| next[0].range.start).chain([trace.len()]);
+    let cycles: Vec<Cycle> = groups
+        .iter()
+        .zip(ends)
+        .filter_map(|(group, end)| Path::of(trace)?.cycle(group, end, force_noise_n))
         .enumerate()
         .map(|(index, cycle)| Cycle { number: index + 1, ..cycle })
         .collect();
@@ -257,38 +267,82 @@ impl<'a> Path<'a> {
         noise * (first..=last).map(|k| weight(k).powi(2)).sum::<f64>().sqrt()
     }
 
-    fn cycle(&self, group: &[Stretch], noise: f64) -> Option<Cycle> {
-        let (first, last) = (group.first()?.range.start, group.last()?.range.end);
-        let last = last.min(self.time.len() - 1);
-        let whole = first..=last;
-        let pieces: Vec<Piece> = group
-            .iter()
-            .map(|stretch| {
-                let samples = stretch.range.start..=stretch.range.end.min(self.time.len() - 1);
-                let work_mj = self.work(&samples);
-                Piece { region: stretch.region, relaxation: of_hold(stretch), samples, work_mj }
-            })
-            .collect();
-        let sum = |sign: f64| pieces.iter().map(|piece| (sign * piece.work_mj).max(0.0)).sum();
+    /// The cycle of a group of stretches; the next one begins at `end`.
+    fn cycle(&self, group: &[Stretch], end: usize, noise: f64) -> Option<Cycle> {
+        let first = group.first()?.range.start;
+        let whole = first..=group.last()?.range.end.min(self.time.len() - 1);
         let size = |k: &usize| self.force[*k].abs();
         let peak = whole.clone().max_by(|a, b| size(a).total_cmp(&size(b)))?;
+        // A pull may be larger than the press before it.
+        let loads = group.iter().filter(|stretch| stretch.region == Region::Loading);
+        let pressed = loads.flat_map(|stretch| stretch.range.clone());
+        let pressed = pressed.max_by(|a, b| size(a).total_cmp(&size(b))).unwrap_or(peak);
+        let pressed = self.force[pressed].signum();
+        let pieces = self.pieces(group, touch_level(noise, self.force[peak]), pressed);
+        let last = *pieces.last()?.samples.end();
+        let sum = |sign: f64| pieces.iter().map(|piece| (sign * piece.work_mj).max(0.0)).sum();
         let (low, high) = extent(&self.x[whole.clone()]);
+        let pull_off = pieces.iter().rfind(|piece| piece.pulls).and_then(|piece| {
+            let path = Sampled { time: self.time, x: self.x, force: self.force };
+            pull_off(&path, piece.samples.clone(), end, noise, pressed)
+        });
         Some(Cycle {
             number: 0,
-            points: self.points(&pieces),
+            points: self.points(&pieces, pull_off.as_ref()),
             work_in_mj: sum(1.0),
             work_out_mj: sum(-1.0),
-            work_error_mj: self.work_error(&whole, noise),
+            work_error_mj: self.work_error(&(first..=last), noise),
             closed: (self.x[last] - self.x[first]).abs() <= CLOSED * (high - low),
             peak,
             peak_force_n: self.force[peak],
             pieces,
+            pull_off,
         })
+    }
+
+    /// The pieces of a group of stretches; an unloading is cut where a pull above the level begins, against
+    /// the sign of the force `pressed`.
+    fn pieces(&self, group: &[Stretch], level: f64, pressed: f64) -> Vec<Piece> {
+        let mut found: Vec<Piece> = Vec::new();
+        let mut begin = group.first().map_or(0, |stretch| stretch.range.start);
+        for (index, stretch) in group.iter().enumerate() {
+            let next = group.get(index + 1).map(|next| next.region);
+            let turns = match stretch.region {
+                Region::Relaxation => true,
+                Region::Loading => next == Some(Region::Unloading),
+                _ => false,
+            };
+            let end = (stretch.range.end - usize::from(turns)).min(self.time.len() - 1);
+            let samples = begin.max(stretch.range.start.saturating_sub(1))..=end;
+            begin = end;
+            let pull = |k: &usize| -self.force[*k] * pressed;
+            let pulls =
+                stretch.region == Region::Unloading && samples.clone().any(|k| pull(&k) > level);
+            let crossing = match pulls {
+                true => {
+                    samples.clone().rev().skip_while(|k| pull(k) <= level).find(|k| pull(k) <= 0.0)
+                }
+                false => None,
+            };
+            let mut push = |samples: RangeInclusive<usize>, pulls: bool| {
+                let work_mj = self.work(&samples);
+                let (region, relaxation) = (stretch.region, of_hold(stretch));
+                found.push(Piece { region, relaxation, samples, pulls, work_mj });
+            };
+            match crossing.map(|zero| zero + 1) {
+                Some(zero) if zero > *samples.start() => {
+                    push(*samples.start()..=zero, false);
+                    push(zero..=*samples.end(), true);
+                }
+                _ => push(samples, pulls),
+            }
+        }
+        found
     }
 
     /// The points between which the pieces lie. B is the end of the loading, or where the force
     /// is largest within it if a transition follows; then C begins the hold.
-    fn points(&self, pieces: &[Piece]) -> Vec<Point> {
+    fn points(&self, pieces: &[Piece], pull_off: Option<&PullOff>) -> Vec<Point> {
         let mut found = Vec::new();
         let mut holds = 0;
         for (index, piece) in pieces.iter().enumerate() {
@@ -312,6 +366,10 @@ impl<'a> Path<'a> {
                     found.push((numbered("D", holds), to));
                 }
                 Region::Unloading => {
+                    if let Some(pull_off) = pull_off.filter(|_| piece.pulls) {
+                        found.push(("Z".to_owned(), from));
+                        found.push(("P".to_owned(), pull_off.sample));
+                    }
                     if pieces.get(index + 1).is_none_or(|next| next.region == Region::Recovery) {
                         found.push(("E".to_owned(), to));
                     }
@@ -432,6 +490,111 @@ mod tests {
                 assert!((c.displacement_mm - 8.0).abs() < 0.2, "{c:?}");
             }
         }
+    }
+
+    fn hold_of(cycle: &Cycle) -> &Piece {
+        cycle.pieces.iter().find(|piece| piece.region == Region::Relaxation).unwrap()
+    }
+
+    fn point<'a>(cycle: &'a Cycle, name: &str) -> &'a Point {
+        cycle.points.iter().find(|point| point.name == name).unwrap()
+    }
+
+    #[test]
+    fn a_hold_between_sharp_corners_does_no_work_and_ends_where_the_motion_begins() {
+        let trace = pressed(&presses(1), 0.005, 0.0);
+        let found = segment(&trace).unwrap();
+        let cycle = &found.cycles[0];
+        let hold = hold_of(cycle);
+        assert!(hold.work_mj.abs() < 1e-9, "{} mJ", hold.work_mj);
+        let (c, d) = (point(cycle, "C"), point(cycle, "D"));
+        assert!((c.time_s - 1.4).abs() < 1e-9 && (d.time_s - 3.5).abs() < 1e-9, "{c:?} {d:?}");
+        assert!((d.displacement_mm - 8.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn b_is_where_the_force_is_largest_if_it_falls_before_the_motion_ends() {
+        // The last 5 µm are slow: the force relaxes faster than it grows.
+        let corners =
+            [(0.0, -1.0), (0.5, -1.0), (1.4, 8.0), (1.41, 8.005), (3.5, 8.005), (4.4, -1.0)];
+        let found = segment(&pressed(&corners, 0.005, 0.0)).unwrap();
+        let cycle = &found.cycles[0];
+        let (b, c) = (point(cycle, "B"), point(cycle, "C"));
+        assert!((b.time_s - 1.4).abs() < 1e-9 && (c.time_s - 1.41).abs() < 1e-9, "{b:?} {c:?}");
+        assert_eq!(b.sample, cycle.peak);
+        assert!(cycle.pieces.iter().any(|piece| piece.region == Region::Transition));
+    }
+
+    /// A pad that adheres, as a rheometer records it: in at 0.1 mm/s and held with 2 samples a second, out at
+    /// `speed` mm/s with 100. The pull is 2 N at most, at −0.4 mm.
+    fn pad(speed: f64) -> Trace {
+        let (mut time, mut x) = (Vec::new(), Vec::new());
+        for k in 0..=100 {
+            let t = 0.5 * f64::from(k);
+            time.push(t);
+            x.push((0.1 * t - 2.0).min(1.0));
+        }
+        for k in 1..=(3.0 / speed * 100.0) as u32 {
+            let t = 0.01 * f64::from(k);
+            time.push(50.0 + t);
+            x.push(1.0 - speed * t);
+        }
+        let law = BaseLaw::fung(2, Separation::Clamp);
+        let motion =
+            Motion { time: (&time[..]).into(), displacement: (&x[..]).into(), rest_before: None };
+        let force = law.predict(&[4.0, 0.3, 0.2, 0.1, 1.0, 0.1], &[motion]).remove(0);
+        let pull = |x: f64| 2.0 * (-((x + 0.4) / 0.25).powi(2)).exp();
+        let noise = |k: usize| 0.002 * ((k * 7919 % 101) as f64 / 29.0 - 1.74);
+        let force = (0..time.len())
+            .map(|k| force[k] - if time[k] > 50.0 { pull(x[k]) } else { 0.0 } + noise(k))
+            .collect();
+        let mut trace = Trace { time, ..Trace::default() };
+        trace.set_column(DISPLACEMENT, x);
+        trace.set_column(FORCE, force);
+        trace
+    }
+
+    #[test]
+    fn whatever_the_clock_a_falling_hold_is_type_1_and_a_pull_belongs_to_the_contact() {
+        for speed in [0.03, 0.3, 3.0] {
+            let found = segment(&pad(speed)).unwrap();
+            let cycle = &found.cycles[0];
+            assert_eq!(hold_of(cycle).relaxation, RelaxationType::TypeI, "{speed} mm/s");
+            assert_eq!(names(cycle)[..7], ["O", "A", "B", "C", "D", "Z", "P"], "{speed} mm/s");
+            let e = point(cycle, "E");
+            assert!((-1.05..-0.85).contains(&e.displacement_mm) && e.force_n > -0.05, "{e:?}");
+            let pull = cycle.pull_off.unwrap();
+            assert!((pull.force_n - 2.0).abs() < 0.01 && pull.zero_n.abs() < 0.002, "{pull:?}");
+            assert!((pull.displacement_mm + 0.4).abs() < 0.04, "{pull:?}");
+            assert!((pull.speed_mm_per_s / speed - 1.0).abs() < 0.01, "{pull:?}");
+            assert_eq!(pull.separation_mm, e.displacement_mm);
+            // What lies below zero of the same curve, summed in another way.
+            let (x, force) = (found_column(speed, DISPLACEMENT), found_column(speed, FORCE));
+            let area: f64 = (102..x.len())
+                .map(|k| {
+                    (x[k - 1] - x[k]) * 0.5 * ((-force[k]).max(0.0) + (-force[k - 1]).max(0.0))
+                })
+                .sum();
+            assert!((pull.work_mj / area - 1.0).abs() < 0.02, "{} {area}", pull.work_mj);
+        }
+    }
+
+    fn found_column(speed: f64, name: &str) -> Vec<f64> {
+        pad(speed).column(name).unwrap().to_vec()
+    }
+
+    #[test]
+    fn a_clamped_specimen_that_still_pulls_at_rest_has_no_pull_off() {
+        let mut trace = pressed(&presses(2), 0.01, 0.0);
+        let x = trace.displacement().unwrap().to_vec();
+        let time = trace.time.clone();
+        let law = BaseLaw::fung(2, Separation::Bonded);
+        let motion =
+            Motion { time: (&time[..]).into(), displacement: (&x[..]).into(), rest_before: None };
+        let force = law.predict(&[0.5, 0.3, 0.25, 0.25, 4.0, 0.5], &[motion]).remove(0);
+        trace.set_column(FORCE, force);
+        let found = segment(&trace).unwrap();
+        assert!(found.cycles.iter().all(|cycle| cycle.pull_off.is_none()));
     }
 
     #[test]

@@ -6,6 +6,7 @@
 //! - [`conditioning`]: the Butterworth filter of 6.3.3.
 //! - [`rates`]: one specimen at several loading rates (chapter 5).
 //! - [`strain_rate`]: strain and strain rate, and the power law of every hold (chapter 7).
+//! - [`pull_off`]: how an adhesive contact comes off: force, work, separation; [`pull_off_growth`]: their growth with speed.
 //! - [`geometry`]: area of contact (5.5), (7.7).
 //! - [`terms`]: how many exponentials a hold shows, by criterion and by samples left out.
 //! - [`derivative`]: the derivative of noisy data, with its bandwidth.
@@ -16,6 +17,8 @@ pub mod creep;
 pub mod cycles;
 pub mod derivative;
 pub mod geometry;
+pub mod pull_off;
+pub mod pull_off_growth;
 pub mod rates;
 pub mod relaxation;
 pub mod strain_rate;

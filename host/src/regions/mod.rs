@@ -78,6 +78,13 @@ fn contact<'a>(trace: &'a Trace, channel: &'a Channel) -> (&'a str, &'a [f64]) {
     }
 }
 
+/// The force, N, by size, above which there is contact or a pull: `noise` is the deviation of one sample,
+/// `largest` the largest force.
+#[must_use]
+pub fn touch_level(noise: f64, largest: f64) -> f64 {
+    motion::touch_level(noise, largest)
+}
+
 /// Noise of a column, 0 where it cannot be told.
 fn deviation(trace: &Trace, column: &str) -> f64 {
     noise(trace, column).map_or(0.0, |noise| noise.standard_deviation)

@@ -10,6 +10,13 @@ use crate::trace::{DISPLACEMENT, Kind, Segment, Trace, segments};
 
 /// Samples before and after over which a signal is averaged before it is compared with a level.
 const REACH: usize = 2;
+/// A neighbour counts in that average if it is no farther than this many of the shorter one of the
+/// two intervals beside the sample.
+const NEAR: f64 = 2.5;
+/// Part of a hold's time at either end over which its signal is averaged.
+const END: f64 = 0.1;
+/// A pull ends because the indenter leaves if it then moves at this part of its mean speed at least.
+const LEAVING: f64 = 0.1;
 /// Share of the way out that still counts as standing, when the beginning of an approach is looked for.
 const STANDING: f64 = 0.01;
 
@@ -17,7 +24,7 @@ const STANDING: f64 = 0.01;
 pub(super) fn regions(trace: &Trace, displacement: &[f64], channel: &Channel) -> Regions {
     let region = places(trace, displacement, displacement, channel);
     let settled = SETTLED * deviation(trace, &channel.signal);
-    let relaxation = relaxation(channel, &region, settled);
+    let relaxation = relaxation(&trace.time, channel, &region, settled);
     Regions { region, relaxation }
 }
 
@@ -33,8 +40,8 @@ pub(super) fn force_controlled(
     let largest = displacement.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
     let band = (SETTLED * deviation(trace, DISPLACEMENT)).max(SMALLEST / 2.0 * largest);
     let mut relaxation = vec![RelaxationType::None; trace.len()];
-    over_holds(&mut relaxation, &region, &smooth(displacement), |first, last| {
-        type_of(last - first, band)
+    over_holds(&mut relaxation, &region, (&trace.time, displacement), |change, samples| {
+        type_of(change, band * samples)
     });
     Regions { region, relaxation }
 }
@@ -48,18 +55,32 @@ fn places(
 ) -> Vec<Region> {
     let (name, signal) = contact(trace, channel);
     let noise = deviation(trace, name);
-    let touching = touches(&smooth(signal), noise);
+    let smoothed = smooth(&trace.time, signal);
     let moves = segments(&trace.time, controlled);
+    let mut loads = vec![false; trace.len()];
+    for segment in moves.iter().filter(|segment| segment.kind == Kind::Load) {
+        loads[segment.range.clone()].fill(true);
+    }
+    let sense = pressing(&smoothed, |k| loads[k]);
+    let level = touch_level(noise, largest_of(&smoothed));
+    let touching = touches(&smoothed, level, sense);
+    let pulls = pulls(trace, displacement, &smoothed, (level, sense), &moves);
     let mut region = vec![Region::Rest; trace.len()];
     let mut touched = false;
     for (index, segment) in moves.iter().enumerate() {
         let presses_next = moves[index + 1..].iter().any(|later| later.kind == Kind::Load);
         for sample in segment.range.clone() {
             touched |= touching[sample];
-            region[sample] = of_sample(segment.kind, touching[sample], touched);
+            region[sample] = match segment.kind {
+                Kind::Unload | Kind::After if pulls[sample] => Region::Unloading,
+                kind => of_sample(kind, touching[sample] || pulls[sample], touched),
+            };
         }
         match segment.kind {
-            Kind::Load => mark_transition(&mut region, &segment.range, signal, noise),
+            Kind::Load => {
+                let holds = moves.get(index + 1).is_some_and(|next| next.kind == Kind::Hold);
+                mark_transition(&mut region, &segment.range, signal, noise, holds);
+            }
             Kind::Approach | Kind::After if presses_next => {
                 let begin = last_standing(segment, displacement);
                 region[begin..segment.range.end].fill(Region::Preloading);
@@ -68,7 +89,7 @@ fn places(
         }
     }
     let settled = SETTLED * deviation(trace, &channel.signal);
-    end_recovery(&mut region, &channel.latent, settled);
+    end_recovery(&mut region, &smooth(&trace.time, &channel.latent), settled);
     region
 }
 
@@ -84,14 +105,20 @@ fn of_sample(kind: Kind, touching: bool, touched: bool) -> Region {
     }
 }
 
-/// Mean over the samples around each.
-fn smooth(values: &[f64]) -> Vec<f64> {
-    (0..values.len())
-        .map(|k| {
-            let around = &values[k.saturating_sub(REACH)..(k + REACH + 1).min(values.len())];
-            around.iter().sum::<f64>() / around.len() as f64
-        })
-        .collect()
+/// Mean over the samples around each that belong to the same sampling: where a coarse clock meets a fine
+/// one, nothing is averaged over the coarse interval.
+fn smooth(time: &[f64], values: &[f64]) -> Vec<f64> {
+    let mean = |k: usize| {
+        let beside = [k.checked_sub(1), Some(k + 1)].into_iter().flatten();
+        let intervals = beside.filter_map(|j| Some((time.get(j)? - time[k]).abs()));
+        let near = NEAR * intervals.fold(f64::INFINITY, f64::min);
+        let around = k.saturating_sub(REACH)..(k + REACH + 1).min(values.len());
+        let (sum, count) = around
+            .filter(|&j| j == k || (time[j] - time[k]).abs() <= near)
+            .fold((0.0, 0.0), |(sum, count), j| (sum + values[j], count + 1.0));
+        sum / count
+    };
+    (0..values.len()).map(mean).collect()
 }
 
 /// The largest value by size, with its sign.
@@ -100,32 +127,89 @@ fn largest_of(values: &[f64]) -> f64 {
     values.iter().copied().fold(0.0, larger)
 }
 
+/// The sign of a signal while it is pressed, told from where the motion goes in: a pull may be larger.
+fn pressing(signal: &[f64], goes_in: impl Fn(usize) -> bool) -> f64 {
+    let inside: Vec<f64> = (0..signal.len()).filter(|&k| goes_in(k)).map(|k| signal[k]).collect();
+    largest_of(if inside.is_empty() { signal } else { &inside }).signum()
+}
+
+/// The signal above which there is contact; it is lost below half of it.
+pub(super) fn touch_level(noise: f64, largest: f64) -> f64 {
+    (TOUCH * noise).max(SMALLEST * largest.abs())
+}
+
 /// Contact at each sample: made above a level, lost below half of it.
-fn touches(signal: &[f64], noise: f64) -> Vec<bool> {
-    let largest = largest_of(signal);
-    let level = (TOUCH * noise).max(SMALLEST * largest.abs());
+fn touches(signal: &[f64], level: f64, sense: f64) -> Vec<bool> {
     let mut touching = false;
     signal
         .iter()
         .map(|value| {
-            let pressed = value * largest.signum();
+            let pressed = value * sense;
             touching = pressed > if touching { 0.5 * level } else { level };
             touching
         })
         .collect()
 }
 
-/// BC: what is left of a loading after its largest signal, where the signal falls by more than noise.
-fn mark_transition(region: &mut [Region], range: &Range<usize>, signal: &[f64], noise: f64) {
+/// Whether the specimen adheres at each sample: from where pressing ends on the way out to where the pull
+/// has gone. A pull that is still there when the indenter stands again is that of a specimen which is
+/// clamped or has not recovered.
+fn pulls(
+    trace: &Trace,
+    displacement: &[f64],
+    signal: &[f64],
+    (level, sense): (f64, f64),
+    moves: &[Segment],
+) -> Vec<bool> {
+    let mut found = vec![false; trace.len()];
+    let pull = |k: usize| -signal[k] * sense;
+    let out = |kind: Kind| !matches!(kind, Kind::Load | Kind::Approach);
+    for way in moves.chunk_by(|a, b| out(a.kind) && out(b.kind)).filter(|way| out(way[0].kind)) {
+        let way = way[0].range.start..way[way.len() - 1].range.end;
+        let Some(most) = way.clone().max_by(|&a, &b| pull(a).total_cmp(&pull(b))) else { continue };
+        if pull(most) <= level {
+            continue;
+        }
+        let pressed = (way.start..most).rev().find(|&k| pull(k) < -0.5 * level);
+        let begin = pressed.map_or(way.start, |k| k + 1);
+        let Some(end) = (most..way.end).find(|&k| pull(k) < 0.5 * level) else { continue };
+        let speed = |from: usize, to: usize| {
+            (displacement[from] - displacement[to]) / (trace.time[to] - trace.time[from])
+        };
+        let before = begin.saturating_sub(1);
+        let leaving = before < most && speed(most, end) >= LEAVING * speed(before, most).max(0.0);
+        if leaving && displacement[end] < displacement[most] {
+            found[begin..end].fill(true);
+        }
+    }
+    found
+}
+
+/// BC: what is left of a loading from its largest signal on, where the signal falls by more than noise
+/// until then; or, before a hold, where the largest force is among the last samples of the loading.
+fn mark_transition(
+    region: &mut [Region],
+    range: &Range<usize>,
+    signal: &[f64],
+    noise: f64,
+    holds: bool,
+) {
     // Averaged within the loading: what the hold brings must not pull its end down.
-    let sizes = smooth(&signal[range.clone()].iter().map(|value| value.abs()).collect::<Vec<_>>());
-    let Some(peak) = (0..sizes.len()).max_by(|&a, &b| sizes[a].total_cmp(&sizes[b])) else {
-        return;
-    };
+    let sizes: Vec<f64> = signal[range.clone()].iter().map(|value| value.abs()).collect();
+    let index: Vec<f64> = (0..sizes.len()).map(|k| k as f64).collect();
+    let means = smooth(&index, &sizes);
+    let largest =
+        |values: &[f64]| (0..values.len()).max_by(|&a, &b| values[a].total_cmp(&values[b]));
+    let Some(mut peak) = largest(&means) else { return };
     // A difference of two means of five samples.
     let told = SETTLED * noise * (2.0 / (2 * REACH + 1) as f64).sqrt();
-    if sizes[peak] - sizes[sizes.len() - 1] <= told || sizes.len() - peak <= REACH {
-        return;
+    if means[peak] - means[means.len() - 1] <= told || means.len() - peak <= REACH {
+        let last = sizes.len().saturating_sub(REACH);
+        let after = signal.get(range.end).map_or(f64::INFINITY, |value| value.abs());
+        peak = match largest(&sizes) {
+            Some(highest) if holds && highest >= last && sizes[highest] > after => highest,
+            _ => return,
+        };
     }
     for region in &mut region[range.start + peak..range.end] {
         if *region == Region::Loading {
@@ -145,7 +229,12 @@ fn last_standing(segment: &Segment, displacement: &[f64]) -> usize {
 
 /// The type at each sample: in a hold from what the signal did over the hold, which needs no
 /// relaxation function; elsewhere from the latent part.
-fn relaxation(channel: &Channel, region: &[Region], settled: f64) -> Vec<RelaxationType> {
+fn relaxation(
+    time: &[f64],
+    channel: &Channel,
+    region: &[Region],
+    settled: f64,
+) -> Vec<RelaxationType> {
     let largest = channel.input.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
     let band = settled.max(SMALLEST / 2.0 * largest);
     // A tension recorded as negative numbers relaxes upwards.
@@ -153,9 +242,9 @@ fn relaxation(channel: &Channel, region: &[Region], settled: f64) -> Vec<Relaxat
     let mut found: Vec<RelaxationType> =
         latent.map(|(latent, input)| type_of(latent * input.signum(), band)).collect();
     // In a hold the sign is that of the recording: a force that crosses zero after unloading still rises.
-    let sense = largest_of(&channel.input).signum();
-    over_holds(&mut found, region, &smooth(&channel.input), |first, last| {
-        type_of((first - last) * sense, band)
+    let sense = pressing(&channel.input, |k| region[k] == Region::Loading);
+    over_holds(&mut found, region, (time, &channel.input), |change, samples| {
+        type_of(-change * sense, band * samples)
     });
     found
 }
@@ -169,11 +258,12 @@ fn type_of(excess: f64, band: f64) -> RelaxationType {
     }
 }
 
-/// Gives every hold one type, from the first and the last value of a signal in it.
+/// Gives every hold one type, from how far a signal is at its end from where it was at its beginning, and
+/// the deviation of that difference in those of one sample, at least 1. Nothing beside the hold counts.
 fn over_holds(
     found: &mut [RelaxationType],
     region: &[Region],
-    signal: &[f64],
+    (time, signal): (&[f64], &[f64]),
     of: impl Fn(f64, f64) -> RelaxationType,
 ) {
     let mut begin = 0;
@@ -181,7 +271,14 @@ fn over_holds(
         let same = |other: &Region| *other != region[begin];
         let end = region[begin..].iter().position(same).map_or(region.len(), |n| begin + n);
         if region[begin] == Region::Relaxation {
-            found[begin..end].fill(of(signal[begin], signal[end - 1]));
+            let time = &time[begin..end];
+            let part = END * (time[time.len() - 1] - time[0]);
+            let first = time.partition_point(|t| *t <= time[0] + part);
+            let last = time.partition_point(|t| *t < time[time.len() - 1] - part);
+            let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+            let change = mean(&signal[begin + last..end]) - mean(&signal[begin..begin + first]);
+            let samples = (1.0 / first as f64 + 1.0 / (time.len() - last) as f64).sqrt();
+            found[begin..end].fill(of(change, samples.max(1.0)));
         }
         begin = end;
     }
@@ -189,7 +286,6 @@ fn over_holds(
 
 /// A recovery is over when the latent part stays within its band to the end of the stretch.
 fn end_recovery(region: &mut [Region], latent: &[f64], settled: f64) {
-    let latent = smooth(latent);
     let mut end = region.len();
     while end > 0 {
         let last = region[end - 1];

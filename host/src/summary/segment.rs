@@ -3,6 +3,7 @@
 use serde_json::{Value, json};
 use shared::phase::{Region, RelaxationType};
 
+use super::pull_off::{pull_off_json, pull_off_table};
 use super::{estimate, region_spans, shaded};
 use crate::analysis::cycles::{Cycle, Inertia, Piece, Segmentation, Turn};
 use crate::regions::{name, numeral};
@@ -19,6 +20,9 @@ pub fn segment_sections(trace: &Trace, found: &Segmentation) -> Vec<Section> {
     let mut section = Section::new(trace.label()).paragraph(introduction(trace, found));
     section = section.table(point_table(found)).table(piece_table(trace, found));
     section = section.table(cycle_table(trace, found));
+    if let Some(table) = pull_off_table(found) {
+        section = section.table(table);
+    }
     for warning in warnings(found) {
         section = section.callout(Callout::Warning, "Beware", warning);
     }
@@ -73,7 +77,7 @@ fn cycle_json(trace: &Trace, cycle: &Cycle, control: Control) -> Value {
         .pieces
         .iter()
         .map(|piece| {
-            let (points, word) = named(piece.region, control);
+            let (points, word) = named(piece, cycle, control);
             json!({
                 "points": points,
                 "region": word,
@@ -96,6 +100,7 @@ fn cycle_json(trace: &Trace, cycle: &Cycle, control: Control) -> Value {
         "closed": cycle.closed,
         "peak_force_N": cycle.peak_force_n,
         "peak_time_s": trace.time[cycle.peak],
+        "pull_off": cycle.pull_off.as_ref().map(|pull_off| pull_off_json(trace, pull_off)),
     })
 }
 
@@ -110,11 +115,14 @@ fn introduction(trace: &Trace, found: &Segmentation) -> String {
     )
 }
 
-/// The points and the name of a region; a hold of a controlled force is one of creep.
-fn named(region: Region, control: Control) -> (&'static str, &'static str) {
-    match (region, control) {
+/// The points and the name of a piece; a hold of a controlled force is one of creep, and an unloading of a
+/// specimen that adheres ends in a pull.
+fn named(piece: &Piece, cycle: &Cycle, control: Control) -> (&'static str, &'static str) {
+    match (piece.region, control) {
+        (Region::Unloading, _) if piece.pulls => ("ZE", "pull-off"),
+        (Region::Unloading, _) if cycle.pull_off.is_some() => ("DZ", "unloading"),
         (Region::Relaxation, Control::Force) => ("CD", "creep"),
-        _ => name(region),
+        (region, _) => name(region),
     }
 }
 
@@ -158,9 +166,13 @@ fn point_table(found: &Segmentation) -> Table {
             ]);
         }
     }
-    let table = table.note(
-        "O the approach begins, A touch, B end of loading or its largest force, C and D the hold begins and ends, E contact is lost, F recovered.",
-    );
+    let pulls = match found.cycles.iter().any(|cycle| cycle.pull_off.is_some()) {
+        true => " Z the force passes zero, P the largest pull,",
+        false => "",
+    };
+    let table = table.note(format!(
+        "O the approach begins, A touch, B end of loading or its largest force, C and D the hold begins and ends,{pulls} E contact is lost, F recovered.",
+    ));
     shortened(table, found)
 }
 
@@ -178,7 +190,7 @@ fn piece_table(trace: &Trace, found: &Segmentation) -> Table {
     let (Some(x), Some(force)) = (trace.displacement(), trace.force()) else { return table };
     for cycle in listed(found) {
         for piece in &cycle.pieces {
-            let (points, region) = named(piece.region, found.control);
+            let (points, region) = named(piece, cycle, found.control);
             let change =
                 |values: &[f64]| values[*piece.samples.end()] - values[*piece.samples.start()];
             table = table.row([

@@ -47,6 +47,11 @@ const LONG_HOLD: f64 = 0.3;
 /// Flat is to have two samples of three within this part of the stroke.
 const FLAT: f64 = 3e-4;
 
+/// Part of a hold's time at either end that may still move.
+const ENDS: f64 = 0.1;
+/// Samples of a hold that tell its own scatter.
+const ENOUGH: usize = 20;
+
 /// Cuts a displacement, mm (positive into the specimen, 0 at the nominal touch), into segments.
 ///
 /// Works on uneven sampling and on measured displacement: its scatter is taken from the data (second
@@ -196,7 +201,17 @@ impl<'a> Course<'a> {
         let level = scatter::median(inside.to_vec()).unwrap_or(0.0);
         let spread = scatter::median(inside.iter().map(|x| (x - level).abs()).collect());
         let spread = spread.unwrap_or(0.0) * NORMAL_MAD;
-        let band = (6.0 * spread).max(4.0 * self.scatter).max(1e-5 * self.stroke).min(self.rest);
+        // A motion that was recorded in steps scatters more than its holds do; a hold that drifts by the last digit does not
+        // scatter at all, and is off its level all the same.
+        let (own, inner) = match hold.len() >= ENOUGH {
+            true => {
+                let own = scatter::scatter(&self.time[hold.clone()], inside);
+                (own.min(self.scatter), self.inner(&hold, level))
+            }
+            false => (self.scatter, 0.0),
+        };
+        let band = (6.0 * spread).max(4.0 * own).max(1.5 * inner).max(1e-5 * self.stroke);
+        let band = band.min(self.rest);
         let on = |i: &usize| (self.x[*i] - level).abs() <= band;
         let (Some(mut start), Some(last)) =
             (hold.clone().find(|i| on(i)), hold.clone().rev().find(|i| on(i)))
@@ -220,6 +235,18 @@ impl<'a> Course<'a> {
             end = hold.end;
         }
         kinds[start..end].fill(Kind::Hold);
+    }
+
+    /// How far off its level a hold is between its ends: all but one sample in twenty are nearer.
+    fn inner(&self, hold: &Range<usize>, level: f64) -> f64 {
+        let time = &self.time[hold.clone()];
+        let (first, last) = (time[0], time[time.len() - 1]);
+        let end = ENDS * (last - first);
+        let within = |k: &usize| self.time[*k] >= first + end && self.time[*k] <= last - end;
+        let mut off: Vec<f64> =
+            hold.clone().filter(within).map(|k| (self.x[k] - level).abs()).collect();
+        off.sort_by(f64::total_cmp);
+        off.get(off.len() * 19 / 20).copied().unwrap_or(0.0)
     }
 
     /// Marks what lies before the first touch and between and after touches.
