@@ -137,7 +137,7 @@ mod tests {
         let held: Vec<f64> = time.iter().map(|t| t.min(100.0).min(300.0 - t)).collect();
         let found = segments(&time, &held);
         assert_eq!(found.approach, 0..201);
-        assert_eq!(found.pauses, [100..201]);
+        assert_eq!(found.pauses, vec![100..201]);
         assert_eq!(found.retract, Some(201..300));
         let turned: Vec<f64> = time.iter().map(|t| t.min(300.0 - t)).collect();
         let found = segments(&time, &turned);
@@ -150,6 +150,6 @@ mod tests {
         let way = |t: f64| t.min(100.0).max(t - 100.0).min(200.0).min(500.0 - t);
         let found = segments(&time, &time.iter().map(|t| way(*t)).collect::<Vec<f64>>());
         assert_eq!((found.approach, found.retract), (0..301, Some(301..500)));
-        assert_eq!(found.pauses, [100..201]);
+        assert_eq!(found.pauses, vec![100..201]);
     }
 }

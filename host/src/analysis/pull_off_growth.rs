@@ -6,6 +6,7 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 use super::pull_off::PullOff;
 use super::rates::Estimate;
 use crate::fit::by_differences::least_squares;
+use crate::fit::least_squares::Effort;
 
 /// Speeds within this ratio are the same.
 const SAME_SPEED: f64 = 1.1;
@@ -148,12 +149,12 @@ fn law(speeds: &[AtSpeed]) -> Result<Law, String> {
         })
     });
     let fitted = starts
-        .map(|start| least_squares(&bounds, &start, count, residuals))
+        .map(|start| least_squares(&bounds, &start, count, Effort::FULL, residuals))
         .min_by(|a, b| cost(&a.solution.point).total_cmp(&cost(&b.solution.point)))
         .ok_or("no start")?;
     let point = &fitted.solution.point;
     // `least_squares` scales by what is left; where that is less than the errors of the means, they count.
-    let scale = 1.0 / fitted.rms.min(1.0).max(f64::MIN_POSITIVE);
+    let scale = 1.0 / fitted.rms.clamp(f64::MIN_POSITIVE, 1.0);
     let errors: Vec<f64> = fitted.standard_errors.iter().map(|e| e * scale).collect();
     let student =
         StudentsT::new(0.0, 1.0, (count - PARAMETERS) as f64).map_err(|e| e.to_string())?;
