@@ -5,6 +5,12 @@ use std::ops::Range;
 /// How many times longer than its neighbours an interval must be to count as a gap.
 const FACTOR: f64 = 10.0;
 
+/// A long interval is part of the sampling, and no gap, where it is not that much longer than the mean of
+/// so many on either side, or others at least half as long are not rare among them: more than one in
+/// [`RARE`], and more than one.
+const AROUND: usize = 100;
+const RARE: usize = 60;
+
 /// An interval in which samples are missing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gap {
@@ -17,13 +23,20 @@ pub struct Gap {
 }
 
 /// Gaps of a recording: intervals more than ten times as long as both the one before and the one
-/// after. Only neighbours count, so a recording that thins out steadily (log-spaced, decimated) has
-/// none at any scale. The first and the last interval have neighbours on one side only and are
-/// compared with the two nearest.
+/// after, unless such long ones are usual nearby. A recording that thins out steadily (log-spaced,
+/// decimated) so has none at any scale, and neither has one in bursts or at random instants. The first
+/// and the last interval have neighbours on one side only and are compared with the two nearest.
 #[must_use]
 pub fn gaps(time: &[f64]) -> Vec<Gap> {
     let interval: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let last = interval.len().saturating_sub(1);
+    let usual = |i: usize| {
+        let around = i.saturating_sub(AROUND)..(i + AROUND + 1).min(interval.len());
+        let others = || around.clone().filter(|&j| j != i);
+        let mean = others().map(|j| interval[j]).sum::<f64>() / others().count().max(1) as f64;
+        let as_long = others().filter(|&j| interval[j] >= 0.5 * interval[i]).count();
+        interval[i] <= FACTOR * mean || as_long > (around.len() / RARE).max(1)
+    };
     (0..interval.len())
         .filter(|_| interval.len() >= 3)
         .filter(|&i| {
@@ -32,7 +45,7 @@ pub fn gaps(time: &[f64]) -> Vec<Gap> {
                 _ if i == last => [last - 1, last - 2],
                 _ => [i - 1, i + 1],
             };
-            neighbours.iter().all(|&j| interval[i] > FACTOR * interval[j])
+            neighbours.iter().all(|&j| interval[i] > FACTOR * interval[j]) && !usual(i)
         })
         .map(|i| Gap { index: i + 1, from_s: time[i], to_s: time[i + 1] })
         .collect()
@@ -67,6 +80,30 @@ mod tests {
             assert_eq!(found.len(), 1, "{missing:?}");
             assert!((found[0].to_s - f64::from(missing.end) * 0.005).abs() < 1e-12);
             assert_eq!(runs(&time).len(), 2);
+        }
+    }
+
+    #[test]
+    fn bursts_and_random_instants_have_no_gap_but_a_dropout_among_them_is_one() {
+        // Three samples within 2 ms, every 20 ms.
+        let bursts: Vec<f64> =
+            (0..1280).map(|k| f64::from(k / 3) * 0.02 + f64::from(k % 3) * 0.001).collect();
+        assert_eq!(gaps(&bursts), []);
+        // Instants without memory, 200 a second: a Poisson process.
+        let mut state = 7u64;
+        let random: Vec<f64> = (0..2000)
+            .scan(0.0, |now, _| {
+                state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+                *now -= ((state >> 11) as f64 / (1u64 << 53) as f64).ln() / 200.0;
+                Some(*now)
+            })
+            .collect();
+        assert_eq!(gaps(&random), []);
+        for time in [bursts, random] {
+            let late = |(k, t): (usize, &f64)| if k < 600 { *t } else { t + 3.0 };
+            let time: Vec<f64> = time.iter().enumerate().map(late).collect();
+            let found = gaps(&time);
+            assert_eq!((found.len(), found[0].index), (1, 600));
         }
     }
 
