@@ -6,6 +6,7 @@ use super::derivative::{Derivative, derivative};
 use super::terms::{self, Terms};
 use crate::fit::exponentials::{Fit, Options, Parameter, Prepared};
 use crate::fit::hold::{self, HoldError, HoldFit, Response};
+use crate::fit::relaxation_form::{Forms, forms};
 use crate::latency::Linear;
 use crate::trace::Trace;
 
@@ -19,6 +20,9 @@ pub struct Hold {
     pub fit: HoldFit,
     /// One to four exponentials beside each other.
     pub terms: Terms,
+    /// Sums of exponentials beside a power law and a stretched exponential; none where the samples are too
+    /// few.
+    pub forms: Option<Forms>,
     /// The linear latency model; none where the hold does not tell where it settles.
     pub latency: Option<Latency>,
 }
@@ -77,8 +81,11 @@ pub fn relaxation(
         let asked =
             Response::Relaxation.options(hold::Terms::Auto, signs.then_some(fit.relaxation));
         let terms = terms::terms(time, values, &asked).map_err(failed)?;
+        let most = terms.rows.len();
+        let limits = Prepared::new(time, &Options::default()).map_err(failed)?.rate_limits();
+        let forms = forms(time, values, most, limits);
         let latency = latency(time, values, strain_of_height(trace, &fit));
-        Ok::<_, HoldError>(Hold { fit, terms, latency })
+        Ok::<_, HoldError>(Hold { fit, terms, forms, latency })
     };
     Ok(fits.into_iter().map(of).collect::<Result<_, _>>()?)
 }
@@ -93,6 +100,7 @@ fn strain_of_height(trace: &Trace, fit: &HoldFit) -> Option<f64> {
 fn latency(time: &[f64], values: &[f64], strain: Option<f64>) -> Option<Latency> {
     let options = Options { terms: 1, ..Options::default() };
     let fit = Prepared::new(time, &options).ok()?.fit(values).ok()?;
+    let fit = fit.allowing_for_correlation(time, values);
     let (force, constant) = (fit.sum.scale, fit.sum.constant);
     let settles = force * constant;
     let error = settles_error(&fit);

@@ -59,7 +59,7 @@ pub fn terms(time: &[f64], values: &[f64], options: &Options) -> Result<Terms, E
     let prepared = Prepared::new(time, &options)?;
     let (slowest, fastest) = prepared.rate_limits();
     let same = Options { slowest: Some(slowest), fastest: Some(fastest), ..options };
-    let compared = prepared.compare_terms(values)?;
+    let compared = prepared.compare_terms(values)?.allowing_for_correlation(time, values);
     let squares = held_out(time, values, &same);
     let rows: Vec<Row> = compared
         .rows

@@ -15,7 +15,8 @@ use crate::trace::{FORCE, Trace, read_set};
 #[command(after_help = "\
 Every hold by itself: eq. 3.4 with standard errors, Type I or II; over repeats mean, standard deviation
 and whether they differ by more than noise; one to four exponentials by R², information criterion and
-error on samples left out; the linear latency model with its equilibrium. `palpate fit fung --hold-only`
+error on samples left out; a power law and a stretched exponential beside them, ranked by the decades of
+time that they predict; the linear latency model with its equilibrium. `palpate fit fung --hold-only`
 gives the coefficients alone and keeps them as a model; `palpate creep` is for holds of a force.
 
 Examples:

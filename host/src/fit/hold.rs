@@ -116,9 +116,13 @@ fn fit_hold(
     let options = response.options(terms, signs);
     let prepared = Prepared::new(time, &options).map_err(failed)?;
     let (fit, candidates) = match terms {
-        Terms::Fixed(_) => (prepared.fit(values).map_err(failed)?, Vec::new()),
+        Terms::Fixed(_) => {
+            let fit = prepared.fit(values).map_err(failed)?;
+            (fit.allowing_for_correlation(time, values), Vec::new())
+        }
         Terms::Auto => {
             let compared = prepared.compare_terms(values).map_err(failed)?;
+            let compared = compared.allowing_for_correlation(time, values);
             (compared.best().clone(), compared.rows)
         }
     };

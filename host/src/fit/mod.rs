@@ -2,6 +2,7 @@
 //!
 //! - [`exponentials`]: sums of decaying exponentials, without starting values.
 //! - [`hold`]: relaxation and creep during the holds of a recording.
+//! - [`relaxation_form`]: sums of exponentials, power law and stretched exponential compared.
 //! - [`consistency`]: whether repeats differ by more than their standard errors.
 //! - [`whole_motion`]: a law over loading, holds and unloading of every trace together.
 
@@ -19,6 +20,7 @@ pub mod line;
 pub mod power_law;
 pub mod problem;
 pub mod ranking;
+pub mod relaxation_form;
 pub mod slope;
 mod start;
 mod uncertainty;

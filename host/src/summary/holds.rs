@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use super::{CONCISE, concise, name_of, unit_of};
-use crate::fit::exponentials::{Fit, Parameter};
+use crate::fit::exponentials::{Correlated, Fit, Parameter, Stop};
 use crate::fit::hold::{HoldFit, Spread, spreads};
 use crate::regions::numeral;
 use crate::report::number::significant;
@@ -102,7 +102,11 @@ pub(super) fn one_json(hold: &HoldFit) -> Value {
         "samples": fit.samples,
         "r_squared": fit.r_squared,
         "residual_rms": fit.residual_rms,
-        "stop": fit.stop.to_string(),
+        "residual_autocorrelation": fit.correlated.as_ref().map(|c| c.neighbours),
+        "correlation_time_s": fit.correlated.as_ref().map(|c| c.time),
+        "error_over_white_noise": fit.correlated.as_ref().map(|c| c.inflation),
+        "converged": fit.stop != Stop::Iterations && fit.explains(),
+        "stop": if fit.explains() { fit.stop.to_string() } else { NO_BETTER.into() },
         "notes": fit.notes.iter().map(ToString::to_string).collect::<Vec<_>>(),
     })
 }
@@ -138,8 +142,28 @@ pub(super) fn coefficient_table(fits: &[HoldFit], signal: &str) -> Table {
         let tail = [format!("{:.4}", hold.fit.r_squared)];
         table = table.row(head.into_iter().chain(cells).chain(tail));
     }
-    table.note(format!("N is the signal at the start of the hold. {CONCISE}"))
+    table.note(format!(
+        "N is the signal at the start of the hold. {CONCISE} {}",
+        errors_in_words(fits.iter().map(|hold| &hold.fit))
+    ))
 }
+
+/// What the standard errors allow for.
+fn errors_in_words<'a>(fits: impl Iterator<Item = &'a Fit> + Clone) -> String {
+    let correlated = || fits.clone().filter_map(|fit| fit.correlated.as_ref());
+    let most = |value: fn(&Correlated) -> f64| correlated().map(value).fold(0.0, f64::max);
+    if correlated().next().is_none() {
+        return "The standard errors are those of white noise.".into();
+    }
+    format!(
+        "The standard errors allow for the correlation of residuals with their neighbours (up to {:.2}) and are up to {} times those of white noise.",
+        most(|correlated| correlated.neighbours),
+        significant(most(|correlated| correlated.inflation), 2)
+    )
+}
+
+/// What is said of a fit that explains nothing.
+const NO_BETTER: &str = "not converged: no better than a constant";
 
 /// The unit of a coefficient of a signal.
 pub(super) fn coefficient_unit(parameter: Parameter, signal: &str) -> &str {
@@ -231,7 +255,12 @@ pub(super) fn warnings(fits: &[HoldFit]) -> Vec<String> {
     fits.iter()
         .flat_map(|hold| {
             let place = format!("{} from {:.2} s", hold.trace, hold.from_s);
-            hold.fit.notes.iter().map(move |note| format!("{place}: {note}"))
+            let useless = (!hold.fit.explains()).then(|| format!(
+                "{place}: the fit is no better than a constant (R² {:.4}): nothing relaxes beyond the scatter, or a single sample outweighs all others",
+                hold.fit.r_squared
+            ));
+            let notes = hold.fit.notes.iter().map(move |note| format!("{place}: {note}"));
+            useless.into_iter().chain(notes)
         })
         .collect()
 }

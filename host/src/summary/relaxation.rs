@@ -6,8 +6,9 @@ use super::holds::{coefficient_table, one_json, plot, spread_json, spread_table,
 use super::terms::{place, residual_plot, terms_json, terms_tables};
 use super::{CONCISE, concise, unit_of};
 use crate::analysis::relaxation::{Hold, Latency, StrainScale};
-use crate::fit::exponentials::Parameter;
+use crate::fit::exponentials::{MOST_TERMS, Parameter};
 use crate::fit::hold::{HoldFit, spreads};
+use crate::fit::relaxation_form::{Form, FormFit, Forms};
 use crate::report::number::significant;
 use crate::report::{Axis, Callout, Colour, Column, Plot, Section, Series, Table};
 use crate::trace::Trace;
@@ -35,6 +36,12 @@ pub fn relaxation_sections(holds: &[Hold], traces: &[Trace], signal: &str) -> Ve
         number = number.table(table);
     }
     number = number.callout(Callout::Finding, "Number of exponentials", tally(holds));
+    let mut form = Section::new("Form of the relaxation").table(form_table(holds, signal));
+    for hold in holds {
+        if let Some(words) = form_in_words(hold, signal) {
+            form = form.callout(Callout::Finding, "Form", words);
+        }
+    }
     let mut latency = Section::new("Latency model").table(latency_table(holds, signal));
     for hold in holds.iter().filter(|hold| hold.latency.is_none()) {
         let text = format!(
@@ -56,7 +63,7 @@ pub fn relaxation_sections(holds: &[Hold], traces: &[Trace], signal: &str) -> Ve
             latency = latency.figure(plot.0, plot.1);
         }
     }
-    vec![first, number, latency]
+    vec![first, number, form, latency]
 }
 
 /// Every hold as a JSON object.
@@ -70,6 +77,7 @@ pub fn relaxation_json(holds: &[Hold], signal: &str) -> Value {
         .map(|hold| {
             let mut value = one_json(&hold.fit);
             value["terms"] = terms_json(&hold.terms);
+            value["forms"] = json!(hold.forms.as_ref().map(forms_json));
             value["latency"] = json!(hold.latency.as_ref().map(latency_json));
             value
         })
@@ -106,11 +114,90 @@ fn latency_json(latency: &Latency) -> Value {
     })
 }
 
+/// Every form of every hold, the best first.
+fn form_table(holds: &[Hold], signal: &str) -> Table {
+    let unit = unit_of(signal);
+    let columns = vec![
+        Column::text("hold"),
+        Column::text("form"),
+        Column::whole("numbers"),
+        Column::number("residual RMS", unit),
+        Column::number("left out", unit),
+        Column::text(""),
+    ];
+    let mut table = Table::new("Which form predicts times that it has not seen", columns);
+    for hold in holds {
+        let Some(forms) = &hold.forms else { continue };
+        for (k, row) in forms.rows.iter().enumerate() {
+            table = table.row([
+                if k == 0 { place(&hold.fit) } else { String::new() },
+                row.form.name(),
+                row.numbers.to_string(),
+                significant(row.residual_rms, 3),
+                row.held_out_rms.map_or("–".into(), |rms| significant(rms, 3)),
+                if row.form == forms.chosen { "used" } else { "" }.to_owned(),
+            ]);
+        }
+    }
+    table.note("Power law: A + B (1 + t/τ)^(−β). Stretched exponential: A + B e^(−(t/τ)^β). Left out: each half decade of time since the hold began predicted from all others, the last one too: the geometric mean over them. Used: the fewest numbers whose left-out error is no worse than the best by two standard errors over those spans.")
+}
+
+/// The form of one hold with its numbers; where the sums end at their ceiling, how wide the spectrum is.
+fn form_in_words(hold: &Hold, signal: &str) -> Option<String> {
+    let forms = hold.forms.as_ref()?;
+    let best = forms.best()?;
+    let mut words = format!("{}: {}", place(&hold.fit), best.form.name());
+    if let Some(own) = best.parameters {
+        words += &format!(
+            ", τ = {} s, β = {}, settles at {} {}",
+            concise(own.tau.0, own.tau.1),
+            concise(own.beta.0, own.beta.1),
+            concise(own.settles.0, own.settles.1),
+            unit_of(signal)
+        );
+    }
+    let most = hold.terms.rows.last()?;
+    if hold.terms.decided() == MOST_TERMS || best.form == Form::Exponentials(MOST_TERMS) {
+        let rates = || most.fit.sum.terms.iter().map(|term| 1.0 / term.rate);
+        let (least, most) = (rates().fold(f64::INFINITY, f64::min), rates().fold(0.0, f64::max));
+        words += &format!(
+            ". {MOST_TERMS} exponentials are the most that are tried: their number is no finding; the hold shows a spectrum at least as wide as from {} to {} s",
+            significant(least, 3),
+            significant(most, 3)
+        );
+    }
+    Some(words + ".")
+}
+
+fn forms_json(forms: &Forms) -> Value {
+    let row = |row: &FormFit| {
+        let estimate =
+            |(value, error): (f64, Option<f64>)| json!({"value": value, "standard_error": error});
+        json!({
+            "form": row.form.name(),
+            "numbers": row.numbers,
+            "residual_rms": row.residual_rms,
+            "held_out_rms": row.held_out_rms,
+            "time_constants_from_s": row.span.map(|span| span.0),
+            "time_constants_to_s": row.span.map(|span| span.1),
+            "settles_at": row.parameters.map(|own| estimate(own.settles)),
+            "relaxes": row.parameters.map(|own| estimate(own.relaxes)),
+            "tau_s": row.parameters.map(|own| estimate(own.tau)),
+            "beta": row.parameters.map(|own| estimate(own.beta)),
+        })
+    };
+    json!({
+        "chosen": forms.chosen.name(),
+        "rows": forms.rows.iter().map(row).collect::<Vec<_>>(),
+    })
+}
+
 /// How many holds show how many exponentials.
 fn tally(holds: &[Hold]) -> String {
     let counted = (1..=4).filter_map(|number| {
         let count = holds.iter().filter(|hold| hold.terms.decided() == number).count();
-        (count > 0).then(|| format!("{number} in {count} of {} hold(s)", holds.len()))
+        let least = if number == MOST_TERMS { " or more" } else { "" };
+        (count > 0).then(|| format!("{number}{least} in {count} of {} hold(s)", holds.len()))
     });
     let untold = holds.iter().filter(|hold| !hold.terms.best().identified).count();
     let untold = match untold {

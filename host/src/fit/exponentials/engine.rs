@@ -176,6 +176,8 @@ impl<const R: usize> Core<R> {
             iterations: refined.iterations,
             covariance,
             determined,
+            normalisation: self.options.normalisation,
+            correlated: None,
         }
     }
 

@@ -1,5 +1,6 @@
 //! What is asked of a fit and what it returns.
 
+use super::correlated::Correlated;
 use super::refine::Stop;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 use std::fmt;
@@ -228,12 +229,25 @@ pub struct Fit {
     pub(super) covariance: [[f64; MOST_PARAMETERS]; MOST_PARAMETERS],
     /// Whether each parameter has a standard error.
     pub(super) determined: [bool; MOST_PARAMETERS],
+    /// What N and the coefficients are relative to.
+    pub(super) normalisation: Normalisation,
+    /// How the residuals correlate, where the standard errors allow for it; they are those of white noise
+    /// otherwise.
+    pub correlated: Option<Correlated>,
 }
 
 impl Fit {
     /// All parameters in the order N, c0 … cn, v1 … vn.
     pub fn parameters(&self) -> impl Iterator<Item = Parameter> + use<> {
         Parameter::all(self.sum.terms.len())
+    }
+
+    /// Whether the fit explains more than a constant does, by the Bayesian information criterion.
+    #[must_use]
+    pub fn explains(&self) -> bool {
+        let samples = self.samples as f64;
+        let left = (1.0 - self.r_squared).max(f64::MIN_POSITIVE);
+        samples * left.ln() + (self.free as f64 - 1.0) * samples.ln() < 0.0
     }
 
     /// A parameter's value; none where the fit has no such term.
@@ -270,7 +284,14 @@ impl Fit {
     #[must_use]
     pub fn interval(&self, parameter: Parameter, level: f64) -> Option<(f64, f64)> {
         let value = self.value(parameter)?;
-        let half = quantile(self.degrees_of_freedom, level)? * self.standard_error(parameter)?;
+        let error = self.standard_error(parameter)?;
+        let place = parameter.place(self.sum.terms.len())?;
+        let half = match &self.correlated {
+            Some(correlated) if level > 0.0 && level < 1.0 => {
+                correlated.half(place, self.degrees_of_freedom, level)?
+            }
+            _ => quantile(self.degrees_of_freedom, level)? * error,
+        };
         Some(match parameter {
             Parameter::Rate(_) => (value * (-half / value).exp(), value * (half / value).exp()),
             _ => (value - half, value + half),

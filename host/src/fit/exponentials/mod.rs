@@ -19,6 +19,7 @@
 
 mod basis;
 mod bound;
+mod correlated;
 mod covariance;
 mod engine;
 mod error;
@@ -38,6 +39,7 @@ mod vector;
 mod words;
 
 pub use bound::Bound;
+pub use correlated::{Correlated, correlated_covariance};
 pub use error::Error;
 pub use fit::{
     ExponentialSum, Fit, MOST_TERMS, Normalisation, Note, Options, Parameter, Sign, Term,
