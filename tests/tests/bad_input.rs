@@ -366,7 +366,7 @@ fn an_import_writes_over_nothing_unasked_and_leaves_nothing_half_written() {
     std::fs::write(at("map.toml"), "palpate-map = 1\n[time]\nfrom = 1\n").unwrap();
     std::fs::write(at("out.csv"), "precious").unwrap();
     let mut args = import::Args {
-        file: at("odd.txt"),
+        files: vec![at("odd.txt")],
         map: Some(at("map.toml")),
         output: Some(at("out.csv")),
         every: None,

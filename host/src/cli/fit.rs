@@ -11,10 +11,14 @@ use crate::criticism::noise::noise_of;
 use crate::fit::choice::{Choice, Exponent};
 use crate::fit::data::Data;
 use crate::fit::hold::{self, HoldFit};
+use crate::fit::least_squares::Stop;
 use crate::fit::ranking::rank;
 use crate::fit::whole_motion::{self, MotionFit};
 use crate::fit::{elastic_law, hold::Terms};
-use crate::model::{BaseLaw, EXPONENTS_N, Family, MAX_TERMS, Model, Separation};
+use crate::model::{
+    BaseLaw, EXPONENTS_N, Elastic, Family, Gauge, Hyperelastic, Kernel, MAX_TERMS, Model, POWER,
+    Separation,
+};
 use crate::summary::{
     FitSummary, Preparation, Refit, hold_json, hold_sections, ranking_json, ranking_sections,
 };
@@ -38,11 +42,17 @@ The traces named are one data set: one specimen in one set-up. All are fitted to
 specimen still remembers from one trace to the next is carried over where the heads say when each
 began (`start_s`).
 
+`fung` takes another relaxation than exponentials (--relaxation), and all but the linear laws another
+elastic response than the power law (--elastic): for rubber at large strain, with the gauge length
+(height_mm) and mode (tension, compression, shear) in the head of every trace.
+
 Examples:
   palpate fit fung traces/                         load, hold and unload of every trace together
   palpate fit fung traces/ -o model.toml           ... and keep the model
   palpate fit fung traces/ --terms auto            let the data choose the number of exponentials
   palpate fit latency-power traces/ --exponent auto
+  palpate fit fung traces/ --relaxation power-law  a springpot beside a spring
+  palpate fit fung pulls/ --elastic gent --relaxation stretched --separation bonded
   palpate fit --all traces/                        every law, ranked on traces left out
   palpate fit fung take-*.csv --hold-only          eq. 3.4 for each hold, and their spread
   palpate fit fung step.csv --hold-only --signal relaxation_modulus_Pa
@@ -53,7 +63,7 @@ pub struct Args {
     #[arg(required = true, value_name = "LAW TRACE")]
     names: Vec<PathBuf>,
     /// Fit every law, and rank them by their error on traces left out
-    #[arg(long, conflicts_with_all = ["hold_only", "output", "segments", "exponent"])]
+    #[arg(long, conflicts_with_all = ["hold_only", "output", "segments", "exponent", "elastic", "relaxation"])]
     all: bool,
     /// Fit each hold by itself with eq. 3.4, not the whole motion
     #[arg(long)]
@@ -70,6 +80,12 @@ pub struct Args {
     /// Of latency-power: the exponent n, 1 to 9, or auto for the lowest of 1, 3, 5, 7, 9 that fits best
     #[arg(long, value_name = "N", value_parser = parse_exponent, conflicts_with = "hold_only")]
     exponent: Option<Exponent>,
+    /// Elastic response: power (of the compression), neo-hooke, mooney-rivlin, ogden or gent
+    #[arg(long, value_name = "LAW", default_value = POWER, value_parser = parse_elastic, conflicts_with = "hold_only")]
+    elastic: ElasticArg,
+    /// How fung relaxes: exponentials, power-law, stretched (exponential) or none
+    #[arg(long, value_name = "KIND", default_value = "exponentials", value_parser = parse_kernel, conflicts_with = "hold_only")]
+    relaxation: Kernel,
     /// What happens where contact breaks
     #[arg(long, value_enum, default_value = "clamp", conflicts_with = "hold_only")]
     separation: SeparationArg,
@@ -84,6 +100,9 @@ pub struct Args {
     #[command(flatten)]
     result: Output,
 }
+
+/// A law of the stretch; none for the power law.
+type ElasticArg = Option<Hyperelastic>;
 
 #[derive(Clone, Copy, ValueEnum)]
 enum SeparationArg {
@@ -113,6 +132,19 @@ fn parse_exponent(text: &str) -> Result<Exponent, String> {
     }
 }
 
+fn parse_elastic(text: &str) -> Result<ElasticArg, String> {
+    if text == POWER {
+        return Ok(None);
+    }
+    let known = || Hyperelastic::ALL.map(Hyperelastic::name).join(", ");
+    Hyperelastic::named(text).map(Some).ok_or_else(|| format!("give {POWER}, {}", known()))
+}
+
+fn parse_kernel(text: &str) -> Result<Kernel, String> {
+    let known = || Kernel::ALL.map(Kernel::name).join(", ");
+    Kernel::named(text).ok_or_else(|| format!("give one of {}", known()))
+}
+
 /// Fits and prints.
 pub fn run(args: &Args) -> Result<(), Failure> {
     if args.all {
@@ -130,8 +162,14 @@ pub fn run(args: &Args) -> Result<(), Failure> {
             family.name()
         ));
     }
-    let laws = args.choice(family).laws().map_err(Failure::input)?;
+    // What cannot be is said before a trace is read.
+    args.choice(family, Elastic::Power).laws().map_err(Failure::input)?;
     let (traces, preparation) = args.prepare.read(traces, &args.signal)?;
+    let elastic = match args.elastic {
+        None => Elastic::Power,
+        Some(law) => Elastic::Stretch(law, Gauge::of(&traces).map_err(Failure::input)?),
+    };
+    let laws = args.choice(family, elastic).laws().map_err(Failure::input)?;
     if args.hold_only {
         holds(args, &traces, &preparation)
     } else {
@@ -155,13 +193,15 @@ impl Args {
         }
     }
 
-    fn choice(&self, family: Family) -> Choice {
+    fn choice(&self, family: Family, elastic: Elastic) -> Choice {
         Choice {
             family,
             terms: self.terms,
             separation: self.separation(),
             segments: self.segments,
             exponent: self.exponent,
+            elastic,
+            kernel: self.relaxation,
         }
     }
 }
@@ -189,6 +229,16 @@ fn whole(
         held_out: &held_out,
         candidates: &candidates,
     };
+    if best.stop == Stop::NoBetter {
+        let why = data.outlier().unwrap_or_else(|| {
+            let r_squared = best.r_squared;
+            format!(
+                ": R² is {r_squared:.3}. Look at the recording (palpate plot): is {} zero off the specimen, and its sign right?",
+                args.signal
+            )
+        });
+        return Err(Failure::Input(miette::miette!("{}, and no model is written{why}", best.stop)));
+    }
     if let Some(path) = &args.output {
         summary.model().write(path).map_err(Failure::work)?;
     }

@@ -9,7 +9,7 @@ use super::{Failure, progress};
 use crate::dissertation::{EQUATION_3_5, EQUATION_3_6};
 use crate::fit::exponentials::plan::{Experiment, Plan, Recording, Wanted};
 use crate::fit::exponentials::{ExponentialSum, Normalisation, Parameter, Term};
-use crate::model::{Model, elastic_response};
+use crate::model::Model;
 use crate::summary::plan_section;
 
 /// How long and how fast to record for a wanted precision.
@@ -133,7 +133,7 @@ fn sum(args: &Args) -> Result<ExponentialSum, Failure> {
             )));
         };
         let constants = law.constants(&values);
-        let force = elastic_response(constants.p, constants.q, compression);
+        let force = constants.p * law.elastic.unit(constants.shape, compression);
         let branches = relaxation.branches.iter();
         return Ok(from_terms(force, branches.map(|branch| (branch.share, branch.rate))));
     }

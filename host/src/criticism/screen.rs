@@ -169,7 +169,9 @@ fn gram(
         let scene = data.scene(piece);
         let predicted: Vec<f64> = residual.iter().zip(piece.measured).map(|(r, y)| r + y).collect();
         let mut columns: Vec<(usize, Vec<f64>)> = derivatives;
-        let elasticity = Elasticity::at(parameters[1], &piece.motion.displacement);
+        let law = problem.chain.base;
+        let shape = law.constants(&parameters).shape;
+        let elasticity = Elasticity::at(law.elastic, shape, &piece.motion.displacement);
         let sensitivities: Vec<Vec<(usize, Vec<f64>)>> = probes
             .par_iter_mut()
             .map(|probe| {

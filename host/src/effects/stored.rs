@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::{Setting, find};
 use crate::model::{
-    Act, Applied, Chain, Expression, ExpressionError, Model, Parameter, StoredEffect,
+    Act, Applied, Chain, Expression, ExpressionError, Model, Parameter, Span, StoredEffect,
     StoredParameter,
 };
 
@@ -40,7 +40,8 @@ pub enum EffectError {
 /// When the base law or an effect of the model is not what it can be.
 pub fn chain_of(model: &Model, setting: &Setting) -> Result<(Chain, Vec<f64>), EffectError> {
     let (base, mut values) = model.law().map_err(EffectError::Base)?;
-    let mut chain = Chain::new(base);
+    let scales = &setting.scales;
+    let mut chain = Chain::new(base.over(Span::of(scales.interval, scales.set_duration)));
     for stored in &model.effects {
         let (effect, own) = applied(stored, setting)?;
         chain.effects.push(effect);

@@ -1,7 +1,7 @@
 //! Which base laws are tried: a family with its options.
 
 use super::hold::Terms;
-use crate::model::{BaseLaw, Family, MAX_TERMS, OptionError, Separation};
+use crate::model::{BaseLaw, Elastic, Family, Kernel, MAX_TERMS, OptionError, Separation};
 
 /// A family of base laws with its options.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,6 +16,10 @@ pub struct Choice {
     pub segments: Option<u32>,
     /// Exponent n of the nonlinear latency model; free where it is not given.
     pub exponent: Option<Exponent>,
+    /// The elastic response.
+    pub elastic: Elastic,
+    /// How the response relaxes.
+    pub kernel: Kernel,
 }
 
 /// The exponent n of the nonlinear latency model.
@@ -36,13 +40,13 @@ impl Choice {
     /// # Errors
     /// When the family does not have an option, or not so much of it.
     pub fn laws(&self) -> Result<Vec<BaseLaw>, OptionError> {
-        let law = |terms: usize, exponent: Option<f64>| BaseLaw {
-            segments: self.segments,
-            exponent,
-            ..BaseLaw::new(self.family, terms, self.separation)
+        let law = |terms: usize, exponent: Option<f64>| {
+            let law = BaseLaw::new(self.family, terms, self.separation);
+            let law = law.with(self.elastic, self.kernel);
+            BaseLaw { segments: self.segments, exponent, ..law }
         };
         let terms = match self.terms {
-            Terms::Auto if self.family.has_terms() => 1..=MAX_TERMS,
+            Terms::Auto if law(1, None).has_terms() => 1..=MAX_TERMS,
             Terms::Auto => 1..=1,
             Terms::Fixed(terms) => terms..=terms,
         };

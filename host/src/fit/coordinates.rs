@@ -1,10 +1,13 @@
 //! The coordinates in which a base law is searched for.
 //!
-//! They are the forces P0…Pn ≥ 0 that the branches carry at the largest compression, the exponent q, the
-//! logarithms of the rates, the power n and the force of a damper: in these, shares that are not negative
+//! They are the forces P0…Pn ≥ 0 that the branches carry at the largest compression, the shape of the
+//! elastic response (the exponent q), the logarithms of the rates, the power n, the order β of a kernel and
+//! the force of a damper: in these, shares that are not negative
 //! and sum to one are plain bounds, and the stiffness does not trade off against the exponent.
 
-use crate::model::{BaseLaw, Constants, EXPONENTS_N, Family};
+use crate::model::{
+    BaseLaw, Constants, EXPONENTS_N, Family, Kernel, POWER_ORDERS, STRETCHED_ORDERS,
+};
 
 use super::data::Data;
 
@@ -15,12 +18,14 @@ pub enum Coordinate {
     Force(usize),
     /// Force of all branches together, N, where the shares are given.
     Total,
-    /// Exponent q of the elastic response.
-    Elastic,
+    /// Shape of the elastic response: the exponent q of the power law.
+    Shape,
     /// Logarithm of the rate, 1/s, of a branch with a state of the reference compression.
     Rate(usize),
     /// Power n of the state that its rate of change follows.
     Power,
+    /// Order β of a kernel.
+    Order,
     /// Damping, N·s/mm.
     Damping,
 }
@@ -40,7 +45,7 @@ impl Coordinates {
     /// Those of this law.
     #[must_use]
     pub fn new(law: BaseLaw, reference: f64) -> Self {
-        use Coordinate::{Damping, Elastic, Force, Power, Rate, Total};
+        use Coordinate::{Damping, Force, Order, Power, Rate, Shape, Total};
         let terms = law.terms;
         let mut list = Vec::new();
         match law.family {
@@ -49,12 +54,18 @@ impl Coordinates {
             _ => {
                 match law.segments {
                     Some(_) => list.push(Total),
+                    None if law.kernel == Kernel::None => list.push(Force(0)),
                     None => list.extend((0..=terms).map(Force)),
                 }
-                if !law.family.is_linear() {
-                    list.push(Elastic);
+                if !law.family.is_linear() && law.elastic.shape_bounds(0.0, reference).is_some() {
+                    list.push(Shape);
                 }
-                list.extend((1..=terms).map(Rate));
+                match law.kernel {
+                    Kernel::Exponentials => list.extend((1..=terms).map(Rate)),
+                    Kernel::PowerLaw => list.push(Order),
+                    Kernel::Stretched => list.extend([Rate(1), Order]),
+                    Kernel::None => {}
+                }
                 if law.family == Family::LatencyPower && law.exponent.is_none() {
                     list.push(Power);
                 }
@@ -85,11 +96,12 @@ impl Coordinates {
     #[must_use]
     pub fn bounds(&self, data: &Data) -> Vec<(f64, f64)> {
         let rates = ((0.02 / data.longest()).ln(), (3.0 / data.shortest_interval()).ln());
-        let parameters = self.law.parameters();
-        let elastic = parameters.iter().find(|parameter| parameter.name == "q");
+        let shapes = self.law.elastic.shape_bounds(self.law.least_q(), self.reference);
         let bound = |coordinate: &Coordinate| match coordinate {
             Coordinate::Rate(_) => rates,
-            Coordinate::Elastic => elastic.map_or((0.0, 0.0), |q| (q.lower, q.upper)),
+            Coordinate::Shape => shapes.unwrap_or((0.0, 0.0)),
+            Coordinate::Order if self.law.kernel == Kernel::PowerLaw => POWER_ORDERS,
+            Coordinate::Order => STRETCHED_ORDERS,
             Coordinate::Power => EXPONENTS_N,
             _ => (0.0, f64::INFINITY),
         };
@@ -113,15 +125,18 @@ impl Coordinates {
                     forces[0] = equilibrium * value;
                     forces[1] = value - forces[0];
                 }
-                Coordinate::Elastic => constants.q = value,
+                Coordinate::Shape => constants.shape = value,
+                Coordinate::Order => constants.order = value,
                 Coordinate::Rate(branch) => constants.rates[branch - 1] = value.exp(),
                 Coordinate::Power => constants.exponent = value,
                 Coordinate::Damping => damping = value,
             }
         }
+        if self.law.kernel == Kernel::PowerLaw {
+            forces[1] *= self.span_middle().powf(constants.order);
+        }
         let total = forces.iter().sum::<f64>() + NO_FORCE.sqrt();
-        let grown = constants.q + 1.0;
-        constants.p = total * grown / self.reference.powf(grown);
+        constants.p = total / self.law.elastic.unit(constants.shape, self.reference);
         constants.shares = forces[1..].iter().map(|force| force / total).collect();
         constants.viscosity = damping / constants.p;
         let scale = self.reference.powf(constants.exponent - 1.0);
@@ -133,15 +148,19 @@ impl Coordinates {
     #[must_use]
     pub fn point(&self, declared: &[f64]) -> Vec<f64> {
         let constants = self.law.constants(declared);
-        let grown = constants.q + 1.0;
-        let total = constants.p / grown * self.reference.powf(grown);
+        let total = constants.p * self.law.elastic.unit(constants.shape, self.reference);
+        let later = match self.law.kernel {
+            Kernel::PowerLaw => self.span_middle().powf(-constants.order),
+            _ => 1.0,
+        };
         let equilibrium = 1.0 - constants.shares.iter().sum::<f64>();
         let scale = self.reference.powf(constants.exponent - 1.0);
         let value = |coordinate: &Coordinate| match *coordinate {
             Coordinate::Force(0) => (equilibrium * total).max(0.0),
-            Coordinate::Force(branch) => constants.shares[branch - 1] * total,
+            Coordinate::Force(branch) => constants.shares[branch - 1] * total * later,
             Coordinate::Total => total,
-            Coordinate::Elastic => constants.q,
+            Coordinate::Shape => constants.shape,
+            Coordinate::Order => constants.order,
             Coordinate::Rate(branch) => {
                 (constants.rates[branch - 1] * scale).max(f64::MIN_POSITIVE).ln()
             }
@@ -151,13 +170,21 @@ impl Coordinates {
         self.list.iter().map(value).collect()
     }
 
+    /// Time at which the force of a power law is a coordinate, s: at one second it would trade off against
+    /// the order wherever the data last much longer or shorter.
+    fn span_middle(&self) -> f64 {
+        self.law.span.middle()
+    }
+
     /// The coordinate whose bound is that of each parameter of the law; none where no bound is its own.
     #[must_use]
     pub fn bound_of_parameters(&self) -> Vec<Option<usize>> {
         let place = |wanted| self.list.iter().position(|coordinate| *coordinate == wanted);
         let branch = |name: &str| name[1..].parse().ok();
         let of = |name: &str| match name {
-            "q" => place(Coordinate::Elastic),
+            "q" | "C2A" | "alpha" | "Jm" => place(Coordinate::Shape),
+            "beta" => place(Coordinate::Order),
+            "tau" => place(Coordinate::Rate(1)),
             "n" => place(Coordinate::Power),
             "nu" => place(Coordinate::Rate(1)),
             "eta" => place(Coordinate::Damping).or_else(|| place(Coordinate::Rate(1))),
@@ -177,7 +204,7 @@ impl Coordinates {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::Separation;
+    use crate::model::{Deformation, Elastic, Gauge, Hyperelastic, Separation};
     use proptest::prelude::*;
 
     /// Every law, with its options.
@@ -192,6 +219,11 @@ mod tests {
         laws.push(BaseLaw { segments: Some(8), exponent: Some(5.0), ..latency });
         let linear = BaseLaw::new(Family::Latency, 1, Separation::Clamp);
         laws.push(BaseLaw { segments: Some(8), ..linear });
+        let fung = BaseLaw::fung(2, Separation::Clamp);
+        laws.extend(Kernel::ALL.map(|kernel| fung.with(Elastic::Power, kernel)));
+        let gauge = Gauge { length_mm: 40.0, deformation: Deformation::Tension };
+        let rubber = |law| fung.with(Elastic::Stretch(law, gauge), Kernel::PowerLaw);
+        laws.extend(Hyperelastic::ALL.map(rubber));
         laws
     }
 
@@ -218,6 +250,7 @@ mod tests {
                     .zip(&numbers)
                     .map(|(coordinate, number)| match coordinate {
                         Coordinate::Power => 1.0 + number,
+                        Coordinate::Shape | Coordinate::Order => 0.3 * number,
                         _ => *number,
                     })
                     .collect();

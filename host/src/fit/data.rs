@@ -1,7 +1,7 @@
 //! Measurements as a fit takes them: motions with the signal that answered.
 
 use crate::effects::{Scales, Setting};
-use crate::model::{Channel, Model, Motion, MotionError, Past, Scene};
+use crate::model::{Channel, Gauge, GaugeError, Model, Motion, MotionError, Past, Scene, Span};
 use crate::trace::{FORCE, GAUGES, SignalError, TANGENTIAL, TEMPERATURE, Trace, runs};
 
 use super::line::line_near;
@@ -46,6 +46,9 @@ pub struct Data<'a> {
     pub channels: Vec<&'static str>,
 }
 
+/// A value this many times what nine of ten are below stands far out.
+const FAR_OUT: f64 = 100.0;
+
 /// Samples in which a hum is looked for.
 const HEARD: usize = 200_000;
 
@@ -65,12 +68,16 @@ pub enum DataError {
     Motion(#[from] MotionError),
     #[error(transparent)]
     Signal(#[from] SignalError),
+    #[error(transparent)]
+    Gauge(#[from] GaugeError),
     #[error("no trace reaches the specimen: displacement stays at or below 0")]
     NoContact,
     #[error(
         "{signal} is negative while the specimen is pressed (mean {mean:.3e}): compression counts as positive; turn the sign with `negate = true` in `palpate import`"
     )]
     Negative { signal: String, mean: f64 },
+    #[error("the fit of {law} ends in numbers that are not finite{hint}")]
+    NotFinite { law: String, hint: String },
     #[error("{samples} samples for {parameters} parameters: record more, or fit fewer terms")]
     TooFew { samples: usize, parameters: usize },
     #[error(
@@ -189,8 +196,13 @@ impl<'a> Data<'a> {
     /// The traces of a data set as a model sees them: its signal, its reference temperature.
     ///
     /// # Errors
-    /// When a trace lacks the signal or a motion.
+    /// When a trace lacks the signal or a motion, or is of a specimen of another gauge than the model's.
     pub fn of_model(model: &Model, traces: &'a [Trace]) -> Result<Self, DataError> {
+        if let (Some(length_mm), Some(deformation)) =
+            (model.base.gauge_length_mm, model.base.deformation)
+        {
+            Gauge { length_mm, deformation }.check("the model", traces)?;
+        }
         Ok(Self::of(traces, &model.base.signal)?.with_reference(model.reference_temperature))
     }
 
@@ -320,6 +332,38 @@ impl<'a> Data<'a> {
             if least <= most { 0.5 * (least + most) } else { 0.0 }
         };
         (0..self.labels.len()).map(middle).collect()
+    }
+
+    /// The largest value in words where it stands far out of all others.
+    #[must_use]
+    pub fn outlier(&self) -> Option<String> {
+        let mut sizes: Vec<f64> =
+            self.pieces.iter().flat_map(|piece| piece.measured).map(|value| value.abs()).collect();
+        sizes.sort_by(f64::total_cmp);
+        let usual = *sizes.get(sizes.len() * 9 / 10)?;
+        let largest = *sizes.last()?;
+        if largest < FAR_OUT * usual {
+            return None;
+        }
+        self.pieces.iter().find_map(|piece| {
+            let place = piece.measured.iter().position(|value| value.abs() == largest)?;
+            Some(format!(
+                ": {} has {} = {:.3e} at {:.3} s, where nine of ten values are below {usual:.3e}: correct that row or take it out",
+                self.labels[piece.trace],
+                self.signal,
+                piece.measured[place],
+                piece.motion.time[place],
+            ))
+        })
+    }
+
+    /// Times, s, over which what the specimen remembers counts.
+    #[must_use]
+    pub fn span(&self) -> Span {
+        let end =
+            |piece: &Piece| piece.begin + piece.motion.time.last().unwrap_or(&0.0) - piece.first;
+        let end = self.pieces.iter().map(end).fold(0.0, f64::max);
+        Span::of(self.shortest_interval(), end.max(self.longest()))
     }
 
     /// Number of samples.

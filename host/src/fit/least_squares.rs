@@ -56,13 +56,15 @@ pub enum Stop {
     Iterations,
     /// The work was ended from outside.
     Ended,
+    /// What was found is no better than a constant.
+    NoBetter,
 }
 
 impl Stop {
     /// Whether a minimum was reached.
     #[must_use]
     pub fn converged(self) -> bool {
-        !matches!(self, Self::Iterations | Self::Ended)
+        !matches!(self, Self::Iterations | Self::Ended | Self::NoBetter)
     }
 }
 
@@ -74,6 +76,7 @@ impl std::fmt::Display for Stop {
             Self::Step => "converged: the steps became negligible",
             Self::Iterations => "not converged: the limit of iterations was reached",
             Self::Ended => "not converged: it was ended",
+            Self::NoBetter => "not converged: no better than a constant",
         })
     }
 }

@@ -1,11 +1,13 @@
 //! Every base law on the same data: which predicts best what it has not seen, and whose parameters are the
 //! same in every set-up (chapter 3's argument).
 
+use std::cmp::Ordering;
+
 use rayon::prelude::*;
 
 use super::data::{Data, DataError};
 use super::whole_motion::{MotionFit, fit, held_out, over_traces};
-use crate::model::{BaseLaw, Family, Separation};
+use crate::model::{BaseLaw, Elastic, Family, Gauge, Hyperelastic, Kernel, Separation};
 use crate::trace::{Kind, Noise, Trace, pooled_noise, segments};
 
 /// All laws, best first.
@@ -101,6 +103,9 @@ const ALIKE: (f64, f64) = (0.02, 0.1);
 /// Fits every law with so many exponentials where it has a choice, and ranks them by the error on traces
 /// left out in turn, for a single trace by the Bayesian information criterion.
 ///
+/// Fung's law is tried with each kernel of relaxation, with each elastic response where the heads say how
+/// long the specimen is, and with the best of both.
+///
 /// # Errors
 /// When the traces cannot be fitted.
 pub fn rank(
@@ -110,27 +115,62 @@ pub fn rank(
     separation: Separation,
 ) -> Result<Ranking, DataError> {
     let data = Data::of(traces, signal)?;
-    let laws: Vec<BaseLaw> = Family::ALL
-        .into_iter()
-        .filter(|family| separation != Separation::Bonded || family.can_be_bonded())
-        .map(|family| BaseLaw::new(family, terms, separation))
-        .collect();
     let setups = setups(traces);
     let apart = apart(traces, &setups);
-    let mut places = laws
-        .into_par_iter()
-        .map(|law| {
+    let places = |laws: Vec<BaseLaw>| {
+        let place = |law| {
             let fit = fit(law, &data)?;
             let left_out = if traces.len() > 1 { held_out(&fit, &data) } else { Vec::new() };
             let held_out = over_traces(&left_out, &data);
             Ok(Place { spreads: between(law, &apart, signal)?, fit, held_out })
-        })
-        .collect::<Result<Vec<_>, DataError>>()?;
-    places.sort_by(|a, b| match (a.held_out, b.held_out) {
+        };
+        laws.into_par_iter().map(place).collect::<Result<Vec<_>, DataError>>()
+    };
+    let mut places_found = places(laws(traces, terms, separation))?;
+    places_found.sort_by(better);
+    if let Some(law) = combined(&places_found) {
+        places_found.extend(places(vec![law])?);
+        places_found.sort_by(better);
+    }
+    Ok(Ranking { places: places_found, setups, noise: pooled_noise(traces, signal) })
+}
+
+/// Every family; Fung's law with every kernel, and with every elastic response.
+fn laws(traces: &[Trace], terms: usize, separation: Separation) -> Vec<BaseLaw> {
+    let families = Family::ALL
+        .into_iter()
+        .filter(|family| separation != Separation::Bonded || family.can_be_bonded())
+        .map(|family| BaseLaw::new(family, terms, separation));
+    let fung = BaseLaw::fung(terms, separation);
+    let kernels = Kernel::ALL.into_iter().filter(|kernel| *kernel != Kernel::Exponentials);
+    let kernels = kernels.map(|kernel| fung.with(Elastic::Power, kernel));
+    let gauge = Gauge::of(traces).ok();
+    let stretched = |law| gauge.map(|gauge| Elastic::Stretch(law, gauge));
+    let elastic = Hyperelastic::ALL.into_iter().filter_map(stretched);
+    let elastic = elastic.map(|elastic| fung.with(elastic, Kernel::Exponentials));
+    families.chain(kernels).chain(elastic).filter(|law| law.check().is_ok()).collect()
+}
+
+/// Fung's law with the best elastic response and the best kernel, where each by itself is better than the
+/// law as it is.
+fn combined(places: &[Place]) -> Option<BaseLaw> {
+    let better: Vec<BaseLaw> = places
+        .iter()
+        .map(|place| place.fit.chain.base)
+        .filter(|law| law.family == Family::Fung)
+        .take_while(|law| (law.elastic, law.kernel) != (Elastic::Power, Kernel::Exponentials))
+        .collect();
+    let elastic = better.iter().find(|law| law.elastic != Elastic::Power)?;
+    let kernel = better.iter().find(|law| law.kernel != Kernel::Exponentials)?;
+    Some(elastic.with(elastic.elastic, kernel.kernel))
+}
+
+/// By the error on traces left out, else by the information criterion.
+fn better(a: &Place, b: &Place) -> Ordering {
+    match (a.held_out, b.held_out) {
         (Some(a), Some(b)) => a.total_cmp(&b),
         _ => a.fit.bic().total_cmp(&b.fit.bic()),
-    });
-    Ok(Ranking { places, setups, noise: pooled_noise(traces, signal) })
+    }
 }
 
 /// How the parameters of a law move between the set-ups among these traces; empty for a single set-up.

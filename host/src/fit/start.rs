@@ -1,25 +1,27 @@
 //! A start for the fit of a whole motion, so that nobody is asked for one.
 //!
-//! For a given exponent q and given rates the law is linear in the force that each branch carries.
-//! So q and the rates go over a grid, the branch forces come from linear least squares, and the best
-//! few distinct starts are handed on. The other laws start from what Fung's law makes of the data.
+//! For a given shape of the elastic response (the exponent q) and given rates the law is linear in the
+//! force that each branch carries. So shape and rates go over a grid, the branch forces come from linear
+//! least squares, and the best few distinct starts are handed on. The other laws start from what Fung's
+//! law makes of the data; a kernel that is no sum of exponentials goes over a grid of its own.
 
 use nalgebra::{DMatrix, DVector};
 
 use super::data::Data;
-use crate::model::{BaseLaw, Constants, Family, Memory, Relaxation, elastic_response};
+use crate::model::{BaseLaw, Branch, Constants, Elastic, Family, Kernel, Memory, Relaxation, Span};
 
-/// A start: exponent q, rates (1/s, fast to slow), and branch forces (the equilibrium first) at the
-/// reference compression.
+/// A start: shape of the elastic response, rates (1/s, fast to slow) and order of the kernel, and branch
+/// forces (the equilibrium first) at the reference compression.
 #[derive(Clone, Debug, PartialEq)]
 struct Start {
-    q: f64,
+    shape: f64,
     rates: Vec<f64>,
+    order: f64,
     forces: Vec<f64>,
     cost: f64,
 }
 
-/// Most starts from different exponents q.
+/// Most starts from different shapes.
 const MOST: usize = 3;
 /// Powers n of the nonlinear latency model that are tried.
 const POWERS: [f64; 4] = [1.2, 2.0, 3.0, 5.0];
@@ -30,10 +32,9 @@ const LATENT: [f64; 2] = [0.5, 0.15];
 /// Parameters of the law to start from, the best first.
 pub fn starts(law: &BaseLaw, data: &Data) -> Vec<Vec<f64>> {
     let reference = data.largest_compression();
-    let exponents: &[f64] = if law.family.is_linear() { &[0.0] } else { &EXPONENTS };
-    let mut found = linear_starts(data, law.terms, exponents, reference);
+    let mut found = linear_starts(law, data, reference);
     found.truncate(MOST);
-    let constants = |start: &Start| start.constants(reference);
+    let constants = |start: &Start| start.constants(law.elastic, reference);
     match law.family {
         Family::KelvinVoigt => vec![damped(data, reference)],
         // The spring of the equilibrium is not there: the branch carries all.
@@ -79,29 +80,75 @@ fn damped(data: &Data, reference: f64) -> Vec<f64> {
 
 impl Start {
     /// What all laws share of it.
-    fn constants(&self, reference: f64) -> Constants {
+    fn constants(&self, elastic: Elastic, reference: f64) -> Constants {
         let total: f64 = self.forces.iter().sum();
-        let p = total * (self.q + 1.0) / reference.powf(self.q + 1.0);
+        let p = total / elastic.unit(self.shape, reference);
         Constants {
             shares: self.forces[1..].iter().map(|force| force / total).collect(),
             rates: self.rates.clone(),
-            ..Constants::new(p, self.q)
+            order: self.order,
+            ..Constants::new(p, self.shape)
         }
     }
 }
 
-const EXPONENTS: [f64; 7] = [0.0, 0.3, 0.6, 1.0, 1.5, 2.2, 3.0];
 const RATES: usize = 16;
 
-/// The best start of Fung's law for each exponent q, best first.
-fn linear_starts(data: &Data, terms: usize, exponents: &[f64], reference: f64) -> Vec<Start> {
+/// The best start of Fung's law for each shape of the elastic response, best first.
+fn linear_starts(law: &BaseLaw, data: &Data, reference: f64) -> Vec<Start> {
     let rates = rate_grid(data);
-    let mut found: Vec<Start> = exponents
-        .iter()
-        .filter_map(|&q| best_rates(&Gram::of(data, q, &rates, reference), q, &rates, terms))
-        .collect();
+    let shapes = if law.family.is_linear() { vec![0.0] } else { law.elastic.shapes(reference) };
+    let best = |&shape: &f64| {
+        let gram = Gram::of(data, (law.elastic, shape), &rates, reference);
+        match law.kernel {
+            Kernel::Exponentials => best_rates(&gram, shape, &rates, law.terms),
+            kernel => best_kernel(&gram, shape, &rates, (kernel, law.span)),
+        }
+    };
+    let mut found: Vec<Start> = shapes.iter().filter_map(best).collect();
     found.sort_by(|a, b| a.cost.total_cmp(&b.cost));
     found
+}
+
+/// Orders β that are tried.
+const ORDERS: [f64; 5] = [0.08, 0.2, 0.35, 0.5, 0.75];
+
+/// The best order, and rate where it has one, of a kernel.
+fn best_kernel(
+    gram: &Gram,
+    shape: f64,
+    rates: &[f64],
+    (kernel, span): (Kernel, Span),
+) -> Option<Start> {
+    if kernel == Kernel::None {
+        let (forces, cost) = gram.solve(&[0])?;
+        return Some(Start { shape, rates: Vec::new(), order: 1.0, forces, cost });
+    }
+    let own_rates = if kernel == Kernel::Stretched { rates } else { &[1.0] };
+    let mut best: Option<Start> = None;
+    for &rate in own_rates {
+        for order in ORDERS {
+            let shares = on_grid(&kernel.spectrum(rate, order, span).branches, rates);
+            let Some((forces, cost)) = gram.combined(&shares).solve(&[0, 1]) else { continue };
+            if forces.iter().sum::<f64>() > 0.0 && best.as_ref().is_none_or(|b| cost < b.cost) {
+                let rates = if kernel == Kernel::Stretched { vec![rate] } else { Vec::new() };
+                best = Some(Start { shape, rates, order, forces, cost });
+            }
+        }
+    }
+    best
+}
+
+/// Shares of a standing part and of each rate of a falling grid that together come near these branches:
+/// each goes to the rate next to its own, what is too fast for the grid is left out.
+fn on_grid(branches: &[Branch], rates: &[f64]) -> DVector<f64> {
+    let ratio = (rates[0] / rates[1]).sqrt();
+    let mut shares = DVector::zeros(rates.len() + 1);
+    for branch in branches.iter().filter(|branch| branch.rate < rates[0] * ratio) {
+        let place = rates.iter().position(|rate| branch.rate > rate / ratio);
+        shares[place.map_or(0, |place| place + 1)] += branch.share;
+    }
+    shares
 }
 
 /// Rates from slower than the longest stretch to as fast as the sampling shows, 1/s, falling.
@@ -120,14 +167,14 @@ struct Gram {
 }
 
 impl Gram {
-    fn of(data: &Data, q: f64, rates: &[f64], reference: f64) -> Self {
+    fn of(data: &Data, (elastic, shape): (Elastic, f64), rates: &[f64], reference: f64) -> Self {
         let size = rates.len() + 1;
         let mut gram = Self {
             products: DMatrix::zeros(size, size),
             measured: DVector::zeros(size),
             total: 0.0,
         };
-        let p = (q + 1.0) / reference.powf(q + 1.0);
+        let p = 1.0 / elastic.unit(shape, reference);
         // Each branch by itself: a relaxation function whose whole response decays at its rate.
         let alone: Vec<Relaxation> =
             rates.iter().map(|&rate| Relaxation::new(&[1.0], &[rate])).collect();
@@ -138,7 +185,7 @@ impl Gram {
             let samples =
                 piece.motion.time.iter().zip(piece.motion.displacement.iter()).zip(piece.measured);
             for ((&time, &x), &y) in samples {
-                row[0] = elastic_response(p, q, x);
+                row[0] = p * elastic.unit(shape, x);
                 for (k, (memory, relaxation)) in memories.iter_mut().zip(&alone).enumerate() {
                     row[k + 1] = if time > before {
                         memory.step(relaxation, row[0], time - before)
@@ -155,6 +202,18 @@ impl Gram {
             }
         }
         gram
+    }
+
+    /// The same for the elastic response and one answer that is made of these parts of all.
+    fn combined(&self, shares: &DVector<f64>) -> Self {
+        let all = &self.products * shares;
+        let products = DMatrix::from_row_slice(
+            2,
+            2,
+            &[self.products[(0, 0)], all[0], all[0], shares.dot(&all)],
+        );
+        let measured = DVector::from_vec(vec![self.measured[0], shares.dot(&self.measured)]);
+        Self { products, measured, total: self.total }
     }
 
     /// Nonnegative forces of the branches `chosen`, and the sum of squares they leave.
@@ -183,7 +242,7 @@ impl Gram {
     }
 }
 
-fn best_rates(gram: &Gram, q: f64, rates: &[f64], terms: usize) -> Option<Start> {
+fn best_rates(gram: &Gram, shape: f64, rates: &[f64], terms: usize) -> Option<Start> {
     let mut best: Option<Start> = None;
     let mut chosen: Vec<usize> = (0..=terms).collect();
     loop {
@@ -191,7 +250,7 @@ fn best_rates(gram: &Gram, q: f64, rates: &[f64], terms: usize) -> Option<Start>
             && best.as_ref().is_none_or(|best| cost < best.cost)
         {
             let rates = chosen[1..].iter().map(|&k| rates[k - 1]).collect();
-            best = Some(Start { q, rates, forces, cost });
+            best = Some(Start { shape, rates, order: 1.0, forces, cost });
         }
         if !next_combination(&mut chosen[1..], rates.len()) {
             return best;

@@ -3,6 +3,7 @@
 use std::fmt;
 
 use super::data::Data;
+use super::least_squares::Stop;
 use super::whole_motion::MotionFit;
 use crate::trace::{Noise, units};
 
@@ -12,6 +13,8 @@ use crate::trace::{Noise, units};
 pub enum Warning {
     /// The search ended before a minimum.
     NotConverged { iterations: usize },
+    /// The law explains no more than a constant does; with the sample that may be why.
+    NoBetter { r_squared: f64, outlier: String },
     /// A parameter sits on a bound.
     AtBound { parameter: String, value: f64 },
     /// A parameter can move without changing the prediction.
@@ -40,6 +43,10 @@ impl fmt::Display for Warning {
             Self::NotConverged { iterations } => write!(
                 f,
                 "no minimum was reached in {iterations} steps: do not use these values; fit fewer terms or more data"
+            ),
+            Self::NoBetter { r_squared, outlier } => write!(
+                f,
+                "the law explains no more than a constant does (R² {r_squared:.3}): do not use these values{outlier}"
             ),
             Self::AtBound { parameter, value } => write!(
                 f,
@@ -102,7 +109,10 @@ const RESTING: f64 = 0.1;
 #[must_use]
 pub fn warnings(fit: &MotionFit, data: &Data, noise: Option<&Noise>) -> Vec<Warning> {
     let mut found = Vec::new();
-    if !fit.stop.converged() {
+    if fit.stop == Stop::NoBetter {
+        let (r_squared, outlier) = (fit.r_squared, data.outlier().unwrap_or_default());
+        found.push(Warning::NoBetter { r_squared, outlier });
+    } else if !fit.stop.converged() {
         found.push(Warning::NotConverged { iterations: fit.iterations });
     }
     found.extend(data.left_out.iter().cloned().map(|what| Warning::LeftOut { what }));

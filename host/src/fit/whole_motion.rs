@@ -87,8 +87,16 @@ impl MotionFit {
 /// # Errors
 /// When there are fewer samples than parameters, or no stretch of the data holds the specimen.
 pub fn fit(law: BaseLaw, data: &Data) -> Result<MotionFit, DataError> {
+    let law = law.over(data.span());
     let chain = Chain::new(law);
     check_size(&chain, data)?;
+    let not_finite = || {
+        let (law, hint) = (law.in_words(), data.outlier().unwrap_or_default());
+        DataError::NotFinite { law, hint }
+    };
+    if !scatter(data).is_finite() {
+        return Err(not_finite());
+    }
     let white = Whitening::none();
     let problem = Problem::new(&chain, data, &white, None);
     // Several starts: the sum of squares may have more than one minimum in the exponents and the rates.
@@ -110,7 +118,18 @@ pub fn fit(law: BaseLaw, data: &Data) -> Result<MotionFit, DataError> {
         })
         .min_by(|a, b| a.normal.cost.total_cmp(&b.normal.cost))
         .ok_or(DataError::NothingLeft)?;
-    Ok(describe(&problem, data, &best))
+    let mut fit = describe(&problem, data, &best);
+    let finite = fit.cost.is_finite() && fit.values.iter().all(|value| value.is_finite());
+    if !finite || !fit.r_squared.is_finite() {
+        return Err(not_finite());
+    }
+    // By the information criterion: a single sample that outweighs all others leaves R² just above 0.
+    let samples = fit.samples as f64;
+    let left = (1.0 - fit.r_squared).max(f64::MIN_POSITIVE);
+    if samples * left.ln() + (fit.values.len() as f64 - 1.0) * samples.ln() >= 0.0 {
+        fit.stop = Stop::NoBetter;
+    }
+    Ok(fit)
 }
 
 /// Fits a chain to the data from these parameters.

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::act::{Act, Remembered, Stage};
 use super::hereditary::HereditaryState;
-use super::{BaseLaw, Parameter, Scene, elastic_response};
+use super::{BaseLaw, Elastic, Parameter, Scene};
 
 /// An effect in a model: its name, the law chosen for it, its parameters and how it acts.
 #[derive(Clone, Debug)]
@@ -49,23 +49,30 @@ pub struct Elasticity(Arc<Unit>);
 
 #[derive(Debug, Default)]
 struct Unit {
-    exponent: f64,
+    elastic: Elastic,
+    shape: f64,
     x: Vec<f64>,
     response: Vec<f64>,
 }
 
 impl Elasticity {
-    /// For the exponent q at these compressions x, mm.
+    /// That of this shape at these displacements x, mm.
     #[must_use]
-    pub fn at(q: f64, x: &[f64]) -> Self {
-        let response = x.iter().map(|&x| elastic_response(1.0, q, x)).collect();
-        Self(Arc::new(Unit { exponent: q, x: x.to_vec(), response }))
+    pub fn at(elastic: Elastic, shape: f64, x: &[f64]) -> Self {
+        let response = x.iter().map(|&x| elastic.unit(shape, x)).collect();
+        Self(Arc::new(Unit { elastic, shape, x: x.to_vec(), response }))
     }
 
-    /// Elastic response N, N, at each compression x, mm.
-    pub(super) fn response(&mut self, p: f64, q: f64, x: &[f64]) -> Vec<f64> {
-        if self.0.exponent.to_bits() != q.to_bits() || self.0.x != x {
-            *self = Self::at(q, x);
+    /// Elastic response N, N, of this stiffness and shape at each displacement x, mm.
+    pub(super) fn response(
+        &mut self,
+        elastic: Elastic,
+        (p, shape): (f64, f64),
+        x: &[f64],
+    ) -> Vec<f64> {
+        let same = self.0.shape.to_bits() == shape.to_bits() && self.0.elastic == elastic;
+        if !same || self.0.x != x {
+            *self = Self::at(elastic, shape, x);
         }
         self.0.response.iter().map(|unit| p * unit).collect()
     }

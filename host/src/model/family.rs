@@ -97,6 +97,12 @@ impl Family {
         matches!(self, Self::KelvinVoigt | Self::Maxwell | Self::GeneralizedMaxwell)
     }
 
+    /// Whether the response can relax by another kernel than exponentials.
+    #[must_use]
+    pub const fn has_kernel(self) -> bool {
+        matches!(self, Self::Fung)
+    }
+
     /// Whether it can pull: a law that is stated for a compressed specimen alone cannot be bonded.
     #[must_use]
     pub const fn can_be_bonded(self) -> bool {

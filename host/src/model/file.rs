@@ -6,7 +6,10 @@ use std::path::{Path, PathBuf};
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 
-use super::{BaseLaw, Family, Parameter, Separation, Stage};
+use super::{
+    BaseLaw, Deformation, Elastic, Family, Gauge, Hyperelastic, Kernel, POWER, Parameter,
+    Separation, Stage,
+};
 use crate::files::write_whole;
 
 /// Major version of the model file that this program reads and writes.
@@ -58,6 +61,18 @@ pub struct Base {
     /// Exponent n of the nonlinear latency model, where given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub exponent: Option<f64>,
+    /// Elastic response; the power law where absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub elastic: Option<String>,
+    /// Gauge length of the specimen, mm, for a law of the stretch.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gauge_length_mm: Option<f64>,
+    /// How the specimen is deformed, for a law of the stretch.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub deformation: Option<Deformation>,
+    /// How the response relaxes; exponentials where absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub relaxation: Option<String>,
     /// Parameters by name.
     pub parameters: IndexMap<String, StoredParameter>,
 }
@@ -114,10 +129,11 @@ impl Base {
             let known = Family::ALL.map(Family::name).join(", ");
             format!("unknown law `{name}`; known: {known}")
         })?;
+        let (elastic, kernel) = (self.elastic()?, self.kernel()?);
         // One of these stands for each exponential or branch.
         let each = if family == Family::GeneralizedMaxwell { "eta" } else { "c" };
         let terms = self.parameters.keys().filter(|name| name.starts_with(each)).count();
-        if family.has_terms() && terms == 0 {
+        if family.has_terms() && kernel == Kernel::Exponentials && terms == 0 {
             return Err(format!("`{name}` lacks {each}1, of its first exponential or branch"));
         }
         let law = BaseLaw {
@@ -125,8 +141,35 @@ impl Base {
             exponent: self.exponent,
             ..BaseLaw::new(family, terms, self.separation)
         };
+        let law = law.with(elastic, kernel);
         law.check().map_err(|error| error.to_string())?;
         Ok(law)
+    }
+
+    fn elastic(&self) -> Result<Elastic, String> {
+        let name = match self.elastic.as_deref() {
+            None | Some(POWER) => return Ok(Elastic::Power),
+            Some(name) => name,
+        };
+        let law = Hyperelastic::named(name).ok_or_else(|| {
+            let known = Hyperelastic::ALL.map(Hyperelastic::name).join(", ");
+            format!("unknown elastic response `{name}`; known: {POWER}, {known}")
+        })?;
+        let missing = |key: &str| format!("`{name}` needs {key} in [base]");
+        let length_mm = self.gauge_length_mm.ok_or_else(|| missing("gauge_length_mm"))?;
+        let deformation = self.deformation.ok_or_else(|| missing("deformation"))?;
+        if !(length_mm > 0.0 && length_mm.is_finite()) {
+            return Err(format!("gauge_length_mm = {length_mm}, a length is above 0"));
+        }
+        Ok(Elastic::Stretch(law, Gauge { length_mm, deformation }))
+    }
+
+    fn kernel(&self) -> Result<Kernel, String> {
+        let Some(name) = self.relaxation.as_deref() else { return Ok(Kernel::default()) };
+        Kernel::named(name).ok_or_else(|| {
+            let known = Kernel::ALL.map(Kernel::name).join(", ");
+            format!("unknown relaxation `{name}`; known: {known}")
+        })
     }
 }
 
@@ -216,6 +259,9 @@ impl Model {
             }
         }
         let model: Self = toml::from_str(&text).map_err(not_toml)?;
+        if let Some(what) = model.not_finite() {
+            return Err(content(format!("{what} is not a finite number")));
+        }
         model.law().map_err(content)?;
         Ok(model)
     }
@@ -223,14 +269,42 @@ impl Model {
     /// Writes the model file, whole or not at all.
     ///
     /// # Errors
-    /// When the file cannot be written.
+    /// When the file cannot be written, or a number of the model is not finite.
     pub fn write(&self, path: &Path) -> Result<(), FileError> {
+        if let Some(what) = self.not_finite() {
+            let problem = format!("{what} is not a finite number: the model is not written");
+            return Err(FileError::Content { path: path.into(), problem });
+        }
         let text = toml::to_string(self).map_err(|error| FileError::Content {
             path: path.into(),
             problem: error.to_string(),
         })?;
         write_whole(path, |file| file.write_all(text.as_bytes()))
             .map_err(|source| FileError::Io { path: path.into(), source })
+    }
+
+    /// The first number that is not finite, by its name.
+    fn not_finite(&self) -> Option<String> {
+        let own = |(name, stored): (&String, &StoredParameter)| {
+            let numbers = [Some(stored.value), stored.standard_error, stored.lower, stored.upper];
+            numbers.into_iter().flatten().any(|number| !number.is_finite()).then(|| name.clone())
+        };
+        let effects = self.effects.iter().chain(&self.candidates);
+        let parameters =
+            self.base.parameters.iter().chain(effects.flat_map(|effect| &effect.parameters));
+        let fit = self.fit.iter().flat_map(|fit| {
+            [
+                ("residual_rms", Some(fit.residual_rms)),
+                ("noise_rms", fit.noise_rms),
+                ("r_squared", Some(fit.r_squared)),
+            ]
+        });
+        let ladder = self.ladder.iter().flat_map(|rung| {
+            [("fitted_rms", Some(rung.fitted_rms)), ("heldout_rms", rung.heldout_rms)]
+        });
+        let bad = |(_, number): &(&str, Option<f64>)| number.is_some_and(|n| !n.is_finite());
+        let number = fit.chain(ladder).find(bad).map(|(name, _)| name.to_owned());
+        parameters.filter_map(own).next().or(number)
     }
 
     /// A model of the law with these values, in the order of [`BaseLaw::parameters`].
@@ -253,6 +327,10 @@ impl Model {
             separation: law.separation,
             segments: law.segments,
             exponent: law.exponent,
+            elastic: law.elastic.gauge().map(|_| law.elastic.name().into()),
+            gauge_length_mm: law.elastic.gauge().map(|gauge| gauge.length_mm),
+            deformation: law.elastic.gauge().map(|gauge| gauge.deformation),
+            relaxation: (law.kernel != Kernel::default()).then(|| law.kernel.name().into()),
             parameters,
         };
         Self {
@@ -318,6 +396,46 @@ mod tests {
         let (law, values) = example().law().unwrap();
         assert_eq!((law.terms, law.separation), (2, Separation::Free));
         assert_eq!(values, [0.07, 0.9, 0.25, 0.26, 4.0, 0.5]);
+    }
+
+    #[test]
+    fn a_number_that_is_not_finite_is_never_written() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("model.toml");
+        for spoil in [
+            (|model: &mut Model| model.base.parameters["p"].value = f64::INFINITY)
+                as fn(&mut Model),
+            |model| model.base.parameters["q"].standard_error = Some(f64::NAN),
+            |model| model.ladder[0].fitted_rms = f64::NAN,
+        ] {
+            let mut model = example();
+            spoil(&mut model);
+            let error = model.write(&path).unwrap_err().to_string();
+            assert!(error.contains("not a finite number"), "{error}");
+            assert!(!path.exists());
+        }
+    }
+
+    #[test]
+    fn elastic_response_and_relaxation_come_back_as_they_were_written() {
+        let gauge = Gauge { length_mm: 33.0, deformation: Deformation::Tension };
+        let elastic = Elastic::Stretch(Hyperelastic::Gent, gauge);
+        let law = BaseLaw::fung(2, Separation::Bonded).with(elastic, Kernel::Stretched);
+        let values = [3.0, 50.0, 0.4, 2.5, 0.3];
+        let model = Model::of(&law, "force_N", &values, &[None; 5]);
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("model.toml");
+        model.write(&path).unwrap();
+        assert_eq!(Model::read(&path).unwrap().law().unwrap(), (law, values.to_vec()));
+        let refusal = |from: &str, to: &str| {
+            let written = toml::to_string(&model).unwrap();
+            assert!(written.contains(from), "{written}");
+            std::fs::write(&path, written.replacen(from, to, 1)).unwrap();
+            Model::read(&path).unwrap_err().to_string()
+        };
+        assert!(refusal("gauge_length_mm = 33.0\n", "").contains("needs gauge_length_mm"));
+        assert!(refusal("\"gent\"", "\"gant\"").contains("unknown elastic response `gant`"));
+        assert!(refusal("\"stretched\"", "\"bent\"").contains("unknown relaxation `bent`"));
     }
 
     #[test]

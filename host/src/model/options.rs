@@ -1,6 +1,8 @@
 //! Which options a base law can have.
 
-use super::{BaseLaw, EXPONENTS_N, Family, MAX_TERMS, Separation};
+use super::{
+    BaseLaw, Deformation, EXPONENTS_N, Elastic, Family, Hyperelastic, Kernel, MAX_TERMS, Separation,
+};
 
 /// Why there is no base law with these options.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -18,6 +20,12 @@ pub enum OptionError {
     NoExponent(&'static str),
     #[error("`latency-power` takes an exponent from {} to {}, not {exponent}", EXPONENTS_N.0, EXPONENTS_N.1)]
     Exponent { exponent: f64 },
+    #[error("relaxation by `{kernel}` is for `fung`, not for `{law}`")]
+    NoKernel { law: &'static str, kernel: &'static str },
+    #[error("the force of `{law}` is proportional to the displacement: it takes no `{elastic}`")]
+    NoElastic { law: &'static str, elastic: &'static str },
+    #[error("in shear `mooney-rivlin` has the force of `neo-hooke`: take that")]
+    SameInShear,
 }
 
 impl BaseLaw {
@@ -32,6 +40,17 @@ impl BaseLaw {
         }
         if self.separation == Separation::Bonded && !family.can_be_bonded() {
             return Err(OptionError::Bonded(law));
+        }
+        if self.kernel != Kernel::Exponentials && !family.has_kernel() {
+            return Err(OptionError::NoKernel { law, kernel: self.kernel.name() });
+        }
+        if let Elastic::Stretch(elastic, gauge) = self.elastic {
+            if family.is_linear() {
+                return Err(OptionError::NoElastic { law, elastic: elastic.name() });
+            }
+            if elastic == Hyperelastic::MooneyRivlin && gauge.deformation == Deformation::Shear {
+                return Err(OptionError::SameInShear);
+            }
         }
         if let Some(segments) = self.segments {
             if !family.has_segments() {
@@ -70,6 +89,14 @@ mod tests {
         ] {
             assert_eq!(good.check(), Ok(()));
         }
+        use crate::model::Gauge;
+        let rubber =
+            |kind, deformation| Elastic::Stretch(kind, Gauge { length_mm: 10.0, deformation });
+        let fung = |elastic| law(Family::Fung).with(elastic, Kernel::PowerLaw);
+        let stretched = |family| law(family).with(Elastic::Power, Kernel::Stretched);
+        let pulled = rubber(Hyperelastic::MooneyRivlin, Deformation::Tension);
+        let sheared = rubber(Hyperelastic::MooneyRivlin, Deformation::Shear);
+        assert_eq!(fung(pulled).check(), Ok(()));
         let bonded = BaseLaw { separation: Separation::Bonded, ..law(Family::Creep) };
         for (bad, words) in [
             (BaseLaw::new(Family::Fung, 0, Separation::Clamp), "1 to 4"),
@@ -80,6 +107,9 @@ mod tests {
             (powered(Family::Latency, 3.0), "not for `latency`"),
             (powered(Family::LatencyPower, 9.5), "from 1 to 9, not 9.5"),
             (powered(Family::LatencyPower, f64::NAN), "not NaN"),
+            (stretched(Family::Latency), "`stretched` is for `fung`"),
+            (BaseLaw { elastic: pulled, ..law(Family::Maxwell) }, "no `mooney-rivlin`"),
+            (fung(sheared), "neo-hooke"),
         ] {
             let said = bad.check().unwrap_err().to_string();
             assert!(said.contains(words), "{said}");

@@ -1,7 +1,9 @@
 //! From the compression to the force: an elastic response and a memory, in the order of the law's form.
 
+use std::borrow::Cow;
+
 use super::hereditary::{Hereditary, HereditaryState};
-use super::{Elasticity, Separation, elastic_response};
+use super::{Elastic, Elasticity, Separation};
 
 /// What the memory of a law acts on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,10 +21,12 @@ pub enum Form {
 pub struct Response {
     /// What the memory acts on.
     pub form: Form,
-    /// Stiffness p of the elastic response, N/mm^(q+1).
+    /// The elastic response.
+    pub elastic: Elastic,
+    /// Its stiffness p.
     pub p: f64,
-    /// Exponent q of the elastic response.
-    pub q: f64,
+    /// Its shape: the exponent q of the power law.
+    pub shape: f64,
     /// The memory.
     pub hereditary: Hereditary,
 }
@@ -45,16 +49,18 @@ impl Response {
 
     /// One sample: what goes into the memory, and what its answer means.
     fn sample(&self, x: f64, memory: impl FnOnce(f64) -> f64) -> f64 {
-        let elastic = |x| elastic_response(self.p, self.q, x);
+        let bonded = self.hereditary.separation == Separation::Bonded;
+        let x = if bonded { x } else { x.max(0.0) };
+        let elastic = |x| self.p * self.elastic.unit(self.shape, x);
         let force = match self.form {
             Form::Force => memory(elastic(x)),
             Form::Strain => {
-                let strain = memory(x.max(0.0));
-                if x > TOUCHING { elastic(x) / x * strain } else { 0.0 }
+                let strain = memory(x);
+                if x.abs() > TOUCHING { elastic(x) / x * strain } else { 0.0 }
             }
-            Form::Compression => elastic(memory(x.max(0.0))),
+            Form::Compression => elastic(memory(x)),
         };
-        if self.hereditary.separation == Separation::Bonded { force } else { force.max(0.0) }
+        if bonded { force } else { force.max(0.0) }
     }
 
     /// Compression, mm, at which a sudden press of a specimen at rest gives this force, N.
@@ -88,27 +94,33 @@ impl Response {
         mut change: impl FnMut(&[f64], &mut [f64]),
         force: &mut Vec<f64>,
     ) {
+        // What is not bonded carries nothing off the specimen; the power law does not there anyway.
         let bonded = self.hereditary.separation == Separation::Bonded;
-        let pressed = || x.iter().map(|&x| if bonded { x } else { x.max(0.0) }).collect::<Vec<_>>();
+        let x: Cow<[f64]> = if bonded || (self.form, self.elastic) == (Form::Force, Elastic::Power)
+        {
+            x.into()
+        } else {
+            x.iter().map(|x| x.max(0.0)).collect()
+        };
+        let mut respond = |x: &[f64]| elasticity.response(self.elastic, (self.p, self.shape), x);
         match self.form {
             Form::Force => {
-                let mut elastic = elasticity.response(self.p, self.q, x);
-                change(x, &mut elastic);
+                let mut elastic = respond(&x);
+                change(&x, &mut elastic);
                 self.hereditary.run(time, &elastic, rest, state, force);
             }
             Form::Strain => {
-                let mut elastic = elasticity.response(self.p, self.q, x);
-                change(x, &mut elastic);
-                let pressed = pressed();
-                self.hereditary.run(time, &pressed, rest, state, force);
-                for ((strain, elastic), x) in force.iter_mut().zip(&elastic).zip(&pressed) {
-                    *strain *= if *x > TOUCHING { elastic / x } else { 0.0 };
+                let mut elastic = respond(&x);
+                change(&x, &mut elastic);
+                self.hereditary.run(time, &x, rest, state, force);
+                for ((strain, elastic), x) in force.iter_mut().zip(&elastic).zip(&*x) {
+                    *strain *= if x.abs() > TOUCHING { elastic / x } else { 0.0 };
                 }
             }
             Form::Compression => {
                 let mut settled = Vec::new();
-                self.hereditary.run(time, &pressed(), rest, state, &mut settled);
-                *force = elasticity.response(self.p, self.q, &settled);
+                self.hereditary.run(time, &x, rest, state, &mut settled);
+                *force = respond(&settled);
                 change(&settled, force);
             }
         }

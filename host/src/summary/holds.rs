@@ -149,10 +149,11 @@ pub(super) fn coefficient_table(fits: &[HoldFit], signal: &str) -> Table {
 }
 
 /// What the standard errors allow for.
-fn errors_in_words<'a>(fits: impl Iterator<Item = &'a Fit> + Clone) -> String {
-    let correlated = || fits.clone().filter_map(|fit| fit.correlated.as_ref());
-    let most = |value: fn(&Correlated) -> f64| correlated().map(value).fold(0.0, f64::max);
-    if correlated().next().is_none() {
+fn errors_in_words<'a>(fits: impl Iterator<Item = &'a Fit>) -> String {
+    let correlated: Vec<&Correlated> = fits.filter_map(|fit| fit.correlated.as_ref()).collect();
+    let most =
+        |value: fn(&Correlated) -> f64| correlated.iter().map(|it| value(it)).fold(0.0, f64::max);
+    if correlated.is_empty() {
         return "The standard errors are those of white noise.".into();
     }
     format!(

@@ -69,11 +69,11 @@ fn places_table(ranking: &Ranking, signal: &str) -> Table {
         Some(noise) => format!("The noise is {} {unit}.", significant(noise.standard_deviation, 3)),
         None => "The noise cannot be told without a model.".into(),
     };
-    let unfinished: Vec<&str> = ranking
+    let unfinished: Vec<String> = ranking
         .places
         .iter()
         .filter(|place| !place.fit.stop.converged())
-        .map(|place| place.fit.chain.base.name())
+        .map(|place| place.fit.chain.base.short_name())
         .collect();
     let unfinished = match &unfinished[..] {
         [] => String::new(),
@@ -123,7 +123,7 @@ fn spread_table(ranking: &Ranking) -> Table {
         for spread in &place.spreads {
             let (least, most) = spread.range();
             table = table.row([
-                place.fit.chain.base.name().to_owned(),
+                place.fit.chain.base.short_name(),
                 spread.name.clone(),
                 significant(least, 3),
                 significant(spread.mean(), 3),
@@ -165,6 +165,8 @@ pub fn ranking_json(ranking: &Ranking, signal: &str) -> Value {
         json!({
             "law": fit.chain.base.name(),
             "terms": fit.chain.base.terms,
+            "elastic": fit.chain.base.elastic.name(),
+            "relaxation": fit.chain.base.kernel.name(),
             "residual_rms": fit.rms(),
             "heldout_rms": place.held_out,
             "deviation_between_setups": place.typical_deviation(),

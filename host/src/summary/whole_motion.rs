@@ -6,7 +6,7 @@ use super::{estimate, name_of, unit_of};
 use crate::fit::data::Data;
 use crate::fit::warning::warnings;
 use crate::fit::whole_motion::{MotionFit, over_traces, predict};
-use crate::model::{Family, Model, Rung};
+use crate::model::{Family, Kernel, Model, Rung};
 use crate::report::number::significant;
 use crate::report::{Axis, Block, Callout, Colour, Column, Panels, Plot, Section, Series, Table};
 use crate::trace::{Noise, Source};
@@ -90,6 +90,8 @@ impl FitSummary<'_> {
             "separation": fit.chain.base.separation,
             "segments": fit.chain.base.segments,
             "exponent": fit.chain.base.exponent,
+            "elastic": fit.chain.base.elastic.name(),
+            "relaxation": fit.chain.base.kernel.name(),
             "signal": self.signal,
             "unit": unit_of(self.signal),
             "parameters": parameters,
@@ -169,7 +171,7 @@ impl FitSummary<'_> {
             table =
                 table.row([&parameter.name, value.as_str(), &parameter.unit, &parameter.meaning]);
         }
-        if fit.chain.base.family == Family::Fung {
+        if fit.chain.base.family == Family::Fung && fit.chain.base.kernel != Kernel::None {
             let shares = fit.chain.base.constants(&fit.values).shares;
             let rest = significant(1.0 - shares.iter().sum::<f64>(), 4);
             table = table.row(["c0", &rest, "", "share that never relaxes, 1 − Σ ci"]);

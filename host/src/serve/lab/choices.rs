@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 
 use crate::criticism::region::Region;
 use crate::effects::LIBRARY;
-use crate::model::{EXPONENTS_N, Family, MAX_TERMS, Separation, Stage, VARIABLES};
+use crate::model::{EXPONENTS_N, Family, Kernel, MAX_TERMS, Separation, Stage, VARIABLES};
 
 /// What a law is, for one who meets it for the first time.
 const fn meaning(family: Family) -> &'static str {
@@ -31,6 +31,7 @@ pub fn choices() -> Value {
             "terms": family.has_terms(),
             "segments": family.has_segments(),
             "exponent": family == Family::LatencyPower,
+            "relaxation": family.has_kernel(),
             "bonded": family.can_be_bonded(),
         })
     };
@@ -38,6 +39,7 @@ pub fn choices() -> Value {
     json!({
         "laws": Family::ALL.map(law),
         "most_terms": MAX_TERMS,
+        "relaxations": Kernel::ALL.map(Kernel::name),
         "exponents": [EXPONENTS_N.0, EXPONENTS_N.1],
         "separations": separations.map(Separation::name),
         "regions": Region::ALL.map(Region::name),

@@ -6,7 +6,7 @@ use super::error::LabError;
 use crate::files::quoted;
 use crate::fit::choice::{Choice, Exponent};
 use crate::fit::hold::Terms;
-use crate::model::{Family, Separation, TERMS};
+use crate::model::{Elastic, Family, Kernel, Separation, TERMS};
 use crate::trace::FORCE;
 
 /// What can be asked for and takes long: `{"compare": null}`, `{"add": {"effect": "lag"}}`.
@@ -70,6 +70,9 @@ pub struct FitTask {
     /// Exponent n; chosen from the data where it is 0.
     #[serde(default)]
     pub exponent: Option<f64>,
+    /// How the response relaxes.
+    #[serde(default)]
+    pub relaxation: Option<String>,
 }
 
 /// A practice set, as on the command line.
@@ -125,7 +128,15 @@ impl FitTask {
             Some(0.0) => Some(Exponent::Auto),
             given => given.map(Exponent::Given),
         };
-        Ok(Choice { family, terms, separation: self.separation, segments: self.segments, exponent })
+        let unknown = |name: &String| LabError::Unknown { what: "relaxation", name: name.clone() };
+        let kernel = match &self.relaxation {
+            Some(name) if family.has_kernel() => {
+                Kernel::named(name).ok_or_else(|| unknown(name))?
+            }
+            _ => Kernel::default(),
+        };
+        let (separation, segments, elastic) = (self.separation, self.segments, Elastic::Power);
+        Ok(Choice { family, terms, separation, segments, exponent, elastic, kernel })
     }
 
     fn options(&self) -> String {
@@ -135,6 +146,8 @@ impl FitTask {
         text += &terms.map_or(String::new(), |terms| format!(" --terms {}", auto(terms as f64)));
         text += &self.segments.map_or(String::new(), |m| format!(" --segments {m}"));
         text += &self.exponent.map_or(String::new(), |n| format!(" --exponent {}", auto(n)));
+        let kernel = self.relaxation.as_deref().filter(|name| *name != Kernel::default().name());
+        text += &kernel.map_or(String::new(), |name| format!(" --relaxation {}", quoted(name)));
         if self.separation != Separation::default() {
             text += &format!(" --separation {}", self.separation.name());
         }

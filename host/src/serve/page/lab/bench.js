@@ -56,10 +56,15 @@ function law(choices, draft, act) {
     h("p", { class: "lab-note" }, `${of.name}: ${of.meaning}.`),
   );
 
+  function exponentials() {
+    return !of.relaxation || (draft.relaxation ?? choices.relaxations[0]) === choices.relaxations[0];
+  }
+
   function options() {
     return [
       choice("Base law", choices.laws.map((one) => one.name), draft.law, set("law")),
-      of.terms ? choice("Exponentials", [...counts, ["0", "auto"]], draft.terms, set("terms")) : null,
+      of.relaxation ? choice("Relaxation", choices.relaxations, draft.relaxation ?? choices.relaxations[0], set("relaxation")) : null,
+      of.terms && exponentials() ? choice("Exponentials", [...counts, ["0", "auto"]], draft.terms, set("terms")) : null,
       of.segments ? h("label", { class: "lab-field" }, h("span", {}, "Segments m"), optional("segments")) : null,
       of.exponent ? h("label", { class: "lab-field" }, h("span", {}, "Exponent n, 0 for auto"), optional("exponent")) : null,
       choice("Where contact breaks", separations.map((name) => [name, PARTING[name] ?? name]), draft.separation, set("separation")),
@@ -81,6 +86,7 @@ export function fitTask(choices, draft) {
     fit: {
       law: draft.law,
       ...(of.terms ? { terms: Number(draft.terms) } : {}),
+      ...(of.relaxation && given(draft.relaxation) ? { relaxation: draft.relaxation } : {}),
       separation: separations.includes(draft.separation) ? draft.separation : separations[0],
       ...(of.segments && given(draft.segments) ? { segments: Number(draft.segments) } : {}),
       ...(of.exponent && given(draft.exponent) ? { exponent: Number(draft.exponent) } : {}),
