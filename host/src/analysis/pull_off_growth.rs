@@ -111,7 +111,14 @@ fn slope(speeds: &[AtSpeed]) -> Option<(f64, f64)> {
     let spread: f64 = points.iter().map(|p| (p.0 - x).powi(2)).sum();
     let slope = points.iter().map(|p| (p.0 - x) * (p.1 - y)).sum::<f64>() / spread;
     let rest: f64 = points.iter().map(|p| (p.1 - y - slope * (p.0 - x)).powi(2)).sum();
-    Some((slope, (rest / (count - 2.0) / spread).sqrt()))
+    let left = rest / (count - 2.0) / spread;
+    // A line through all points says nothing of errors that the means have in themselves.
+    let own = |(s, p): (&AtSpeed, &(f64, f64))| {
+        let relative = s.force_n.1.unwrap_or(0.0) / s.force_n.0;
+        ((p.0 - x) / spread * relative).powi(2)
+    };
+    let means: f64 = speeds.iter().zip(&points).map(own).sum();
+    Some((slope, left.max(means).sqrt()))
 }
 
 /// The law by weighted least squares. Its errors grow by what it leaves beyond those of the means. It is

@@ -601,7 +601,7 @@ mod tests {
         let other = file("d.csv", "t,x,y\n9,1,2\n10,2,3\n");
         let error = refused(&[early.clone(), other], &own);
         assert!(matches!(error, ImportError::PartsDiffer { .. }), "{error}");
-        let even = map("step_s = 1.0");
+        let even = map("start_s = 0.0\nstep_s = 1.0");
         assert!(matches!(refused(&[early, late], &even), ImportError::PartsWithoutClock));
     }
 
