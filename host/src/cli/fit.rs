@@ -13,6 +13,7 @@ use crate::fit::data::Data;
 use crate::fit::hold::{self, HoldFit};
 use crate::fit::least_squares::Stop;
 use crate::fit::ranking::rank;
+use crate::fit::warning::{Warning, warnings};
 use crate::fit::whole_motion::{self, MotionFit};
 use crate::fit::{elastic_law, hold::Terms};
 use crate::model::{
@@ -22,7 +23,7 @@ use crate::model::{
 use crate::summary::{
     FitSummary, Preparation, Refit, hold_json, hold_sections, ranking_json, ranking_sections,
 };
-use crate::trace::{FORCE, Trace, outliers, without};
+use crate::trace::{FORCE, Trace};
 
 /// Fit a contact model.
 #[derive(clap::Args)]
@@ -230,7 +231,14 @@ fn whole(
         candidates: &candidates,
     };
     if best.stop == Stop::NoBetter {
-        let why = data.outlier().unwrap_or_else(|| {
+        let resting = || {
+            let found = warnings(best, &data, None);
+            found
+                .iter()
+                .find(|it| matches!(it, Warning::Resting { .. }))
+                .map(|it| format!(": {it}"))
+        };
+        let why = data.outlier().or_else(resting).unwrap_or_else(|| {
             let r_squared = best.r_squared;
             format!(
                 ": R² is {r_squared:.3}. Look at the recording (palpate plot): is {} zero off the specimen, and its sign right?",
@@ -243,7 +251,7 @@ fn whole(
         summary.model().write(path).map_err(Failure::work)?;
     }
     if !preparation.outliers.is_empty() && !preparation.dropped {
-        preparation.refit = without_outliers(best, traces, &args.signal);
+        preparation.refit = Refit::of(best, traces, &args.signal);
     }
     let title = "A fit over whole motions";
     let sections = preparation.before(summary.sections());
@@ -254,18 +262,6 @@ fn whole(
     } else {
         Err(Failure::Work(miette::miette!("{}", best.stop)))
     }
-}
-
-/// The same fit without impossible samples; none where nothing is left to fit.
-fn without_outliers(fit: &MotionFit, traces: &[Trace], signal: &str) -> Option<Refit> {
-    let left: Vec<Trace> =
-        traces.iter().map(|trace| without(trace, &outliers(trace, signal))).collect();
-    let data = Data::of(&left, signal).ok()?;
-    let other = whole_motion::fit(fit.chain.base, &data).ok()?;
-    Some(Refit {
-        r_squared: [fit.r_squared, other.r_squared],
-        residual_rms: [fit.rms(), other.rms()],
-    })
 }
 
 /// The fit of each law.

@@ -2,9 +2,11 @@
 
 use serde_json::{Map, Value, json};
 
+use crate::fit::data::Data;
+use crate::fit::whole_motion::{self, MotionFit};
 use crate::report::number::significant;
 use crate::report::{Callout, Column, Section, Table};
-use crate::trace::Outlier;
+use crate::trace::{Outlier, Trace, outliers, without};
 
 /// Most samples that a table lists.
 const MOST_LISTED: usize = 20;
@@ -31,7 +33,29 @@ pub struct Refit {
     pub residual_rms: [f64; 2],
 }
 
+impl Refit {
+    /// A fit and the same without the impossible samples of the traces; none where nothing is left to fit.
+    #[must_use]
+    pub fn of(fit: &MotionFit, traces: &[Trace], signal: &str) -> Option<Self> {
+        let left: Vec<Trace> =
+            traces.iter().map(|trace| without(trace, &outliers(trace, signal))).collect();
+        let data = Data::of(&left, signal).ok()?;
+        let other = whole_motion::fit(fit.chain.base, &data).ok()?;
+        Some(Self {
+            r_squared: [fit.r_squared, other.r_squared],
+            residual_rms: [fit.rms(), other.rms()],
+        })
+    }
+}
+
 impl Preparation {
+    /// What is impossible in traces that are taken as they are.
+    #[must_use]
+    pub fn of(traces: &[Trace], signal: &str) -> Self {
+        let outliers = traces.iter().flat_map(|trace| outliers(trace, signal)).collect();
+        Self { outliers, ..Self::default() }
+    }
+
     /// The sections of an answer with one before them on the traces, where there is something to tell.
     #[must_use]
     pub fn before(&self, mut sections: Vec<Section>) -> Vec<Section> {

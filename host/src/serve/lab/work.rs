@@ -20,8 +20,8 @@ use crate::model::Model;
 use crate::practice::{self, Choice, check_empty, hide, write_set};
 use crate::report::{Origin, Page, Section};
 use crate::summary::{
-    DiagnosisSummary, FitSummary, NextCommand, change_json, change_report, compare_json,
-    compare_sections, practice_json, unit_of,
+    DiagnosisSummary, FitSummary, NextCommand, Preparation, Refit, change_json, change_report,
+    compare_json, compare_sections, practice_json, unit_of,
 };
 use crate::trace::{Trace, read_set};
 
@@ -137,9 +137,14 @@ impl Bench {
             candidates: &fits,
         };
         let model = summary.model();
+        let mut preparation = Preparation::of(&self.traces, &self.signal);
+        if !preparation.outliers.is_empty() {
+            preparation.refit = Refit::of(best, &self.traces, &self.signal);
+        }
+        let sections = preparation.before(summary.sections());
         Ok(Outcome {
-            answer: summary.json(),
-            report: Some(("fit", self.page("A fit over whole motions", summary.sections()))),
+            answer: preparation.within(summary.json()),
+            report: Some(("fit", self.page("A fit over whole motions", sections))),
             compared: Some(Compared::new(compare(&model, &self.traces)?)),
             model: Some(model),
             ..Outcome::default()
@@ -148,9 +153,10 @@ impl Bench {
 
     fn compare(&self, model: &Model) -> Result<Outcome, LabError> {
         let comparison = compare(model, &self.traces)?;
-        let sections = compare_sections(model, &comparison, &self.traces);
+        let preparation = Preparation::of(&self.traces, &model.base.signal);
+        let sections = preparation.before(compare_sections(model, &comparison, &self.traces));
         Ok(Outcome {
-            answer: compare_json(&comparison),
+            answer: preparation.within(compare_json(&comparison)),
             report: Some(("compare", self.page("Model against measurement", sections))),
             compared: Some(Compared::new(comparison)),
             ..Outcome::default()
@@ -166,8 +172,9 @@ impl Bench {
             return Err(LabError::OtherSignal { other: file, theirs, ours });
         }
         let comparison = compare(&other, &self.traces)?;
+        let preparation = Preparation::of(&self.traces, ours);
         Ok(Outcome {
-            answer: compare_json(&comparison),
+            answer: preparation.within(compare_json(&comparison)),
             beside: Some(Beside {
                 file,
                 model: other,
@@ -196,13 +203,14 @@ impl Bench {
         // After a climb, what could be added to the first model says nothing of the last.
         let list =
             if climb { Value::Null } else { candidates(&diagnosis, &data, &comparison, model) };
-        let mut answer = summary.json();
+        let preparation = Preparation::of(&self.traces, &model.base.signal);
+        let mut answer = preparation.within(summary.json());
         if let Some(folder) = self.folder.as_ref().filter(|_| climb) {
             answer["model"] = folder.shown(&self.written).into();
         }
         Ok(Outcome {
             answer,
-            report: Some(("diagnosis", self.page(title, summary.sections()))),
+            report: Some(("diagnosis", self.page(title, preparation.before(summary.sections())))),
             compared: Some(Compared::new(comparison)),
             model: better,
             diagnosis: Some((diagnosis, list)),
