@@ -78,3 +78,45 @@ fn a_misfit_that_all_gauges_share_is_no_crosstalk() {
         assert_ne!(step["effect"], "crosstalk", "{answer:#}");
     }
 }
+
+/// Writes holds of 10 minutes at three compressions, 20 samples a second, that relax as a power of the time:
+/// over every decade, where two exponentials cover two.
+fn long_holds(folder: &Path) {
+    let normal = Normal::new(0.0, 0.002).expect("a deviation");
+    let mut random = ChaCha8Rng::seed_from_u64(3);
+    for (index, most) in [1.0f64, 2.0, 3.0].into_iter().enumerate() {
+        let mut text = format!("# palpate-trace = 1\n# [setup]\n# sequence = {}\n", index + 1);
+        text += "time_s,displacement_mm,force_N\n";
+        for k in 0..12_100 {
+            let t = 0.05 * f64::from(k) - 4.0;
+            let x = (2.0 * t).clamp(-0.2, most);
+            let since = (t - 0.5 * most).max(0.0);
+            let force = 0.5 * x.max(0.0).powf(1.5) * (0.3 + 0.7 * (1.0 + since / 0.1).powf(-0.2));
+            let _ = writeln!(text, "{:.2},{x:.5},{:.5}", t + 4.0, force + normal.sample(&mut random));
+        }
+        std::fs::write(folder.join(format!("{index}.csv")), text).expect("a trace is written");
+    }
+}
+
+#[test]
+fn holds_of_many_rows_are_told_from_their_means_by_the_errors_of_all_rows() {
+    let place = tempfile::tempdir().expect("a folder");
+    std::fs::create_dir(place.path().join("holds")).expect("a folder");
+    long_holds(&place.path().join("holds"));
+    assert_eq!(call(place.path(), "fit fung holds -o base.toml").0, 0);
+    let answer = diagnosis(place.path(), "base.toml", "holds");
+    let step = &answer["steps"][0];
+    assert_eq!(step["effect"], "slow-relaxation", "{answer:#}");
+    let number = |key: &str| step[key].as_f64().expect("a number");
+    assert!(number("rms_after_N") < 0.6 * number("rms_before_N"), "{step:#}");
+    assert!(number("heldout_rms_after_N") < number("heldout_rms_before_N"), "{step:#}");
+    let notes = answer["notes"].to_string();
+    assert!(notes.contains("means of the 36300 rows"), "{notes}");
+    // The ladder speaks of all rows: the error that `compare` finds for the model as it was given.
+    let (status, out) = call(place.path(), "compare base.toml holds --json");
+    assert_eq!(status, 0);
+    let compared: Value = serde_json::from_str(&out).expect("one JSON object");
+    let (given, rms) = (&answer["given_rms"], &compared["rms"]);
+    let (given, rms) = (given.as_f64().expect("a number"), rms.as_f64().expect("a number"));
+    assert!((given / rms - 1.0).abs() < 1e-6, "{given} and {rms}");
+}

@@ -70,10 +70,7 @@ pub fn dependence(stretches: &[Stretch], covariate: Covariate) -> Option<Depende
     let values: Vec<&[f64]> =
         stretches.iter().map(|stretch| stretch.covariate(covariate)).collect::<Option<_>>()?;
     let edges = edges(&values)?;
-    let places: Vec<Vec<usize>> = values
-        .iter()
-        .map(|values| values.iter().map(|v| edges.partition_point(|edge| edge <= v)).collect())
-        .collect();
+    let places = places(&values, &edges);
     let residuals: Vec<Vec<f64>> = stretches.iter().map(Stretch::residual).collect();
     let binned = Binned::new(&residuals, &places, edges.len() + 1);
     let explained = binned.explained(&vec![0; stretches.len()]);
@@ -94,6 +91,18 @@ pub fn dependence(stretches: &[Stretch], covariate: Covariate) -> Option<Depende
         trend: trend(&bins),
         bins,
     })
+}
+
+/// Mean residuals in bins of a quantity; none where it does not vary.
+pub(super) fn binned(residuals: &[Vec<f64>], values: &[&[f64]]) -> Option<Vec<Bin>> {
+    let edges = edges(values)?;
+    Some(bins(residuals, values, &places(values, &edges), edges.len() + 1))
+}
+
+/// The bin of every value.
+fn places(values: &[&[f64]], edges: &[f64]) -> Vec<Vec<usize>> {
+    let place = |v: &f64| edges.partition_point(|edge| edge <= v);
+    values.iter().map(|values| values.iter().map(place).collect()).collect()
 }
 
 /// Inner edges of bins of equal width; around each value where they are few.

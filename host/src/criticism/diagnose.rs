@@ -14,7 +14,7 @@ use crate::fit::least_squares::Effort;
 use crate::fit::problem::Problem;
 use crate::fit::whitening::Whitening;
 use crate::model::{BaseLaw, Chain, Model, Separation};
-use crate::trace::{Noise, Trace, pooled_noise};
+use crate::trace::{Noise, Trace, block_means, pooled_noise};
 
 /// What a model lacks on a data set.
 #[derive(Clone, Debug)]
@@ -111,15 +111,21 @@ const AT_THE_NOISE: f64 = 1.1;
 /// When the model or the traces are not usable.
 pub fn diagnose(model: &Model, traces: &[Trace]) -> Result<Diagnosis, DiagnoseError> {
     let signal = &model.base.signal;
-    let data = Data::of_model(model, traces)?;
+    // Long recordings are searched on their means; the errors are those of all rows in the end.
+    let means = block_means(traces);
+    let searched = means.as_deref().unwrap_or(traces);
+    let data = Data::of_model(model, searched)?;
     let setting = data.setting();
     let (chain, values) = chain_of(model, &setting)?;
     let candidates = candidates(&setting, &model.candidates)?;
     let white = Whitening::none();
     let plain = Problem::new(&chain, &data, &white, None);
     let start = plain.point(&values);
-    let given: f64 = plain.trace_squares(&start).iter().map(|(squares, _)| squares).sum();
-    let given_rms = (given / data.samples() as f64).sqrt();
+    let all = Data::of_model(model, traces)?;
+    let rows = Problem::new(&chain, &all, &white, None);
+    let given: f64 =
+        rows.trace_squares(&rows.point(&values)).iter().map(|(squares, _)| squares).sum();
+    let given_rms = (given / all.samples() as f64).sqrt();
     let noise = noise_model(&data)
         .unwrap_or_else(|| noise_of_residual(&plain, &start, pooled_noise(traces, signal)));
     let problem = Problem::new(&chain, &data, &noise.whitening, None);
@@ -156,14 +162,24 @@ pub fn diagnose(model: &Model, traces: &[Trace]) -> Result<Diagnosis, DiagnoseEr
         ));
         assessed = Assessed::of(&search, &found, &before, &noise);
     }
-    let Assessed { verdict, unexplained, discrepancy, after } = assessed;
+    let Assessed { verdict, unexplained, mut discrepancy, after } = assessed;
     let final_problem = problem.with_chain(&found.model().chain);
     let standard_errors = found.model().standard_errors(&final_problem, found.inexact);
-    let places = cells_of(&final_problem, &data, &found.model().point, noise.level);
+    if means.is_some() {
+        found.score(&problem, &rows);
+        discrepancy = if discrepancy > 0.0 { beyond_noise(found.model(), &noise) } else { 0.0 };
+        notes.push(format!(
+            "searched on {} means of the {} rows, each over at most a twentieth of the time since the motion before it; the errors are those of all rows",
+            data.samples(),
+            all.samples()
+        ));
+    }
+    let final_rows = rows.with_chain(&found.model().chain);
+    let places = cells_of(&final_rows, &all, &final_rows.point(&found.model().values), noise.level);
     let untestable = untestable(&candidates, &found);
     let next_experiment = match verdict {
         Verdict::Adequate | Verdict::Named => None,
-        Verdict::Ambiguous => deciding(&found, &data, traces, &noise.whitening),
+        Verdict::Ambiguous => deciding(&found, &data, searched, &noise.whitening),
         Verdict::Unknown => repeating(&places, &data.labels),
     };
     Ok(Diagnosis {
@@ -260,11 +276,15 @@ impl Assessed {
             Verdict::Adequate if guessed => Verdict::Unknown,
             verdict => verdict,
         };
-        let rms = found.model().rms();
-        let beyond_noise = (rms * rms - noise.level * noise.level).max(0.0).sqrt();
-        let discrepancy = if after.p_value < LEVEL || guessed { beyond_noise } else { 0.0 };
+        let inexact = after.p_value < LEVEL || guessed;
+        let discrepancy = if inexact { beyond_noise(found.model(), noise) } else { 0.0 };
         Self { verdict, unexplained, discrepancy, after }
     }
+}
+
+/// Root mean square of what a model leaves beyond the noise, in the unit of the signal.
+fn beyond_noise(fitted: &Fitted, noise: &NoiseModel) -> f64 {
+    (fitted.rms().powi(2) - noise.level.powi(2)).max(0.0).sqrt()
 }
 
 /// Whether the mean square error on traces left out falls by more than two standard errors over them.

@@ -62,7 +62,7 @@ fn record(diagnosis: &Diagnosis, fitted: &Fitted, data: &Data, unit: &str) -> Fi
     let seen = noise.seen == Seen::OffTheSpecimen;
     FitRecord {
         traces: data.labels.clone(),
-        samples: fitted.samples,
+        samples: fitted.rows(),
         unit: unit.into(),
         residual_rms: fitted.rms(),
         noise_rms: seen.then_some(noise.level),

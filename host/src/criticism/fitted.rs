@@ -25,6 +25,8 @@ pub struct Fitted {
     pub cost: f64,
     /// Number of samples.
     pub samples: usize,
+    /// Number of rows and root mean square error over all of them, where the data are their means.
+    rows: Option<(usize, f64)>,
     /// Which coordinates were fitted and are not on a bound.
     free: Vec<bool>,
     /// Part of the samples that are independent, from how neighbours in the whitened residual agree.
@@ -48,6 +50,7 @@ impl Fitted {
             values: problem.declared(&found.point),
             cost: found.normal.cost,
             samples: blocks.iter().map(|block| block.samples).sum(),
+            rows: None,
             independent: independent(&blocks),
             free: (0..found.point.len()).map(|j| !found.at_bound[j] && !given(j)).collect(),
             at_bound: (0..found.point.len()).map(|j| found.at_bound[j] && !given(j)).collect(),
@@ -57,9 +60,28 @@ impl Fitted {
         }
     }
 
+    /// Takes the error over all rows, where the data that it was fitted to are their means.
+    pub fn score(&mut self, rows: &Problem) {
+        let problem = rows.with_chain(&self.chain);
+        let squares = problem.trace_squares(&problem.point(&self.values));
+        let (sum, count) = squares
+            .iter()
+            .fold((0.0, 0), |(sum, count), (square, samples)| (sum + square, count + samples));
+        self.rows = Some((count, (sum / count as f64).sqrt()));
+    }
+
+    /// Number of rows of the recordings.
+    #[must_use]
+    pub fn rows(&self) -> usize {
+        self.rows.map_or(self.samples, |(rows, _)| rows)
+    }
+
     /// Root mean square of the residual as it is.
     #[must_use]
     pub fn rms(&self) -> f64 {
+        if let Some((_, rms)) = self.rows {
+            return rms;
+        }
         let squares: f64 = self.blocks.iter().map(|block| block.raw.cost).sum();
         (squares / self.samples as f64).sqrt()
     }

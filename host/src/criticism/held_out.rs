@@ -72,24 +72,36 @@ const SAME: f64 = 1.0;
 /// one step does not do; none for a single trace.
 #[must_use]
 pub fn held_out(problem: &Problem, fitted: &Fitted) -> Option<HeldOut> {
-    held_out_with(problem, fitted, true)
+    held_out_with(problem, fitted, true, None)
+}
+
+/// The same over all `rows` of the recordings, where the data that the model is fitted to are their means.
+#[must_use]
+pub fn held_out_on(problem: &Problem, fitted: &Fitted, rows: &Problem) -> Option<HeldOut> {
+    held_out_with(problem, fitted, true, Some(rows))
 }
 
 /// The same with one step in place of every refit.
 #[must_use]
 pub fn held_out_in_one_step(problem: &Problem, fitted: &Fitted) -> Option<HeldOut> {
-    held_out_with(problem, fitted, false)
+    held_out_with(problem, fitted, false, None)
 }
 
-fn held_out_with(problem: &Problem, fitted: &Fitted, in_earnest: bool) -> Option<HeldOut> {
+fn held_out_with(
+    problem: &Problem,
+    fitted: &Fitted,
+    in_earnest: bool,
+    rows: Option<&Problem>,
+) -> Option<HeldOut> {
     let traces = 1 + fitted.blocks.iter().map(|block| block.trace).max()?;
     if traces < 2 {
         return None;
     }
     let problem = problem.with_chain(&fitted.chain);
+    let rows = rows.map(|rows| rows.with_chain(&fitted.chain));
     let errors: Vec<TraceError> = (0..traces)
         .into_par_iter()
-        .map(|trace| left_out(&problem, fitted, trace, in_earnest))
+        .map(|trace| left_out(&problem, fitted, trace, in_earnest, rows.as_ref()))
         .collect();
     let total: f64 = errors.iter().map(|error| error.square).sum();
     let samples: f64 = errors.iter().map(|error| error.samples).sum();
@@ -109,7 +121,13 @@ struct TraceError {
 }
 
 /// The error on one trace of a fit to the others.
-fn left_out(problem: &Problem, fitted: &Fitted, trace: usize, in_earnest: bool) -> TraceError {
+fn left_out(
+    problem: &Problem,
+    fitted: &Fitted,
+    trace: usize,
+    in_earnest: bool,
+    rows: Option<&Problem>,
+) -> TraceError {
     let others = problem.leaving_out(trace);
     let own = fitted.chain.own_of_trace(trace);
     let rest = fitted.total(&others, |block| f64::from(u8::from(block.trace != trace)));
@@ -138,6 +156,9 @@ fn left_out(problem: &Problem, fitted: &Fitted, trace: usize, in_earnest: bool) 
     if !own.is_empty() {
         own_from_before(&others, &mut point, &own, trace, &residuals);
         residuals = others.apart(&point, trace).1;
+    }
+    if let Some(rows) = rows {
+        residuals = rows.apart(&rows.point(&others.declared(&point)), trace).1;
     }
     let mut error = TraceError::default();
     let mut residuals: Vec<Vec<f64>> = residuals.into_iter().map(|s| s.residual).collect();

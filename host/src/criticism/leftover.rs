@@ -16,11 +16,8 @@ pub fn leftover(diagnosis: &Diagnosis, fitted: &Fitted, data: &Data) -> Comparis
     let white = Whitening::none();
     let problem = Problem::new(&fitted.chain, data, &white, None);
     let noise = diagnosis.noise.level;
-    let mut squares = vec![(0.0, 0); data.labels.len()];
-    for block in &fitted.blocks {
-        squares[block.trace].0 += block.raw.cost;
-        squares[block.trace].1 += block.samples;
-    }
+    let point = problem.point(&fitted.values);
+    let squares = problem.trace_squares(&point);
     let rms = |&(square, samples): &(f64, usize)| (square / (samples as f64).max(1.0)).sqrt();
     let stretches = stretches(&fitted.chain, &fitted.values, data);
     Comparison {
@@ -31,7 +28,7 @@ pub fn leftover(diagnosis: &Diagnosis, fitted: &Fitted, data: &Data) -> Comparis
         only_noise: false,
         rms: fitted.rms(),
         trace_rms: squares.iter().map(rms).collect(),
-        cells: cells_of(&problem, data, &fitted.point, noise),
+        cells: cells_of(&problem, data, &point, noise),
         dependences: dependences(&stretches),
         stretches,
         left_out: data.left_out.clone(),

@@ -22,6 +22,7 @@ pub mod foretold;
 pub mod held_out;
 mod hum;
 pub mod leftover;
+pub mod leftover_curve;
 pub mod noise;
 pub mod region;
 pub mod residuals;

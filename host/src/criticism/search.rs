@@ -11,7 +11,7 @@ use super::adequacy::{LEVEL, adequacy};
 use super::agreement;
 use super::evidence::{Evidence, Judged, Refusal, Refused, weigh};
 use super::fitted::Fitted;
-use super::held_out::held_out_in_one_step;
+use super::held_out::{held_out_in_one_step, held_out_on};
 use super::screen::{Direction, Screen, screen};
 use crate::effects::Candidate;
 use crate::fit::data::Data;
@@ -138,6 +138,15 @@ impl Found {
     #[must_use]
     pub fn held_out_rms(&self) -> Option<f64> {
         Some(self.evidence.last()?.held_out.as_ref()?.rms)
+    }
+
+    /// Takes the errors of every rung over all rows, where the data of the search are their means.
+    pub fn score(&mut self, problem: &Problem, rows: &Problem) {
+        let rungs = std::iter::once(&mut self.base).chain(&mut self.models);
+        for (fitted, evidence) in rungs.zip(&mut self.evidence) {
+            fitted.score(rows);
+            evidence.held_out = held_out_on(problem, fitted, rows);
+        }
     }
 
     /// Takes down what was refused, the latest trial of each effect.

@@ -144,12 +144,17 @@ impl Bars {
     }
 
     fn level_lines(&self, svg: &mut Svg, map: &Map, (top, bottom): (f64, f64)) {
-        for level in self.levels.iter().filter(|l| map.holds(l.y)) {
+        let mut levels: Vec<&Level> = self.levels.iter().filter(|l| map.holds(l.y)).collect();
+        levels.sort_by(|a, b| a.y.total_cmp(&b.y));
+        // Names stand over their lines, or beside the name before where lines are close.
+        let mut taken = f64::NEG_INFINITY;
+        for level in levels {
             let x = map.at(level.y);
             segment(svg, "pl-level", (x, top), (x, bottom));
             let half = 0.5 * text_width(&level.label, TEXT);
-            let centre = x.max(map.drawn.0 + half - 20.0).min(WIDTH - 6.0 - half);
+            let centre = x.max(map.drawn.0 + half - 20.0).max(taken + half).min(WIDTH - 6.0 - half);
             centred(svg, "pl-note", centre, top - 5.0, &level.label);
+            taken = centre + half + 10.0;
         }
     }
 

@@ -4,6 +4,7 @@
 //! names carry their unit, then numbers; the same as Parquet. Compression is positive in displacement and
 //! force. [`recorded`] makes traces of a recording of a device, [`recordable`] a recording of a trace.
 
+mod block_means;
 mod caught;
 mod control;
 mod error;
@@ -32,6 +33,7 @@ mod tare;
 pub mod units;
 mod write;
 
+pub use block_means::block_means;
 pub use control::control;
 pub use error::{Error, Place, SignalError};
 pub use gaps::{Gap, gaps, runs};

@@ -51,7 +51,13 @@ impl DiagnosisSummary<'_> {
             }
             lines.push(line);
         }
-        lines.push(format!("noise:  {:<width$}         {} {unit}", "", self.level(self.noise())));
+        let mut line = |name: &str, level: f64| {
+            lines.push(format!("{name:<12}{:<width$}     {} {unit}", "", self.level(level)));
+        };
+        line("noise:", self.noise());
+        if let Some(discrepancy) = self.discrepancy() {
+            line("discrepancy:", discrepancy);
+        }
         lines
     }
 

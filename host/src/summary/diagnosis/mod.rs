@@ -26,12 +26,13 @@ use crate::criticism::compare::Comparison;
 use crate::criticism::diagnose::{Diagnosis, Verdict};
 use crate::criticism::explore::rungs;
 use crate::criticism::leftover::leftover;
+use crate::criticism::leftover_curve::LeftoverCurve;
 use crate::criticism::screen::DRAWS;
 use crate::criticism::search::DECISIVE;
 use crate::fit::data::Data;
 use crate::model::Rung;
 use crate::report::number::significant;
-use crate::report::{Block, Callout, Column, Section, Table};
+use crate::report::{Block, Callout, Column, Level, Section, Table};
 
 /// Relative change of the error by a refit that is worth a word.
 const MOVED: f64 = 0.005;
@@ -44,6 +45,8 @@ pub struct DiagnosisSummary<'a> {
     before: OnceCell<Comparison>,
     /// What it leaves with them, once asked for.
     after: OnceCell<Comparison>,
+    /// That as a curve over what it depends on most, once asked for.
+    curve: OnceCell<Option<LeftoverCurve>>,
     next: NextCommand,
 }
 
@@ -83,8 +86,8 @@ impl<'a> DiagnosisSummary<'a> {
     /// Lays a diagnosis beside the data it was made of.
     #[must_use]
     pub fn new(diagnosis: &'a Diagnosis, data: &'a Data<'a>, next: NextCommand) -> Self {
-        let (before, after) = (OnceCell::new(), OnceCell::new());
-        Self { diagnosis, data, before, after, next }
+        let (before, after, curve) = (OnceCell::new(), OnceCell::new(), OnceCell::new());
+        Self { diagnosis, data, before, after, curve, next }
     }
 
     /// What the model leaves without the effects found.
@@ -206,6 +209,12 @@ impl<'a> DiagnosisSummary<'a> {
             _ => "Held out: each trace predicted by a fit to the others.",
         };
         table = table.note(format!("Noise: {} {unit}. {held_out}", self.level(noise)));
+        if let Some(discrepancy) = self.discrepancy() {
+            table = table.note(format!(
+                "Discrepancy: {} {unit}, what the last model leaves beyond the noise: how inexact its law is.",
+                self.level(discrepancy)
+            ));
+        }
         if let Some(moved) = self.refit_in_words() {
             table = table.note(moved);
         }
@@ -235,7 +244,15 @@ impl<'a> DiagnosisSummary<'a> {
     }
 
     fn ladder_bars(&self) -> crate::report::Bars {
-        ladder_bars(&self.rungs(), self.unit(), Some(self.noise()))
+        let mut bars = ladder_bars(&self.rungs(), self.unit(), Some(self.noise()));
+        let level = |y| Level { y, label: "discrepancy".into() };
+        bars.levels.extend(self.discrepancy().map(level));
+        bars
+    }
+
+    /// What the last model leaves beyond the noise; none where it leaves noise.
+    fn discrepancy(&self) -> Option<f64> {
+        Some(self.diagnosis.discrepancy).filter(|&discrepancy| discrepancy > 0.0)
     }
 
     fn unit(&self) -> &str {

@@ -2,14 +2,19 @@
 
 use super::DiagnosisSummary;
 use crate::criticism::compare::{Cell, Comparison};
+use crate::criticism::dependence::Bin;
+use crate::criticism::diagnose::Verdict;
+use crate::criticism::leftover_curve::LeftoverCurve;
 use crate::criticism::region::Region;
 use crate::criticism::residuals::Stretch;
-use crate::report::number::significant;
+use crate::report::number::{percent, significant};
 use crate::report::{Axis, Colour, HeatMap, Panels, Plot, Section, Series};
 use crate::summary::compare::{heat_map, spans};
 
 /// Most traces whose residual is drawn.
 const MOST_DRAWN: usize = 4;
+/// What the curve of the rest is for.
+const CURVE: &str = "Its cubics are the law of one's own that is offered above.";
 /// Most regions of a trace whose names are shown.
 const MOST_NAMED: usize = 8;
 
@@ -36,7 +41,36 @@ impl DiagnosisSummary<'_> {
         for trace in self.worst() {
             section = section.figure(self.residuals(trace), "");
         }
-        section
+        match self.curve().filter(|_| self.diagnosis.verdict == Verdict::Unknown) {
+            Some(curve) => section.figure(self.curve_plot(curve), CURVE),
+            None => section,
+        }
+    }
+
+    /// What is left over the quantity it depends on most, each way by itself.
+    fn curve_plot(&self, curve: &LeftoverCurve) -> Plot {
+        let unit = self.unit();
+        let force_unit = if unit == "µε" { "µε" } else { "N" };
+        let name = curve.covariate.name();
+        let series = |way: &str, bins: &[Bin], colour| {
+            let column = |value: fn(&Bin) -> f64| bins.iter().map(value).collect::<Vec<f64>>();
+            Series::line(way, column(|bin| bin.at), column(|bin| bin.mean)).colour(colour)
+        };
+        let split = !curve.loading.is_empty() && !curve.unloading.is_empty();
+        Plot::new(
+            format!("What is left over the {name}"),
+            Axis::new(name, curve.covariate.unit(force_unit)),
+            Axis::new("mean residual", unit),
+        )
+        .summary(format!(
+            "Mean residual over the {name}{}; cubics through it explain {}",
+            if split { ", pressed and released" } else { "" },
+            percent(curve.explained, 2)
+        ))
+        .series(series("pressed", &curve.loading, Colour::Hue(0)))
+        .series(series("released", &curve.unloading, Colour::Hue(1)))
+        .level(0.0, "")
+        .height(200.0)
     }
 
     /// The model with all effects found.

@@ -3,7 +3,9 @@
 use super::{DiagnosisSummary, listed};
 use crate::criticism::adequacy::LEVEL;
 use crate::criticism::diagnose::Verdict;
+use crate::criticism::leftover_curve::LeftoverCurve;
 use crate::criticism::search::{DECISIVE, FALSE_ALARMS, Step};
+use crate::model::Covariate;
 use crate::report::number::{percent, significant};
 
 /// An error this many times the noise is not called noise.
@@ -236,34 +238,43 @@ impl DiagnosisSummary<'_> {
 
     /// How a law of one's own is tried.
     pub(super) fn law_of_ones_own(&self) -> (String, Option<String>) {
+        let begin = match self.curve() {
+            Some(curve) => format!(
+                "here the curve of what is left over the {} ({} of it)",
+                curve.covariate.name(),
+                percent(curve.explained, 2)
+            ),
+            None => format!("here with the {}", self.suspect().name()),
+        };
         let text = format!(
-            "If you know what it could be, write it into {} as a law of your own, here with the {}, and \
-             diagnose again:",
+            "If you know what it could be, write it into {} as a law of your own, {begin}, and diagnose again:",
             self.next.model,
-            self.suspect().1,
         );
         (text, Some(format!("{}\n\n{}", self.own_law(), self.next.diagnose())))
     }
 
-    /// What the rest depends on most, as an expression and in words.
-    fn suspect(&self) -> (&'static str, &'static str) {
+    /// What is left as a curve over what it depends on most.
+    pub(super) fn curve(&self) -> Option<&LeftoverCurve> {
+        let curve = || LeftoverCurve::of(&self.after().stretches, self.suspect());
+        self.curve.get_or_init(curve).as_ref()
+    }
+
+    /// What the rest depends on most.
+    fn suspect(&self) -> Covariate {
         let strongest =
             self.after().dependences.first().filter(|strongest| strongest.p_value < 0.01);
-        match strongest.map(|dependence| dependence.covariate) {
-            Some(covariate) => match covariate.symbol() {
-                "sgn(v)" => ("sign(v)", "direction of the motion"),
-                symbol => (symbol, covariate.name()),
-            },
-            None => ("x", "displacement"),
-        }
+        strongest.map_or(Covariate::Displacement, |dependence| dependence.covariate)
     }
 
     /// A law of one's own to begin with.
     fn own_law(&self) -> String {
+        let (expression, value) = match self.curve() {
+            Some(curve) => (curve.expression.clone(), "1.0"),
+            None => (format!("k * {}", self.suspect().symbol()), "0.01"),
+        };
         format!(
-            "[[candidate]]\nname = \"my-law\"\nstage = \"contact\"\nexpression = \"k * {}\"\n\
-             [candidate.parameters.k]\nvalue = 0.01",
-            self.suspect().0
+            "[[candidate]]\nname = \"my-law\"\nstage = \"contact\"\nexpression = \"{expression}\"\n\
+             [candidate.parameters.k]\nvalue = {value}"
         )
     }
 
