@@ -92,7 +92,8 @@ fn long_holds(folder: &Path) {
             let x = (2.0 * t).clamp(-0.2, most);
             let since = (t - 0.5 * most).max(0.0);
             let force = 0.5 * x.max(0.0).powf(1.5) * (0.3 + 0.7 * (1.0 + since / 0.1).powf(-0.2));
-            let _ = writeln!(text, "{:.2},{x:.5},{:.5}", t + 4.0, force + normal.sample(&mut random));
+            let _ =
+                writeln!(text, "{:.2},{x:.5},{:.5}", t + 4.0, force + normal.sample(&mut random));
         }
         std::fs::write(folder.join(format!("{index}.csv")), text).expect("a trace is written");
     }

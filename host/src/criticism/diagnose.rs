@@ -139,7 +139,8 @@ pub fn diagnose(model: &Model, traces: &[Trace]) -> Result<Diagnosis, DiagnoseEr
     let (separation, before, mut found) = likeliest(&search, &start, &mut notes);
     let mut assessed = Assessed::of(&search, &found, &before, &noise);
     // What fits best need not predict best where no law describes the data to the noise.
-    let exact = assessed.verdict != Verdict::Unknown;
+    let single = data.labels.len() == 1;
+    let exact = assessed.verdict != Verdict::Unknown && !(single && assessed.discrepancy > 0.0);
     let denied = search.examine(&mut found, exact);
     if denied.is_some() || (!exact && !found.steps.is_empty()) {
         found = search.borne_out(&found);

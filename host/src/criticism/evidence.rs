@@ -2,7 +2,7 @@
 //! and by the rest.
 
 use super::fitted::Fitted;
-use super::held_out::{Gain, HeldOut, held_out};
+use super::held_out::{Gain, HeldOut, held_out, over_sections};
 use super::rest::Rest;
 use crate::fit::problem::Problem;
 
@@ -31,6 +31,8 @@ pub enum Refusal {
     FitUncertain,
     /// The error on traces left out does not fall.
     HeldOutError,
+    /// The error on sections left out of a single trace does not fall.
+    SectionError,
     /// The error on traces left out falls by less than its uncertainty over the traces.
     HeldOutUncertain(Gain),
     /// The parts of the data do not agree about it: the chance that parts which know nothing of it agree
@@ -59,6 +61,8 @@ pub enum Refusal {
 pub struct Evidence {
     /// Errors on traces left out; none for a single trace.
     pub held_out: Option<HeldOut>,
+    /// Errors on sections left out of a single trace; none for several traces.
+    pub sections: Option<HeldOut>,
     /// Errors off the specimen.
     pub rest: Rest,
 }
@@ -67,7 +71,15 @@ impl Evidence {
     /// Gathers the evidence for a fitted model.
     #[must_use]
     pub fn of(problem: &Problem, fitted: &Fitted) -> Self {
-        Self { held_out: held_out(problem, fitted), rest: Rest::of(problem, fitted) }
+        let held_out = held_out(problem, fitted);
+        let sections = held_out.is_none().then(|| over_sections(problem, fitted));
+        Self { held_out, sections, rest: Rest::of(problem, fitted) }
+    }
+
+    /// Errors on what the model was not fitted to: traces, or sections of a single one.
+    #[must_use]
+    pub fn left_out(&self) -> Option<&HeldOut> {
+        self.held_out.as_ref().or(self.sections.as_ref())
     }
 }
 
@@ -99,7 +111,9 @@ pub fn weigh(without: Judged, with: Judged, exact: bool) -> Result<(), Refusal> 
         return Err(Refusal::Rest { without, with });
     }
     let (Some(before), Some(after)) = (&without.evidence.held_out, &with.evidence.held_out) else {
-        return Ok(());
+        let error = |judged: Judged| judged.evidence.left_out().map_or(0.0, |errors| errors.rms);
+        let falls = exact || error(with) < error(without);
+        return if falls { Ok(()) } else { Err(Refusal::SectionError) };
     };
     let gain = if exact { after.gain_in_noise(before) } else { after.gain(before) };
     if after.rms >= before.rms || gain.mean <= 0.0 {

@@ -127,7 +127,8 @@ impl Fitted {
         self.weighted(problem, &weights)
     }
 
-    fn weighted(&self, problem: &Problem, weights: &[f64]) -> Normal {
+    /// The same with a weight for each block.
+    pub(super) fn weighted(&self, problem: &Problem, weights: &[f64]) -> Normal {
         let mut total = Normal::zeros(self.point.len());
         let mut sums: Option<LevelSums> = None;
         for (block, &weight) in self.blocks.iter().zip(weights) {

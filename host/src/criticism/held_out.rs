@@ -9,7 +9,7 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::fitted::Fitted;
-use crate::fit::least_squares::{Effort, LeastSquares, minimise_with};
+use crate::fit::least_squares::{Effort, LeastSquares, Normal, minimise_with};
 use crate::fit::problem::{Problem, StretchResidual};
 
 /// Errors of a model on traces that it was not fitted to.
@@ -85,6 +85,32 @@ pub fn held_out_on(problem: &Problem, fitted: &Fitted, rows: &Problem) -> Option
 #[must_use]
 pub fn held_out_in_one_step(problem: &Problem, fitted: &Fitted) -> Option<HeldOut> {
     held_out_with(problem, fitted, false, None)
+}
+
+/// Errors on sections of the data, each left out of the fit in turn, in one step from the fit to all and
+/// as the straight line of that step foretells: for a single trace, whose sections share what the specimen
+/// remembers.
+#[must_use]
+pub fn over_sections(problem: &Problem, fitted: &Fitted) -> HeldOut {
+    let squares_without = |left_out: usize| -> (f64, f64) {
+        let weights: Vec<f64> =
+            (0..fitted.blocks.len()).map(|block| f64::from(u8::from(block != left_out))).collect();
+        let step = fitted.step(&fitted.weighted(problem, &weights), &[]);
+        let foretold = |normal: &Normal| {
+            let moved = 2.0 * normal.gradient.dot(&step) + step.dot(&(&normal.curvature * &step));
+            (normal.cost + moved).max(0.0)
+        };
+        let block = &fitted.blocks[left_out];
+        (foretold(&block.raw), foretold(&block.white))
+    };
+    let sums: Vec<(f64, f64)> = (0..fitted.blocks.len()).map(squares_without).collect();
+    let count = |block: usize| (fitted.blocks[block].samples as f64).max(1.0);
+    let total: f64 = sums.iter().map(|(raw, _)| raw).sum();
+    HeldOut {
+        rms: (total / (fitted.samples as f64).max(1.0)).sqrt(),
+        squares: sums.iter().enumerate().map(|(block, (raw, _))| raw / count(block)).collect(),
+        whitened: sums.into_iter().map(|(_, white)| white).collect(),
+    }
 }
 
 fn held_out_with(

@@ -11,7 +11,7 @@ use super::adequacy::{LEVEL, adequacy};
 use super::agreement;
 use super::evidence::{Evidence, Judged, Refusal, Refused, weigh};
 use super::fitted::Fitted;
-use super::held_out::{held_out_in_one_step, held_out_on};
+use super::held_out::{held_out_in_one_step, held_out_on, over_sections};
 use super::screen::{Direction, Screen, screen};
 use crate::effects::Candidate;
 use crate::fit::data::Data;
@@ -134,10 +134,10 @@ impl Found {
         self.models.last().unwrap_or(&self.base)
     }
 
-    /// Error of the last model on traces left out; none for a single trace.
+    /// Error of the last model on traces, or on sections of a single one, left out.
     #[must_use]
     pub fn held_out_rms(&self) -> Option<f64> {
-        Some(self.evidence.last()?.held_out.as_ref()?.rms)
+        Some(self.evidence.last()?.left_out()?.rms)
     }
 
     /// Takes the errors of every rung over all rows, where the data of the search are their means.
@@ -298,11 +298,8 @@ impl Search<'_> {
         let candidate = self.candidates.iter().position(|candidate| candidate.name == effect);
         let Some(candidate) = candidate else { return };
         let p_value = agreement::chances(&found.last, self.candidates)[candidate];
-        let weighed = match self.leaves_noise(&fitted) {
-            true => weigh(without, with, true),
-            false => weigh_inexact(without, with, p_value),
-        };
-        if let Err(reason) = weighed {
+        let exact = self.leaves_noise(&fitted);
+        if let Err(reason) = weigh_where(exact, without, with, p_value) {
             let refused = refused(&effect, without, with, reason);
             found.refuse([refused]);
             return;
@@ -338,33 +335,23 @@ impl Search<'_> {
             if found.last.chance[rival.candidate] > 0.5 * FALSE_ALARMS {
                 continue;
             }
-            let weighed = match exact[index] {
-                true => weigh(without, with, true),
-                false => weigh_inexact(without, with, agreement[rival.candidate]),
-            };
-            match weighed {
+            match weigh_where(exact[index], without, with, agreement[rival.candidate]) {
                 Ok(()) => borne_out.push(index),
                 Err(reason) => refusals.push(refused(&rival.effect, without, with, reason)),
             }
         }
-        let error = |index: usize| match &evidence[index].held_out {
-            Some(held_out) => held_out.rms,
-            None => rivals[index].fitted.bic(),
-        };
+        let error = |index: usize| evidence[index].left_out().map_or(f64::INFINITY, |it| it.rms);
         borne_out.sort_by(|&a, &b| error(a).total_cmp(&error(b)));
         found.refuse(refusals);
         let Some(&best) = borne_out.first() else { return false };
-        let as_good = |&&index: &&usize| match (&evidence[best].held_out, &evidence[index].held_out)
-        {
-            (Some(best), Some(other)) => !best.gain(other).exceeds(1.0),
-            _ => false,
-        };
+        let as_good =
+            |&&index: &&usize| match (evidence[best].left_out(), evidence[index].left_out()) {
+                (Some(best), Some(other)) => !best.gain(other).exceeds(1.0),
+                _ => false,
+            };
         let mut names: Vec<String> =
             borne_out.iter().filter(as_good).map(|&index| rivals[index].effect.clone()).collect();
         let effect = rivals[best].effect.clone();
-        if evidence[best].held_out.is_none() {
-            names = credible(&effect, &rivals);
-        }
         names.retain(|name| *name != effect);
         names.insert(0, effect.clone());
         let candidate = rivals[best].candidate;
@@ -383,7 +370,8 @@ impl Search<'_> {
     /// speak for most: a refit to the others in earnest is for these.
     fn most_promising(&self, rivals: &mut Vec<Rival>) {
         let error = |rival: &Rival| {
-            held_out_in_one_step(self.problem, &rival.fitted).map_or(f64::INFINITY, |h| h.rms)
+            let left_out = held_out_in_one_step(self.problem, &rival.fitted);
+            left_out.unwrap_or_else(|| over_sections(self.problem, &rival.fitted)).rms
         };
         let mut errors: Vec<(f64, usize)> =
             rivals.iter().map(error).enumerate().map(|(index, error)| (error, index)).collect();
@@ -682,6 +670,11 @@ impl Search<'_> {
             found.models[step] = Fitted::new(&problem, &start, Effort::QUICK);
         }
     }
+}
+
+/// Weighs a model with one more effect by whether what it leaves is noise.
+fn weigh_where(exact: bool, without: Judged, with: Judged, agreement: f64) -> Result<(), Refusal> {
+    if exact { weigh(without, with, true) } else { weigh_inexact(without, with, agreement) }
 }
 
 /// Weighs a rival where what it leaves need not be noise: the fit must gain by the samples that are

@@ -40,6 +40,7 @@ impl DiagnosisSummary<'_> {
                 "the error of the fit falls by no more than chance explains in a residual whose neighbours agree".into()
             }
             Refusal::HeldOutError => "the error on traces left out rises".into(),
+            Refusal::SectionError => "the error on sections left out of the trace rises".into(),
             Refusal::HeldOutUncertain(_) => {
                 "the error on traces left out falls by less than its uncertainty over the traces"
                     .into()
