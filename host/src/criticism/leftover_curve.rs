@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::dependence::{Bin, binned};
 use super::residuals::Stretch;
-use crate::model::Covariate;
+use crate::model::covariate::Covariate;
 use crate::report::number::significant;
 
 /// A residual over one quantity.

@@ -5,7 +5,7 @@ use crate::criticism::adequacy::LEVEL;
 use crate::criticism::diagnose::Verdict;
 use crate::criticism::leftover_curve::LeftoverCurve;
 use crate::criticism::search::{DECISIVE, FALSE_ALARMS, Step};
-use crate::model::Covariate;
+use crate::model::covariate::Covariate;
 use crate::report::number::{percent, significant};
 
 /// An error this many times the noise is not called noise.
