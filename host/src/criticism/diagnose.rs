@@ -126,8 +126,9 @@ pub fn diagnose(model: &Model, traces: &[Trace]) -> Result<Diagnosis, DiagnoseEr
     let given: f64 =
         rows.trace_squares(&rows.point(&values)).iter().map(|(squares, _)| squares).sum();
     let given_rms = (given / all.samples() as f64).sqrt();
-    let noise = noise_model(&data)
-        .unwrap_or_else(|| noise_of_residual(&plain, &start, pooled_noise(traces, signal)));
+    let noise = noise_model(&data).unwrap_or_else(|| {
+        noise_of_residual(&plain, &start, pooled_noise(traces, signal), means.is_some())
+    });
     let problem = Problem::new(&chain, &data, &noise.whitening, None);
     let search = Search {
         data: &data,
@@ -163,18 +164,22 @@ pub fn diagnose(model: &Model, traces: &[Trace]) -> Result<Diagnosis, DiagnoseEr
         ));
         assessed = Assessed::of(&search, &found, &before, &noise);
     }
-    let Assessed { verdict, unexplained, mut discrepancy, after } = assessed;
-    let final_problem = problem.with_chain(&found.model().chain);
-    let standard_errors = found.model().standard_errors(&final_problem, found.inexact);
     if means.is_some() {
+        let steps = found.steps.len();
         found.score(&problem, &rows);
-        discrepancy = if discrepancy > 0.0 { beyond_noise(found.model(), &noise) } else { 0.0 };
+        if found.steps.len() < steps {
+            assessed = Assessed::of(&search, &found, &before, &noise);
+        }
         notes.push(format!(
             "searched on {} means of the {} rows, each over at most a twentieth of the time since the motion before it; the errors are those of all rows",
             data.samples(),
             all.samples()
         ));
     }
+    let Assessed { verdict, unexplained, discrepancy, after } = assessed;
+    let discrepancy = if discrepancy > 0.0 { beyond_noise(found.model(), &noise) } else { 0.0 };
+    let final_problem = problem.with_chain(&found.model().chain);
+    let standard_errors = found.model().standard_errors(&final_problem, found.inexact);
     let final_rows = rows.with_chain(&found.model().chain);
     let places = cells_of(&final_rows, &all, &final_rows.point(&found.model().values), noise.level);
     let untestable = untestable(&candidates, &found);
@@ -207,9 +212,14 @@ pub fn diagnose(model: &Model, traces: &[Trace]) -> Result<Diagnosis, DiagnoseEr
 }
 
 /// The noise for want of rest, from what the base leaves.
-fn noise_of_residual(plain: &Problem, start: &[f64], seen: Option<Noise>) -> NoiseModel {
+fn noise_of_residual(
+    plain: &Problem,
+    start: &[f64],
+    seen: Option<Noise>,
+    means: bool,
+) -> NoiseModel {
     let fitted = Fitted::new(plain, start, Effort::QUICK);
-    residual_noise(&plain.residuals(&fitted.point), seen)
+    residual_noise(&plain.residuals(&fitted.point), seen, means)
 }
 
 /// The likeliest model under the noise, with the rule of separation that it takes; what the base

@@ -104,9 +104,10 @@ pub fn samples_at_rest(data: &Data) -> usize {
 
 /// The noise for want of rest: its size from second differences where they tell, and the correlation of
 /// neighbours from the residuals of a model, stretch by stretch. What the model lacks is in those, so
-/// no more than a correlation is taken from them.
+/// no more than a correlation is taken from them, and of means over unequal blocks, whose neighbours are
+/// ever farther apart, not even that.
 #[must_use]
-pub fn residual_noise(residuals: &[Vec<f64>], seen: Option<Noise>) -> NoiseModel {
+pub fn residual_noise(residuals: &[Vec<f64>], seen: Option<Noise>, means: bool) -> NoiseModel {
     let samples = residuals.iter().map(Vec::len).sum();
     let (mut squares, mut products) = (0.0, 0.0);
     for residual in residuals {
@@ -114,7 +115,8 @@ pub fn residual_noise(residuals: &[Vec<f64>], seen: Option<Noise>) -> NoiseModel
         products += residual.windows(2).map(|pair| pair[0] * pair[1]).sum::<f64>();
     }
     let size = (squares / (samples as f64).max(1.0)).sqrt().max(f64::MIN_POSITIVE);
-    let correlation = (products / squares.max(f64::MIN_POSITIVE)).clamp(0.0, MOST_CORRELATED);
+    let most = if means { 0.0 } else { MOST_CORRELATED };
+    let correlation = (products / squares.max(f64::MIN_POSITIVE)).clamp(0.0, most);
     NoiseModel {
         whitening: Whitening::new(size, &[correlation], 0.0, 0).guess(),
         seen: Seen::Residual,

@@ -140,12 +140,24 @@ impl Found {
         Some(self.evidence.last()?.left_out()?.rms)
     }
 
-    /// Takes the errors of every rung over all rows, where the data of the search are their means.
+    /// Takes the errors of every rung over all rows, where the data of the search are their means, and
+    /// goes back to the rung before the first at which one of them rises.
     pub fn score(&mut self, problem: &Problem, rows: &Problem) {
         let rungs = std::iter::once(&mut self.base).chain(&mut self.models);
         for (fitted, evidence) in rungs.zip(&mut self.evidence) {
             fitted.score(rows);
             evidence.held_out = held_out_on(problem, fitted, rows);
+        }
+        let denied = (0..self.steps.len()).find_map(|index| {
+            let (without, with) = (self.judged(index), self.judged(index + 1));
+            let reason = rises(without, with)?;
+            Some((index, refused(&self.steps[index].effect, without, with, reason)))
+        });
+        if let Some((index, denied)) = denied {
+            self.steps.truncate(index);
+            self.models.truncate(index);
+            self.evidence.truncate(index + 1);
+            self.refuse([denied]);
         }
     }
 
@@ -685,6 +697,16 @@ fn weigh_inexact(without: Judged, with: Judged, agreement: f64) -> Result<(), Re
         return Err(Refusal::FitUncertain);
     }
     if agreement > DISAGREEMENT { Err(Refusal::Disagreement(agreement)) } else { Ok(()) }
+}
+
+/// The error of the fit or on traces left out where one more effect makes it rise.
+fn rises(without: Judged, with: Judged) -> Option<Refusal> {
+    if with.fitted.rms() >= without.fitted.rms() {
+        return Some(Refusal::FittedError);
+    }
+    let (before, after) =
+        without.evidence.held_out.as_ref().zip(with.evidence.held_out.as_ref())?;
+    (after.rms >= before.rms).then_some(Refusal::HeldOutError)
 }
 
 /// What is told of a model that was refused.

@@ -87,7 +87,8 @@ impl fmt::Display for Warning {
                 let decimals = (4.0 - value.abs().log10().floor()).clamp(0.0, 9.0) as usize;
                 write!(
                     f,
-                    "the signal rests at {value:.decimals$} {unit} before the touch, where the law is 0: take that off with `--tare`, or add the effect `zero-shift`"
+                    "the signal rests at {} before the touch, where the law is 0: take that off with `--tare`, or add the effect `zero-shift`",
+                    format!("{value:.decimals$} {unit}").trim_end()
                 )
             }
             Self::LeftOut { what } => f.write_str(what),

@@ -2,8 +2,9 @@
 //!
 //! Whatever its rates, a sum of exponentials answers ever more slowly to a motion that has come to rest: at
 //! a time s after it, the answer within ε s is straight up to ε²/8 of what still relaxes. So samples at rest
-//! are taken together over a small part of the time since the motion, and a hold of half an hour is told by
-//! a few hundred means. Samples of a motion stay as they are.
+//! are taken together over a small part of the time since the motion. Samples of a motion stay as they are.
+//! A block lasts no longer than an even part of its trace, so that long holds keep their weight beside the
+//! motions as they have it among all samples.
 
 use super::{Column, Trace};
 
@@ -15,6 +16,9 @@ const WORTH: usize = 4;
 const PART: f64 = 0.05;
 /// Change of the compression, over the largest of the set, within which a motion is at rest.
 const REST: f64 = 2e-3;
+/// Blocks that a set at rest throughout would have, and the fewest of a trace.
+const BLOCKS: usize = 3000;
+const FEWEST: usize = 300;
 /// Samples of each trace that stay as they are off the specimen: the noise is seen there.
 const QUIET: usize = 1000;
 
@@ -27,10 +31,14 @@ pub fn block_means(traces: &[Trace]) -> Option<Vec<Trace>> {
     }
     let motions: Vec<&[f64]> = traces.iter().map(Trace::displacement).collect::<Option<_>>()?;
     let largest = motions.iter().flat_map(|x| x.iter().copied()).fold(0.0, f64::max);
+    let blocks = (BLOCKS / traces.len()).max(FEWEST) as f64;
     let means: Vec<Trace> = traces
         .iter()
         .zip(motions)
-        .map(|(trace, x)| means_of(trace, &begins(&trace.time, x, REST * largest)))
+        .map(|(trace, x)| {
+            let lasts = trace.time.last().zip(trace.time.first()).map_or(0.0, |(b, a)| b - a);
+            means_of(trace, &begins(&trace.time, x, REST * largest, lasts / blocks))
+        })
         .collect();
     let left: usize = means.iter().map(Trace::len).sum();
     (WORTH * left <= samples).then_some(means)
@@ -54,8 +62,9 @@ fn means_of(trace: &Trace, begins: &[usize]) -> Trace {
     }
 }
 
-/// Where the blocks of a motion begin; motions within `band` are rest.
-fn begins(time: &[f64], x: &[f64], band: f64) -> Vec<usize> {
+/// Where the blocks of a motion begin; motions within `band` are rest, and no block is longer than
+/// `longest`, s.
+fn begins(time: &[f64], x: &[f64], band: f64, longest: f64) -> Vec<usize> {
     let Some((&first, &start)) = x.first().zip(time.first()) else { return Vec::new() };
     let mut begins = vec![0];
     // The last place that the motion has left, and when.
@@ -65,7 +74,8 @@ fn begins(time: &[f64], x: &[f64], band: f64) -> Vec<usize> {
         let moved = (x[k] - place).abs() > band;
         quiet += usize::from(x[k] <= 0.0);
         let kept = x[k] <= 0.0 && quiet <= QUIET;
-        if moved || kept || time[k] - time[begin] > PART * (time[begin] - since) {
+        let most = longest.min(PART * (time[begin] - since));
+        if moved || kept || time[k] - time[begin] > most {
             begins.push(k);
             begin = k;
         }
@@ -108,11 +118,10 @@ mod tests {
     }
 
     #[test]
-    fn means_grow_like_the_logarithm_of_a_hold_not_like_its_samples() {
+    fn there_are_no_more_means_of_an_hour_than_of_ten_minutes() {
         let count = |hold: f64| block_means(&[press(50.0, hold)]).unwrap()[0].len();
-        let (short, long) = (count(600.0), count(60_000.0));
-        assert!(long < short + 200, "{long} for {short}");
-        assert!(long < 1200, "{long} of 3,000,000");
+        let (short, long) = (count(600.0), count(3600.0));
+        assert!(long < short + 500 && long < BLOCKS + 1000, "{long} for {short}");
     }
 
     #[test]

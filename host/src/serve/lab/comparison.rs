@@ -4,12 +4,12 @@ use serde_json::{Value, json};
 
 use crate::criticism::compare::Comparison;
 use crate::criticism::dependence::{Bin, Dependence};
-use crate::summary::{compare_json, unit_of};
+use crate::summary::{Preparation, compare_json, unit_of};
 
 /// The comparison as the command gives it, with the means that each dependence is drawn from.
 #[must_use]
-pub fn comparison_json(comparison: &Comparison) -> Value {
-    let mut found = compare_json(comparison);
+pub fn comparison_json(comparison: &Comparison, preparation: &Preparation) -> Value {
+    let mut found = preparation.within(compare_json(comparison));
     let unit = match unit_of(&comparison.signal) {
         "µε" => "µε",
         _ => "N",

@@ -69,6 +69,8 @@ pub struct Outcome {
 
 /// A model beside the traces, as it is told and drawn.
 pub struct Compared {
+    /// What is impossible in its traces.
+    pub preparation: Preparation,
     /// Where it fails; without the samples, which the drawings have.
     pub comparison: Comparison,
     /// Every trace.
@@ -88,11 +90,12 @@ pub struct Beside {
 }
 
 impl Compared {
-    fn new(mut comparison: Comparison) -> Self {
-        let traces = 0..comparison.labels.len();
-        let drawings = traces.map(|trace| Drawing::of_comparison(&comparison, trace)).collect();
+    fn new(mut comparison: Comparison, traces: &[Trace]) -> Self {
+        let preparation = Preparation::of(traces, &comparison.signal);
+        let indices = 0..comparison.labels.len();
+        let drawings = indices.map(|trace| Drawing::of_comparison(&comparison, trace)).collect();
         comparison.stretches = Vec::new();
-        Self { comparison, drawings }
+        Self { comparison, preparation, drawings }
     }
 }
 
@@ -145,7 +148,7 @@ impl Bench {
         Ok(Outcome {
             answer: preparation.within(summary.json()),
             report: Some(("fit", self.page("A fit over whole motions", sections))),
-            compared: Some(Compared::new(compare(&model, &self.traces)?)),
+            compared: Some(Compared::new(compare(&model, &self.traces)?, &self.traces)),
             model: Some(model),
             ..Outcome::default()
         })
@@ -158,7 +161,7 @@ impl Bench {
         Ok(Outcome {
             answer: preparation.within(compare_json(&comparison)),
             report: Some(("compare", self.page("Model against measurement", sections))),
-            compared: Some(Compared::new(comparison)),
+            compared: Some(Compared::new(comparison, &self.traces)),
             ..Outcome::default()
         })
     }
@@ -178,7 +181,7 @@ impl Bench {
             beside: Some(Beside {
                 file,
                 model: other,
-                compared: Compared::new(comparison),
+                compared: Compared::new(comparison, &self.traces),
                 command: self.command.clone(),
             }),
             ..Outcome::default()
@@ -211,7 +214,7 @@ impl Bench {
         Ok(Outcome {
             answer,
             report: Some(("diagnosis", self.page(title, preparation.before(summary.sections())))),
-            compared: Some(Compared::new(comparison)),
+            compared: Some(Compared::new(comparison, &self.traces)),
             model: better,
             diagnosis: Some((diagnosis, list)),
             ..Outcome::default()
@@ -224,7 +227,7 @@ impl Bench {
         Ok(Outcome {
             answer: change_json(&change),
             report: Some(("change", page)),
-            compared: Some(Compared::new(comparison)),
+            compared: Some(Compared::new(comparison, &self.traces)),
             model: Some(change.model),
             ..Outcome::default()
         })

@@ -44,7 +44,7 @@ impl Session {
                 "file": beside.file,
                 "command": beside.command,
                 "model": beside.model.as_ref(),
-                "comparison": comparison_json(&beside.compared.comparison),
+                "comparison": comparison_json(&beside.compared.comparison, &beside.compared.preparation),
             })
         };
         let sealed = folder
@@ -61,7 +61,7 @@ impl Session {
             "unit": unit_of(&self.signal),
             "model": self.versions.last().map(|version| version.model.as_ref()),
             "versions": self.versions.iter().map(version).collect::<Vec<_>>(),
-            "comparison": self.known.compared.as_ref().map(|of| comparison_json(&of.comparison)),
+            "comparison": self.known.compared.as_ref().map(|of| comparison_json(&of.comparison, &of.preparation)),
             "beside": self.known.beside.as_ref().map(beside),
             "answers": self.known.answers,
             "reports": self.known.reports.iter().map(|(kind, _)| kind).collect::<Vec<_>>(),
