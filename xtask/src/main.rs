@@ -5,6 +5,7 @@ mod check;
 mod emulate;
 mod firmware;
 mod golden;
+mod modelled;
 mod packages;
 
 use std::process::ExitCode;
@@ -27,7 +28,8 @@ enum Task {
     Test,
     /// Build the firmware and leave palpate.elf, palpate.bin and their sizes in target/firmware/.
     Firmware,
-    /// Run the firmware on an emulated board and hold it to everything it promises; ten minutes of stream.
+    /// Run the firmware on two emulated boards and hold it to everything it promises; ten minutes of stream, a thousand killed
+    /// hosts.
     Emulate {
         /// Seconds of steady stream.
         #[arg(long, default_value_t = 600)]
@@ -58,7 +60,9 @@ fn main() -> ExitCode {
     let outcome = match Arguments::parse().task {
         Task::Test => check::run(),
         Task::Firmware => firmware::build().map(drop),
-        Task::Emulate { steady, update } => emulate::run(steady, update),
+        Task::Emulate { steady, update } => {
+            emulate::run(steady, update).and_then(|()| modelled::run(1_000))
+        }
         Task::Browser { steady } => browser::run(steady),
         Task::Effects => generate("effects"),
         Task::Traces => generate("traces"),
