@@ -12,7 +12,7 @@ mod widened;
 
 pub use conversation::{Asked, BOOT_MS, Heard, sheet};
 pub use converter::{CLOCK_HZ as CONVERTER_CLOCK_HZ, Chip, Converter, Fault};
-pub use small_parts::{Adc, FACTORY_READINGS};
+pub use small_parts::{Adc, FACTORY_READINGS, Power};
 pub use usart::Wire;
 
 use std::path::{Path, PathBuf};
@@ -51,6 +51,8 @@ pub struct Setup {
     pub crystal_mhz: u32,
     /// True frequency of its internal oscillator, which should be 16 MHz, Hz: it sets what the crystal seems to be.
     pub internal_hz: u64,
+    /// Frequency of the watchdog's oscillator, which should be 32 kHz, Hz: a faster one makes the watchdog less patient.
+    pub watchdog_hz: u32,
 }
 
 impl Setup {
@@ -64,7 +66,7 @@ impl Setup {
         let flash = std::fs::read(&path).unwrap_or_else(|error| {
             panic!("{}: {error}; cargo xtask firmware makes it", path.display())
         });
-        Self { flash, crystal_mhz: 12, internal_hz: 16_000_000 }
+        Self { flash, crystal_mhz: 12, internal_hz: 16_000_000, watchdog_hz: 32_000 }
     }
 }
 
@@ -90,6 +92,8 @@ pub struct Board {
     supervisor: Arc<Supervisor>,
     /// The converter on the chip.
     pub thermometer: Arc<Adc>,
+    /// The supply.
+    pub power: Arc<Power>,
     /// The talk with it.
     pub heard: Heard,
     resets: u32,
@@ -109,6 +113,7 @@ impl Board {
         let line = Line::new(usart.clone());
         let supervisor = Supervisor::new();
         let thermometer = Adc::new();
+        let power = Power::new();
         let capture = Capture::new(u64::from(setup.crystal_mhz) * 1_000_000, setup.internal_hz);
 
         let schemas = usart::schemas().into_iter().chain(small_parts::schemas());
@@ -124,6 +129,7 @@ impl Board {
         add(Converter::class(), one(&converter));
         add(Supervisor::class(), one(&supervisor));
         add(Adc::class(), one(&thermometer));
+        add(Power::class(), one(&power));
         add(Capture::class(), one(&capture));
         add(Kept::class(), Box::new(|| Arc::new(Model::new(Kept::new()))));
         options.bindings.replace("st.iwdg", |properties| {
@@ -139,15 +145,27 @@ impl Board {
         options.realize.scheduler.quantum = GlobalTime::from_nanos(QUANTUM_NS);
         options.realize.media.insert("firmware", setup.flash.clone());
         options.realize.media.insert("system", system_memory());
-        let description =
-            include_str!("../board.machine").replace("@MHZ@", &setup.crystal_mhz.to_string());
+        let description = include_str!("../board.machine")
+            .replace("@MHZ@", &setup.crystal_mhz.to_string())
+            .replace("@LSI@", &setup.watchdog_hz.to_string());
         let machine = match build("board.machine", &description, &registry, &options) {
             Ok(machine) => machine,
             Err(error) => panic!("{error}"),
         };
         let cpu = held.lock().unwrap().clone().unwrap();
         let heard = Heard::default();
-        Self { machine, cpu, converter, usart, line, supervisor, thermometer, heard, resets: 0 }
+        Self {
+            machine,
+            cpu,
+            converter,
+            usart,
+            line,
+            supervisor,
+            thermometer,
+            power,
+            heard,
+            resets: 0,
+        }
     }
 
     /// Time passes, ns.

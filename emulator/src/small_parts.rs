@@ -1,5 +1,5 @@
 //! Parts of the chip of which the firmware needs little: the timer that measures the crystal, the one that clocks the
-//! converter, the converter on the chip, and who resets whom.
+//! converter, the converter on the chip, the watch over the supply, and who resets whom.
 
 use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering::Relaxed};
 use std::sync::{Arc, Mutex};
@@ -12,6 +12,7 @@ use crate::part::{Clock, Part, Wires, class};
 
 static STORE: DeviceClass = class("palpate.registers", "registers that keep what is written");
 static ADC: DeviceClass = class("palpate.adc", "ADC1, whose conversions are done at once");
+static POWER: DeviceClass = class("palpate.power", "the watch over the supply");
 static CAPTURE: DeviceClass =
     class("palpate.capture", "TIM11, which captures edges of the crystal");
 static SUPERVISOR: DeviceClass = class("palpate.supervisor", "resets");
@@ -107,6 +108,57 @@ impl Part for Adc {
             registers[ADC_SR / 4] |= EOC;
             self.conversions.fetch_add(1, Relaxed);
         }
+    }
+}
+
+/// PWR with its voltage detector (RM0090 §5.4).
+#[derive(Debug)]
+pub struct Power {
+    control: AtomicU32,
+    /// The supply, mV.
+    pub supply_mv: AtomicU32,
+}
+
+const PWR_CR: u64 = 0x00;
+const PWR_CSR: u64 = 0x04;
+const PVDE: u32 = 1 << 4;
+const PVDO: u32 = 1 << 2;
+const VOSRDY: u32 = 1 << 14;
+/// Thresholds of a falling supply by PLS, mV, typical (data sheet of the STM32F405, table 19).
+const FALLING_MV: [u32; 8] = [2_040, 2_190, 2_350, 2_510, 2_660, 2_840, 2_930, 3_030];
+
+impl Power {
+    /// At 3.3 V.
+    #[must_use]
+    pub fn new() -> Arc<Self> {
+        Arc::new(Self { control: AtomicU32::new(0), supply_mv: AtomicU32::new(3_300) })
+    }
+}
+
+impl Part for Power {
+    fn class() -> &'static DeviceClass {
+        &POWER
+    }
+
+    fn peek(&self, at: u64) -> u32 {
+        let control = self.control.load(Relaxed);
+        let threshold = FALLING_MV[(control >> 5 & 7) as usize];
+        let low = control & PVDE != 0 && self.supply_mv.load(Relaxed) < threshold;
+        match at {
+            PWR_CR => control,
+            PWR_CSR => VOSRDY | PVDO * u32::from(low),
+            _ => 0,
+        }
+    }
+
+    fn write(&self, at: u64, value: u32) {
+        if at == PWR_CR {
+            self.control.store(value, Relaxed);
+        }
+    }
+
+    fn reset(&self, _: ResetKind) {
+        self.control.store(0, Relaxed);
     }
 }
 
@@ -268,10 +320,11 @@ impl Part for Supervisor {
 }
 
 /// Pins and registers of all.
-pub fn schemas() -> [ClassSchema; 4] {
+pub fn schemas() -> [ClassSchema; 5] {
     [
         ClassSchema::new(STORE.name).region(""),
         ClassSchema::new(ADC.name).region(""),
+        ClassSchema::new(POWER.name).region(""),
         ClassSchema::new(CAPTURE.name).region(""),
         ClassSchema::new(SUPERVISOR.name)
             .port("bitten", PortDir::In)

@@ -1,7 +1,9 @@
 //! The chip itself: clocks from any crystal, pins, faults that leave words, settings over a loss of power.
 
+use std::sync::atomic::Ordering::Relaxed;
+
 use emulator::{BOOT_MS, Board, MS, Setup};
-use shared::wire::{Oversampling, ToDevice};
+use shared::wire::{Oversampling, Refusal, StoreFault, ToDevice};
 
 const RCC_CFGR: u64 = 0x4002_3808;
 const GPIOB_OSPEEDR: u64 = 0x4002_0408;
@@ -10,6 +12,7 @@ const TIM8_PSC: u64 = 0x4001_0428;
 const TIM8_ARR: u64 = 0x4001_042c;
 const ADC_CCR: u64 = 0x4001_2304;
 const DBGMCU_APB1_FZ: u64 = 0xe004_2008;
+const FLASH_CR: u64 = 0x4002_3c10;
 const LOW: u32 = 0;
 
 /// Speed of a pin, 0 to 3.
@@ -60,7 +63,7 @@ fn the_converter_on_the_chip_is_clocked_within_its_limit_and_read_many_times_a_s
     assert!(hz <= 36e6, "{hz} Hz");
     assert_eq!(board.peek(RCC_CFGR) >> 2 & 3, 2, "from the PLL");
     board.listen_ms(1_200);
-    let conversions = board.thermometer.conversions.load(std::sync::atomic::Ordering::Relaxed);
+    let conversions = board.thermometer.conversions.load(Relaxed);
     assert!(conversions >= 64, "{conversions}");
 }
 
@@ -85,6 +88,32 @@ fn a_fault_leaves_its_place() {
     board.hello();
     let words = &board.heard.last_words;
     assert!(words.contains("hard fault at 0x10000000"), "{words:?}");
+}
+
+/// Runs from the internal oscillator, which is ten times as slow and quickly emulated, with a watchdog of 1.3 s instead of 8 s.
+fn impatient() -> Setup {
+    Setup { crystal_mhz: 10, watchdog_hz: 6 * 32_000, ..Setup::new() }
+}
+
+#[test]
+fn a_processor_that_hangs_is_reset_by_the_watchdog_and_says_so() {
+    let mut setup = impatient();
+    let place = 0x9_0000;
+    setup.flash.resize(place, 0xff);
+    // A branch to itself.
+    setup.flash.extend([0xfe, 0xe7]);
+    let mut board = Board::new(&setup);
+    board.run_ns(3_000 * MS);
+    assert_eq!(board.resets(), 0, "fed");
+    let mut registers = board.cpu().regs();
+    registers.primask = true;
+    board.cpu().set_regs(registers);
+    board.cpu().set_pc(0x0800_0000 + place as u32);
+    board.run_ns(2_000 * MS);
+    assert_eq!(board.resets(), 1);
+    board.hello();
+    let hello = board.heard.hello.clone().unwrap();
+    assert!(hello.contains("Watchdog"), "{hello}");
 }
 
 #[test]
@@ -116,4 +145,26 @@ fn settings_outlive_a_loss_of_power_and_one_while_they_are_saved_leaves_old_or_n
         let found = rate(&mut Board::started(&cut));
         assert!([Oversampling::X1024, Oversampling::X2048].contains(&found), "{found:?}");
     }
+}
+
+#[test]
+fn the_flash_is_written_in_words_of_32_bits_which_halves_the_time_of_an_erasure() {
+    let mut board = Board::started(&Setup::new());
+    board.ask(&ToDevice::Save, 200).outcome.unwrap();
+    assert_eq!(board.peek(FLASH_CR) >> 8 & 3, 0b10);
+}
+
+#[test]
+fn with_a_supply_too_low_to_write_the_flash_nothing_is_saved_and_that_is_said() {
+    let mut board = Board::started(&Setup::new());
+    board.ask(&ToDevice::SetRate(Oversampling::X2048), 40).outcome.unwrap();
+    board.ask(&ToDevice::Save, 200).outcome.unwrap();
+    let before = board.flash();
+    // Words of 32 bits need 2.7 V.
+    board.power.supply_mv.store(2_750, Relaxed);
+    let refused = board.ask(&ToDevice::Save, 200).outcome;
+    assert_eq!(refused, Err(Refusal::Store(StoreFault::Supply)));
+    assert!(board.flash() == before);
+    board.power.supply_mv.store(3_000, Relaxed);
+    board.ask(&ToDevice::Save, 200).outcome.unwrap();
 }

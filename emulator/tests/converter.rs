@@ -3,6 +3,10 @@
 use emulator::{Board, CONVERTER_CLOCK_HZ, Fault, MS, Setup};
 use shared::wire::{Columns, ConverterFault, Oversampling, Source, Start, Status, ToDevice};
 
+/// Edges that wait for their interrupt, and the one of the data-ready line.
+const EXTI_PR: u64 = 0x4001_3c14;
+const DRDY: u32 = 1 << 7;
+
 fn streaming() -> Board {
     let mut board = Board::started(&Setup::new());
     board.stream(Oversampling::X4096);
@@ -95,6 +99,47 @@ fn a_data_ready_line_that_stands_still_is_said_and_when_it_moves_rows_go_on() {
 }
 
 #[test]
+fn a_data_ready_line_that_stands_still_for_long_resets_nothing() {
+    // Ten times as slow, with a watchdog of 1.3 s.
+    let setup = Setup { crystal_mhz: 10, watchdog_hz: 6 * 32_000, ..Setup::new() };
+    let mut board = Board::new(&setup);
+    board.run_ns(500 * MS);
+    board.hello();
+    board.ask(&ToDevice::SetRate(Oversampling::X16384), 400).outcome.unwrap();
+    let start = Start { source: Source::Converter, columns: Columns::Parts };
+    board.ask(&ToDevice::Start(start), 400).outcome.unwrap();
+    board.listen_ms(200);
+    board.converter().fault = Fault::DrdyStuck;
+    board.listen_ms(3_000);
+    assert_eq!(board.resets(), 0);
+    assert_eq!(board.status().converter, Some(ConverterFault::Stuck));
+}
+
+#[test]
+fn a_change_of_rate_under_load_is_no_press_and_what_it_costs_is_counted() {
+    let mut board = Board::started(&Setup::new());
+    board.converter().input = |_| [1_000_000; 4];
+    board.stream(Oversampling::X4096);
+    board.listen_ms(300);
+    let before = *board.heard.rows.last().unwrap();
+    board.heard.clear();
+    board.ask(&ToDevice::SetRate(Oversampling::X1024), 20).outcome.unwrap();
+    board.listen_ms(100);
+    let steps: Vec<_> =
+        board.heard.rows.windows(2).map(|rows| rows[1].time_us - rows[0].time_us).collect();
+    let fast = steps.iter().rposition(|us| us.abs_diff(256) > 20).unwrap();
+    assert!(steps.len() - fast > 300, "{} rows of the new rate", steps.len() - fast);
+    assert!(steps[..fast].iter().all(|us| us.abs_diff(1_024) <= 20), "{steps:?}");
+    for row in &board.heard.rows {
+        assert!((row.fa[0] - before.fa[0]).abs() <= 256, "FA moved by a microstrain: {row:?}");
+        assert_eq!(row.states[0].region, before.states[0].region, "{row:?}");
+    }
+    let missed = u64::from(board.status().counters.conversions_missed);
+    assert!(missed >= 3, "the converter settles: {missed}");
+    assert_eq!(board.heard.left_out, missed);
+}
+
+#[test]
 fn a_change_of_gain_under_load_is_no_press() {
     let mut board = Board::started(&Setup::new());
     board.converter().input = |_| [1_000_000; 4];
@@ -115,18 +160,20 @@ fn a_change_of_gain_under_load_is_no_press() {
 }
 
 #[test]
-fn the_first_start_holds_off_no_interrupt_for_a_millisecond() {
+fn the_first_start_keeps_no_edge_of_the_converter_waiting_for_a_millisecond() {
     let mut board = Board::started(&Setup::new());
     board.tell(&ToDevice::Start(Start { source: Source::Converter, columns: Columns::Parts }));
-    let (mut held, mut longest) = (0, 0);
+    let (mut waits, mut longest, mut edges) = (0, 0, 0);
     for _ in 0..2_000 {
         board.run_ns(MS / 50);
-        let masked = board.cpu().regs().basepri != 0 || board.cpu().regs().primask;
-        held = if masked { held + 20 } else { 0 };
-        longest = longest.max(held);
+        let pending = board.peek(EXTI_PR) & DRDY != 0;
+        waits = if pending { waits + 20 } else { 0 };
+        edges += u32::from(waits == 20);
+        longest = longest.max(waits);
     }
     board.listen();
     assert_eq!(board.heard.answers.len(), 2, "Hello and Start");
+    assert!(edges > 0, "none was ever seen to wait");
     assert!(longest < 1_000, "{longest} µs");
 }
 

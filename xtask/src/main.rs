@@ -38,6 +38,12 @@ enum Task {
         #[arg(long)]
         update: bool,
     },
+    /// Run the firmware on the modelled board alone.
+    Model {
+        /// Hosts that are killed.
+        #[arg(long, default_value_t = modelled::KILLS)]
+        kills: u32,
+    },
     /// Show the local page in a real browser and hold it to everything it promises; an hour of stream.
     Browser {
         /// Seconds of steady stream.
@@ -63,6 +69,7 @@ fn main() -> ExitCode {
         Task::Emulate { steady, update } => {
             emulate::run(steady, update).and_then(|()| modelled::run(1_000))
         }
+        Task::Model { kills } => firmware::build().and_then(|_| modelled::run(kills)),
         Task::Browser { steady } => browser::run(steady),
         Task::Effects => generate("effects"),
         Task::Traces => generate("traces"),

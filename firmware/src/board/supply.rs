@@ -3,8 +3,8 @@
 
 use stm32f4xx_hal::pac::{PWR, RCC};
 
-/// PLS: 2.9 V (data sheet, table 19).
-const THRESHOLD: u8 = 0b111;
+/// PLS: a supply that falls is low below 2.75 to 2.92 V, one that rises is not above 2.86 to 2.99 V (data sheet, table 19).
+const THRESHOLD: u8 = 0b101;
 
 /// Starts to watch it.
 pub fn watch(power: &PWR, rcc: &RCC) {
@@ -15,7 +15,7 @@ pub fn watch(power: &PWR, rcc: &RCC) {
     power.cr().modify(|_, w| unsafe { w.pls().bits(THRESHOLD).pvde().set_bit() });
 }
 
-/// Whether it is below 2.9 V now.
+/// Whether it is too low now.
 pub fn is_low() -> bool {
     // SAFETY: a read of a status register, which has no effect.
     unsafe { (*PWR::ptr()).csr().read().pvdo().bit_is_set() }

@@ -41,7 +41,7 @@ impl fmt::Display for Refused {
                 f.write_str("its flash failed; the settings before are still there")
             }
             Refusal::Store(StoreFault::Supply) => f.write_str(
-                "its supply is below 2.9 V, too low to write its flash; the settings before are still there",
+                "its supply is too low to write its flash (it needs 3 V); the settings before are still there",
             ),
             Refusal::NotHere => f.write_str("this device cannot do that"),
         }
