@@ -187,7 +187,8 @@ impl Heard {
             ToHost::Samples(block) => {
                 let calibration = [Calibration::new(&sheet()).unwrap(); GAUGES];
                 let rows = Rows::decode(head, &block).unwrap();
-                if block.first == 0 {
+                if block.first < self.next_row {
+                    // Another stream, of which the first rows may be lost.
                     self.next_row = 0;
                 }
                 self.left_out += block.first - self.next_row;

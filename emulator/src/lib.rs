@@ -202,13 +202,11 @@ impl Board {
     }
 
     /// The converter, to look at and to break.
-    #[must_use]
     pub fn converter(&self) -> MutexGuard<'_, Chip> {
         self.converter.chip()
     }
 
     /// The line.
-    #[must_use]
     pub fn wire(&self) -> MutexGuard<'_, Wire> {
         self.usart.wire()
     }

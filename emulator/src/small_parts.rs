@@ -142,11 +142,11 @@ impl Part for Power {
 
     fn peek(&self, at: u64) -> u32 {
         let control = self.control.load(Relaxed);
-        let threshold = FALLING_MV[(control >> 5 & 7) as usize];
+        let threshold = FALLING_MV[((control >> 5) & 7) as usize];
         let low = control & PVDE != 0 && self.supply_mv.load(Relaxed) < threshold;
         match at {
             PWR_CR => control,
-            PWR_CSR => VOSRDY | PVDO * u32::from(low),
+            PWR_CSR => VOSRDY | (PVDO * u32::from(low)),
             _ => 0,
         }
     }

@@ -82,7 +82,7 @@ fn talk(line: &mut Line, sequence: u32, command: &ToDevice<'_>) -> Result<Vec<Sa
     Err(format!("no answer to {command:?}; heard {heard:?}"))
 }
 
-fn answer(said: &[Said], sequence: u32) -> Option<Result<shared::wire::Done, Refusal>> {
+fn answer(said: &[Said], sequence: u32) -> Option<Result<Done, Refusal>> {
     said.iter().find_map(|said| match said {
         Said::Answer(Answer { to, outcome }) if *to == sequence => Some(*outcome),
         _ => None,
