@@ -174,6 +174,7 @@ fn the_first_start_keeps_no_edge_of_the_converter_waiting_for_a_millisecond() {
     board.listen();
     assert_eq!(board.heard.answers.len(), 2, "Hello and Start");
     assert!(edges > 0, "none was ever seen to wait");
+    println!("{edges} edges, none waited for more than {longest} µs");
     assert!(longest < 1_000, "{longest} µs");
 }
 
@@ -190,6 +191,7 @@ fn at_the_fastest_rate_a_command_delays_no_answer_to_the_converter_by_an_interva
         board.run_ns(MS / 3);
     }
     let slowest_us = board.converter().slowest_answer * 1_000_000 / CONVERTER_CLOCK_HZ;
+    println!("from an edge to the frame that answers it at most {slowest_us} µs");
     assert!(slowest_us <= 20, "{slowest_us} µs");
     assert_eq!(board.heard.left_out, 0);
 }
