@@ -77,6 +77,12 @@ impl Clock {
         self.hz.get()
     }
 
+    /// At least so many of its periods, whole microseconds and one to spare.
+    pub(crate) fn duration_us(self, periods: u32) -> u32 {
+        let us = u64::from(periods).saturating_mul(1_000_000) / NonZero::<u64>::from(self.hz);
+        u32::try_from(us).unwrap_or(u32::MAX).saturating_add(2)
+    }
+
     /// Power mode.
     pub const fn power(self) -> PowerMode {
         self.power

@@ -22,9 +22,9 @@ pub const SETTLING_SAMPLES: usize = 3;
 /// From a stable supply to the first command (t_POR, §6.7).
 const POWER_ON_US: u32 = 250;
 
-/// SYNC/RESET low for 2048 periods of the slowest CLKIN, 300 kHz (t_w(RSL), §6.6): a shorter pulse synchronises the
-/// conversions and resets nothing.
-const RESET_PULSE_US: u32 = 7_000;
+/// SYNC/RESET low for so many periods of CLKIN (t_w(RSL), §6.6): a shorter pulse synchronises the conversions and resets
+/// nothing.
+const RESET_PULSE_PERIODS: u32 = 2_048;
 
 /// From a reset to the first command (t_REGACQ, §6.7).
 const REGISTERS_US: u32 = 5;
@@ -60,13 +60,31 @@ impl<SPI: SpiDevice, RESET: OutputPin> Ads131m04<SPI, RESET> {
         (self.spi, self.reset)
     }
 
-    /// Resets the part by pin and by command, verifies that it is an ADS131M04, and configures it. CLKIN must run. Takes 8 ms.
+    /// Resets the part by pin and by command, verifies that it is an ADS131M04, and configures it. CLKIN must run.
+    /// Waits half a millisecond at 8 MHz, 7 ms at the slowest clock.
     ///
     /// # Errors
     /// [`Error::NoChip`], [`Error::NotReset`] and [`Error::WrongChip`] when the part is not there or not the right one;
     /// otherwise as [`configure`](Self::configure).
     pub fn init(&mut self, delay: &mut impl DelayNs, config: &Config) -> Outcome<(), SPI, RESET> {
-        self.pulse_reset(delay).map_err(Error::ResetPin)?;
+        self.reset(delay, config)?;
+        self.begin(delay, config)
+    }
+
+    /// The first half of [`init`](Self::init), most of its time: resets the part by its pin, which is silent.
+    ///
+    /// # Errors
+    /// [`Error::ResetPin`].
+    pub fn reset(&mut self, delay: &mut impl DelayNs, config: &Config) -> Outcome<(), SPI, RESET> {
+        self.pulse_reset(delay, config).map_err(Error::ResetPin)
+    }
+
+    /// The second half of [`init`](Self::init): resets a part that was reset by its pin by command too, verifies that it is an
+    /// ADS131M04, and configures it.
+    ///
+    /// # Errors
+    /// As [`init`](Self::init).
+    pub fn begin(&mut self, delay: &mut impl DelayNs, config: &Config) -> Outcome<(), SPI, RESET> {
         self.command_reset(delay)?;
         self.verify_identity()?;
         self.configure(config)
@@ -158,11 +176,15 @@ impl<SPI: SpiDevice, RESET: OutputPin> Ads131m04<SPI, RESET> {
         self.acknowledged(Command::Unlock)
     }
 
-    fn pulse_reset(&mut self, delay: &mut impl DelayNs) -> Result<(), RESET::Error> {
+    fn pulse_reset(
+        &mut self,
+        delay: &mut impl DelayNs,
+        config: &Config,
+    ) -> Result<(), RESET::Error> {
         self.reset.set_high()?;
         delay.delay_us(POWER_ON_US);
         self.reset.set_low()?;
-        delay.delay_us(RESET_PULSE_US);
+        delay.delay_us(config.clock.duration_us(RESET_PULSE_PERIODS));
         self.reset.set_high()?;
         delay.delay_us(REGISTERS_US);
         Ok(())

@@ -1,22 +1,21 @@
 //! What a device asks of its hardware.
 
-use shared::pipeline::GAUGES;
-use shared::wire::{ConverterFault, Oversampling, StoreFault};
+use shared::wire::{ConverterFault, StoreFault};
+
+use crate::front_end::Setting;
+use crate::stream::Lost;
 
 /// The hardware behind a device.
 pub trait Board {
-    /// Sets rate and gains of the converter; begins it if it was not begun.
+    /// Sets rate and gains of the converter; begins it if it was not begun. While samples are let through, the first one of
+    /// the new setting says so ([`Lost::exchanged`]).
     ///
     /// # Errors
     /// What is wrong with the converter.
-    fn configure(
-        &mut self,
-        oversampling: Oversampling,
-        gain: [u8; GAUGES],
-    ) -> Result<(), ConverterFault>;
+    fn configure(&mut self, setting: Setting) -> Result<(), ConverterFault>;
 
-    /// Lets samples of the converter through, or not.
-    fn listen(&mut self, to_converter: bool);
+    /// Lets samples of the converter through, or not: what was lost that no sample told.
+    fn listen(&mut self, to_converter: bool) -> Lost;
 
     /// Keeps a record over a loss of power. May stop everything else for seconds.
     ///

@@ -1,12 +1,13 @@
 //! What each command does.
 
-use shared::pipeline::GAUGES;
+use shared::pipeline::{Config, GAUGES};
 use shared::wire::{
     ConverterFault, Done, Inject, Refusal, Settings, SettingsError, Source, Start, ToDevice,
 };
 
 use crate::board::{Board, Restart};
-use crate::conversation::Device;
+use crate::conversation::{Device, Exchange, Stopping};
+use crate::front_end::Setting;
 use crate::outgoing::Due;
 use crate::self_test::SelfTest;
 
@@ -24,7 +25,7 @@ impl Device<'_> {
             // Answered before a command is read.
             ToDevice::Hello(_) => Ok(()),
             ToDevice::Start(start) => self.start(start, board),
-            ToDevice::Stop => self.stop(board),
+            ToDevice::Stop => return self.stop(number, board).map(|()| None),
             ToDevice::SetRate(oversampling) => {
                 self.convert(Settings { oversampling, ..settings }, board)
             }
@@ -78,48 +79,93 @@ impl Device<'_> {
         let config = self.settings.config(interval_s).map_err(refused)?;
         if start.source == Source::Converter {
             self.configure(&self.settings.clone(), board)?;
-            board.listen(true);
+            self.count_lost(board.listen(true));
         }
         self.stream.start(start, &config);
         self.set_temperature(self.temperature);
         Ok(())
     }
 
-    fn stop(&mut self, board: &mut impl Board) -> Result<(), Refusal> {
-        self.stream.source().ok_or(Refusal::NotStreaming)?;
-        board.listen(false);
+    /// Ends the stream, with an answer when the samples on their way have become rows.
+    fn stop(&mut self, number: u32, board: &mut impl Board) -> Result<(), Refusal> {
+        self.stream.source().filter(|_| self.stopping.is_none()).ok_or(Refusal::NotStreaming)?;
+        let lost = board.listen(false);
         while self.stream.process_injected() {}
-        self.stream.stop();
+        self.stopping = Some(Stopping { number, lost });
         Ok(())
+    }
+
+    /// Every sample that was let through has been given to [`Self::sample`]: ends a stream that is to end.
+    pub fn drained(&mut self) {
+        if let Some(Stopping { number, lost }) = self.stopping.take() {
+            self.exchange();
+            self.count_lost(lost);
+            self.stream.stop();
+            self.answer(number, Ok(Done::Carried));
+        }
     }
 
     /// Settings that the converter must take too. Without one they are kept for when it is there.
     fn convert(&mut self, settings: Settings, board: &mut impl Board) -> Result<(), Refusal> {
-        let interval_s = self.interval_s(settings.oversampling);
-        settings.config(interval_s).map_err(refused)?;
+        let config = self.config(&settings)?;
         match self.configure(&settings, board) {
-            Err(Refusal::Converter(ConverterFault::Missing)) | Ok(()) => self.apply(settings),
-            refused => refused,
+            Err(Refusal::Converter(ConverterFault::Missing)) | Ok(()) => {}
+            refused => return refused,
         }
+        if self.stream.source() == Some(Source::Converter) {
+            // Samples of before may be on their way.
+            let same_strain = self.settings.with_gain(settings.gain).calibration
+                == settings.calibration
+                && self.settings.tare == settings.tare
+                && self.exchange.as_ref().is_none_or(|before| before.same_strain);
+            self.exchange = Some(Exchange { config, same_strain });
+            self.settings = settings;
+        } else {
+            self.take(settings, &config);
+        }
+        Ok(())
     }
 
     fn configure(&mut self, settings: &Settings, board: &mut impl Board) -> Result<(), Refusal> {
-        let outcome = board.configure(settings.oversampling, settings.gain);
+        let Settings { oversampling, gain, .. } = *settings;
+        let outcome = board.configure(Setting { oversampling, gain });
         self.set_converter(outcome.err());
         outcome.map_err(Refusal::Converter)
     }
 
     /// Settings from the next sample on.
     fn apply(&mut self, settings: Settings) -> Result<(), Refusal> {
-        let interval_s = match self.stream.source() {
-            Some(Source::Link { interval_ns }) => f64::from(interval_ns) * 1e-9,
-            _ => self.interval_s(settings.oversampling),
-        };
-        let config = settings.config(interval_s).map_err(refused)?;
-        self.stream.pipeline().configure(&config);
+        let config = self.config(&settings)?;
+        if let Some(exchange) = &mut self.exchange {
+            // With the others that wait for their first sample.
+            exchange.config = config;
+            exchange.same_strain &= self.settings.calibration == settings.calibration
+                && self.settings.tare == settings.tare;
+            self.settings = settings;
+        } else {
+            self.take(settings, &config);
+        }
+        Ok(())
+    }
+
+    fn take(&mut self, settings: Settings, config: &Config) {
+        self.stream.pipeline().configure(config);
         self.settings = settings;
         self.changed();
-        Ok(())
+    }
+
+    /// The first sample of other gains or of another rate comes next.
+    #[cold]
+    pub(crate) fn exchange(&mut self) {
+        if let Some(Exchange { config, same_strain }) = self.exchange.take() {
+            self.stream.pipeline().exchange(&config, same_strain);
+            self.changed();
+        }
+    }
+
+    /// Settings as the pipeline takes them, for the stream that is on.
+    fn config(&self, settings: &Settings) -> Result<Config, Refusal> {
+        settings.config(self.interval_s(settings.oversampling)).map_err(refused)
     }
 
     /// What comes next is of other settings than what came before.
@@ -131,7 +177,7 @@ impl Device<'_> {
 
     fn tare(&mut self) -> Result<(), Refusal> {
         self.stream.source().ok_or(Refusal::NotStreaming)?;
-        if self.stream.rows() == 0 {
+        if self.stream.rows() == 0 || self.exchange.is_some() {
             return Err(Refusal::NoSample);
         }
         self.stream.pipeline().tare();
@@ -144,7 +190,8 @@ impl Device<'_> {
     fn save(&mut self, board: &mut impl Board) -> Result<(), Refusal> {
         self.idle()?;
         let (record, length) = self.settings.record();
-        board.store(record.get(..length).unwrap_or(&[])).map_err(Refusal::Store)
+        let stored = board.store(record.get(..length).unwrap_or(&[]));
+        stored.map_err(|fault| Refusal::Store(self.as_told(fault)))
     }
 
     fn inject(&mut self, inject: &Inject<'_>) -> Result<Done, Refusal> {
@@ -168,7 +215,7 @@ impl Device<'_> {
     ) -> Result<Option<Done>, Refusal> {
         self.idle()?;
         self.configure(&self.settings.clone(), board)?;
-        board.listen(true);
+        self.count_lost(board.listen(true));
         let interval_s = self.interval_s(self.settings.oversampling);
         self.test = Some(SelfTest::begin(number, now_us, interval_s));
         Ok(None)

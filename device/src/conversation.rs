@@ -3,7 +3,8 @@
 use shared::pipeline::{Config, Pipeline};
 use shared::wire::{
     self, Answer, ClockSource, ConverterFault, Counters, Done, FRAME_MAX, Formats, Head, Hello,
-    Oversampling, Refusal, ResetCause, Settings, SettingsError, Source, Status, ToDevice, ToHost,
+    Kept, Oversampling, Refusal, ResetCause, Settings, SettingsError, Source, Status, StoreFault,
+    ToDevice, ToHost,
 };
 
 use crate::blocks::Blocks;
@@ -38,20 +39,42 @@ pub struct Identity<'a> {
     pub panic: &'a str,
 }
 
-/// Settings to begin with: those that were kept, or the defaults where there are none or they are out of range. With what
-/// the pipeline makes of them, at a converter clock (Hz).
+/// What a device begins with.
+#[derive(Clone, Copy, Debug)]
+pub struct Beginning {
+    pub(crate) settings: Settings,
+    /// What the pipeline makes of them.
+    pub(crate) config: Config,
+    pub(crate) kept: Kept,
+}
+
+impl Beginning {
+    /// The settings as the pipeline takes them.
+    #[must_use]
+    pub const fn config(&self) -> &Config {
+        &self.config
+    }
+}
+
+/// Settings to begin with, at a converter clock (Hz): those of the record that was kept, or the defaults where there is none or
+/// it is out of range.
 ///
 /// # Errors
 /// [`SettingsError`] if even the defaults are out of range at this clock.
 pub fn begin_with(
-    kept: Option<Settings>,
+    record: Option<&[u8]>,
     converter_clock_hz: u32,
-) -> Result<(Settings, Config), SettingsError> {
-    let made = |settings: Settings| {
+) -> Result<Beginning, SettingsError> {
+    let made = |settings: Settings, kept| {
         let config = settings.config(settings.oversampling.interval_s(converter_clock_hz))?;
-        Ok((settings, config))
+        Ok(Beginning { settings, config, kept })
     };
-    kept.and_then(|settings| made(settings).ok()).map_or_else(|| made(Settings::DEFAULT), Ok)
+    match record.map(Settings::from_record) {
+        None => made(Settings::DEFAULT, Kept::None),
+        Some((settings, kept)) => {
+            made(settings, kept).or_else(|_| made(Settings::DEFAULT, Kept::Discarded))
+        }
+    }
 }
 
 /// A fingertip: takes samples and the host's frames, gives frames for the host.
@@ -59,13 +82,15 @@ pub fn begin_with(
 pub struct Device<'a> {
     pub(crate) identity: Identity<'a>,
     pub(crate) settings: Settings,
+    kept: Kept,
     pub(crate) stream: Stream<'a>,
     pub(crate) outgoing: Outgoing,
     pub(crate) counters: Counters,
     pub(crate) test: Option<SelfTest>,
     pub(crate) restart: Option<Restart>,
-    /// Whether the host speaks our schema; none before its `Hello`.
-    host: Option<bool>,
+    pub(crate) stopping: Option<Stopping>,
+    pub(crate) exchange: Option<Exchange>,
+    host: Host,
     /// The last command and its answer.
     last: Option<Answer>,
     heard: Option<u32>,
@@ -77,23 +102,54 @@ pub struct Device<'a> {
     status_at_us: u64,
 }
 
+/// What is known of the host.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Host {
+    /// Nothing, before its `Hello`.
+    Unknown,
+    /// It speaks this schema, and so do we.
+    Speaks(u64),
+    /// It speaks another.
+    Foreign,
+}
+
+/// A stream that ends when the samples on their way have come.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Stopping {
+    /// Command that asked for it.
+    pub(crate) number: u32,
+    /// What was lost after the last sample.
+    pub(crate) lost: Lost,
+}
+
+/// What the pipeline is to take with the first sample of other gains or of another rate.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Exchange {
+    pub(crate) config: Config,
+    /// Whether strain means what it did.
+    pub(crate) same_strain: bool,
+}
+
 impl<'a> Device<'a> {
     /// A device that begins with these settings and what [`begin_with`] made of them.
     #[must_use]
     pub fn new(
         identity: Identity<'a>,
-        (settings, config): &(Settings, Config),
+        Beginning { settings, config, kept }: &Beginning,
         blocks: &'a mut Blocks,
     ) -> Self {
         Self {
             identity,
             settings: *settings,
+            kept: *kept,
             stream: Stream::new(Pipeline::new(config), blocks),
             outgoing: Outgoing::new(),
             counters: Counters::default(),
             test: None,
             restart: None,
-            host: None,
+            stopping: None,
+            exchange: None,
+            host: Host::Unknown,
             last: None,
             heard: None,
             sequence: 0,
@@ -116,6 +172,12 @@ impl<'a> Device<'a> {
     /// Notes what is wrong with the converter.
     pub const fn set_converter(&mut self, fault: Option<ConverterFault>) {
         self.converter = fault;
+    }
+
+    /// What is known to be wrong with the converter.
+    #[must_use]
+    pub const fn converter(&self) -> Option<ConverterFault> {
+        self.converter
     }
 
     /// Notes the most bytes of stack that were used.
@@ -141,7 +203,7 @@ impl<'a> Device<'a> {
     /// Takes a sample of the converter.
     #[inline]
     pub fn sample(&mut self, sample: &Sample) {
-        if sample.lost != Lost::default() {
+        if sample.lost != Lost::NONE {
             self.count_lost(sample.lost);
         }
         if let Some(test) = &mut self.test {
@@ -152,14 +214,18 @@ impl<'a> Device<'a> {
         }
     }
 
+    /// Counts conversions that were lost after the last sample, and notes that the next is of other gains or another rate.
     #[cold]
-    fn count_lost(&mut self, lost: Lost) {
+    pub fn count_lost(&mut self, lost: Lost) {
         let counters = &mut self.counters;
         counters.conversions_missed = counters.conversions_missed.saturating_add(lost.missed);
         counters.conversions_damaged = counters.conversions_damaged.saturating_add(lost.damaged);
         counters.queue_full = counters.queue_full.saturating_add(lost.queue_full);
-        if self.stream.source() == Some(Source::Converter) {
+        if self.stream.source() == Some(Source::Converter) && lost.all() > 0 {
             self.stream.lose(lost.all());
+        }
+        if lost.exchanged {
+            self.exchange();
         }
     }
 
@@ -186,7 +252,7 @@ impl<'a> Device<'a> {
         {
             let to = test.to;
             self.test = None;
-            board.listen(false);
+            self.count_lost(board.listen(false));
             self.answer(to, Ok(Done::Tested(result)));
         }
     }
@@ -203,20 +269,23 @@ impl<'a> Device<'a> {
             return self.count_damaged();
         };
         if let Some(who) = wire::introduction(message) {
-            return self.hello(head.sequence, who.schema == wire::SCHEMA);
+            return self.hello(head.sequence, who.schema);
         }
-        if self.host != Some(true) {
-            let refusal = match self.host {
-                None => Refusal::NoHello,
-                Some(_) => Refusal::Schema(wire::SCHEMA),
-            };
+        let refusal = match self.host {
+            Host::Unknown => Some(Refusal::NoHello),
+            Host::Foreign if !wire::is_of_core(message) => Some(Refusal::Schema(wire::SCHEMA)),
+            Host::Foreign | Host::Speaks(_) => None,
+        };
+        if let Some(refusal) = refusal {
             return self.outgoing.answer(Answer { to: head.sequence, outcome: Err(refusal) });
         }
         if let Some(answer) = self.last.filter(|answer| answer.to == head.sequence) {
             return self.outgoing.answer(answer);
         }
-        if self.test.as_ref().is_some_and(|test| test.to == head.sequence) {
-            return; // Its answer is under way.
+        let under_way = self.test.as_ref().map(|test| test.to);
+        let ending = self.stopping.map(|stopping| stopping.number);
+        if [under_way, ending].contains(&Some(head.sequence)) {
+            return; // Its answer comes later.
         }
         let Ok(command) = wire::read::<ToDevice<'_>>(message) else {
             return self.count_damaged();
@@ -232,11 +301,16 @@ impl<'a> Device<'a> {
         self.counters.frames_damaged = self.counters.frames_damaged.saturating_add(1);
     }
 
-    fn hello(&mut self, sequence: u32, ours: bool) {
-        (self.host, self.last, self.heard) = (Some(ours), None, Some(sequence));
+    fn hello(&mut self, sequence: u32, schema: u64) {
+        let understood = wire::is_understood(schema);
+        self.host = if understood { Host::Speaks(schema) } else { Host::Foreign };
+        (self.last, self.heard) = (None, Some(sequence));
         self.outgoing = Outgoing::new();
         self.outgoing.ask(Due::Hello);
-        if ours {
+        if understood {
+            if schema == wire::SCHEMA {
+                self.outgoing.ask(Due::Kept);
+            }
             self.outgoing.ask(Due::Settings);
             self.answer(sequence, Ok(Done::Carried));
         } else {
@@ -244,7 +318,13 @@ impl<'a> Device<'a> {
         }
     }
 
-    fn answer(&mut self, to: u32, outcome: Result<Done, Refusal>) {
+    /// What is wrong with the memory, in words that the host's release has.
+    pub(crate) fn as_told(&self, fault: StoreFault) -> StoreFault {
+        let older = matches!(self.host, Host::Speaks(schema) if schema != wire::SCHEMA);
+        if older && fault == StoreFault::Supply { StoreFault::NotWritten } else { fault }
+    }
+
+    pub(crate) fn answer(&mut self, to: u32, outcome: Result<Done, Refusal>) {
         let answer = Answer { to, outcome };
         self.last = Some(answer);
         self.outgoing.answer(answer);
@@ -282,6 +362,8 @@ impl<'a> Device<'a> {
         let head = Head { sequence: self.sequence, time_us: now_us };
         let sent = if self.outgoing.take(Due::Hello) {
             wire::encode(head, &ToHost::Hello(self.introduction()), frame)
+        } else if self.outgoing.take(Due::Kept) {
+            wire::encode(head, &ToHost::Kept(self.kept), frame)
         } else if self.outgoing.is_due(Due::Settings) && self.settings_are_next() {
             self.outgoing.take(Due::Settings);
             let settings =
@@ -295,7 +377,7 @@ impl<'a> Device<'a> {
             sent
         } else if self.outgoing.take(Due::Status) {
             wire::encode(head, &ToHost::Status(self.status()), frame)
-        } else if self.host == Some(true) && log.is_waiting() {
+        } else if matches!(self.host, Host::Speaks(_)) && log.is_waiting() {
             let mut piece = [0; LOG_PIECE];
             let length = log.take(&mut piece);
             let bytes = piece.get(..length).filter(|bytes| !bytes.is_empty())?;
@@ -309,6 +391,10 @@ impl<'a> Device<'a> {
 
     /// Blocks of older settings go before the new ones, so that a host always has those of the block it hears.
     fn settings_are_next(&mut self) -> bool {
+        if self.exchange.is_some() {
+            // They are told with the first block that they made.
+            return false;
+        }
         let generation = self.stream.generation;
         self.stream.blocks.next().is_none_or(|rows| rows.generation == generation)
     }
@@ -322,7 +408,8 @@ impl<'a> Device<'a> {
     fn introduction(&self) -> Hello<'a> {
         let identity = self.identity;
         Hello {
-            schema: wire::SCHEMA,
+            // To an older host we are of its release, as far as it goes.
+            schema: if let Host::Speaks(schema) = self.host { schema } else { wire::SCHEMA },
             version: identity.version,
             git: identity.git,
             board: identity.board,

@@ -14,6 +14,7 @@
 //!
 //! - [`Device`]: the conversation, and what the parts below do in it.
 //! - [`Board`], [`Log`]: what a device asks of its hardware.
+//! - [`FrontEnd`], [`Converter`]: how a converter is read, and what is done when it fails; [`converters`] has those there are.
 //! - [`Sample`], [`Blocks`]: what comes in, and where it waits on its way out.
 #![cfg_attr(not(test), no_std)]
 #![forbid(unsafe_code)]
@@ -34,11 +35,16 @@ mod blocks;
 mod board;
 mod commands;
 mod conversation;
+pub mod converters;
+mod front_end;
 mod outgoing;
 mod self_test;
 mod stream;
+mod temperature;
 
 pub use blocks::Blocks;
 pub use board::{Board, Log, Restart};
-pub use conversation::{Device, Identity, begin_with};
+pub use conversation::{Beginning, Device, Identity, begin_with};
+pub use front_end::{Converter, Found, FrontEnd, ReadError, Setting};
 pub use stream::{INJECTED_ROWS, Lost, Sample};
+pub use temperature::Smoothed;

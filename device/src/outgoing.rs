@@ -12,6 +12,7 @@ pub(crate) enum Due {
     Hello = 1,
     Settings = 1 << 1,
     Status = 1 << 2,
+    Kept = 1 << 4,
 }
 
 const AN_ANSWER: u8 = 1 << 3;

@@ -26,15 +26,20 @@ pub struct Sample {
 /// Conversions that were lost between two samples, by cause.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub struct Lost {
-    /// Never seen.
+    /// Never seen, or not to be used because the converter was settling.
     pub missed: u32,
     /// Damaged on the bus.
     pub damaged: u32,
     /// Found the queue to the filter full.
     pub queue_full: u32,
+    /// Whether gains or rate were exchanged between the two samples, so that they were given up for it.
+    pub exchanged: bool,
 }
 
 impl Lost {
+    /// Nothing.
+    pub const NONE: Self = Self { missed: 0, damaged: 0, queue_full: 0, exchanged: false };
+
     pub(crate) fn all(self) -> u64 {
         u64::from(self.missed)
             .saturating_add(u64::from(self.damaged))

@@ -1,12 +1,12 @@
 //! What a host may rely on, command by command.
 
-use device::{Board, Device, INJECTED_ROWS, Identity, Lost, Restart, Sample, begin_with};
+use device::{Board, Device, INJECTED_ROWS, Identity, Lost, Restart, Sample, Setting, begin_with};
 use proptest::prelude::*;
 use shared::calibration::Sheet;
 use shared::pipeline::{GAUGES, Pipeline};
 use shared::wire::{
     self, Accumulated, Accumulator, ClockSource, Columns, ConverterFault, Done, FRAME_MAX, Head,
-    HelloToDevice, INJECT_ROWS, Inject, Oversampling, Refusal, ResetCause, Row, Rows, SCHEMA,
+    HelloToDevice, INJECT_ROWS, Inject, Kept, Oversampling, Refusal, ResetCause, Row, Rows, SCHEMA,
     Settings, Source, Start, Status, StoreFault, ToDevice, ToHost,
 };
 
@@ -24,26 +24,26 @@ const IDENTITY: Identity<'static> = Identity {
 #[derive(Default)]
 struct Bench {
     converter: Option<ConverterFault>,
-    set: Option<(Oversampling, [u8; GAUGES])>,
+    set: Option<Setting>,
     listening: bool,
+    /// Lost after the last sample.
+    untold: Lost,
     stored: Vec<u8>,
+    store_fault: Option<StoreFault>,
 }
 
 impl Board for Bench {
-    fn configure(
-        &mut self,
-        oversampling: Oversampling,
-        gain: [u8; GAUGES],
-    ) -> Result<(), ConverterFault> {
-        self.set = Some((oversampling, gain));
+    fn configure(&mut self, setting: Setting) -> Result<(), ConverterFault> {
+        self.set = Some(setting);
         self.converter.map_or(Ok(()), Err)
     }
-    fn listen(&mut self, to_converter: bool) {
+    fn listen(&mut self, to_converter: bool) -> Lost {
         self.listening = to_converter;
+        std::mem::take(&mut self.untold)
     }
     fn store(&mut self, record: &[u8]) -> Result<(), StoreFault> {
         self.stored = record.to_vec();
-        Ok(())
+        self.store_fault.map_or(Ok(()), Err)
     }
     fn can_restart(&self, into: Restart) -> bool {
         into == Restart::Firmware
@@ -62,14 +62,19 @@ struct Host {
     settings: Option<(u32, Settings)>,
     status: Option<Status>,
     hello: Option<(u64, String)>,
+    kept: Option<Kept>,
 }
 
 impl Host {
     fn new() -> Self {
+        Self::beginning_with(None)
+    }
+
+    fn beginning_with(record: Option<&[u8]>) -> Self {
         Self {
             device: Device::new(
                 IDENTITY,
-                &begin_with(None, IDENTITY.converter_clock_hz).unwrap(),
+                &begin_with(record, IDENTITY.converter_clock_hz).unwrap(),
                 Box::leak(Box::default()),
             ),
             board: Bench::default(),
@@ -81,6 +86,7 @@ impl Host {
             settings: None,
             status: None,
             hello: None,
+            kept: None,
         }
     }
 
@@ -100,6 +106,7 @@ impl Host {
     fn say(&mut self, command: &ToDevice<'_>) -> Result<Done, Refusal> {
         self.sequence += 1;
         self.send(self.sequence, command);
+        self.device.drained();
         self.hear();
         let (to, outcome) = *self.answers.last().expect("an answer");
         assert_eq!(to, self.sequence);
@@ -130,6 +137,7 @@ impl Host {
                             self.generations.extend((0..rows.len()).map(|_| generation));
                             self.rows.extend(rows.iter(&calibration));
                         }
+                        ToHost::Kept(kept) => self.kept = Some(kept),
                         ToHost::Log(_) => unreachable!("nothing is logged here"),
                     }
                 }
@@ -194,6 +202,40 @@ fn a_host_of_another_schema_is_told_so_and_nothing_is_done_for_it() {
     assert_eq!(host.say(&hello), Err(Refusal::Schema(SCHEMA)));
     assert_eq!(host.hello, Some((SCHEMA, "1.2.3".into())));
     assert_eq!(host.say(&ToDevice::LoadDefaults), Err(Refusal::Schema(SCHEMA)));
+}
+
+#[test]
+fn a_host_of_any_release_may_stop_restart_and_ask_for_the_status() {
+    let mut host = Host::new();
+    let hello = ToDevice::Hello(HelloToDevice { schema: SCHEMA ^ 1, version: "77.0.0" });
+    host.say(&hello).unwrap_err();
+    host.status();
+    assert_eq!(host.say(&ToDevice::Stop), Err(Refusal::NotStreaming));
+    host.sequence += 1;
+    host.send(host.sequence, &ToDevice::Reboot);
+    host.hear();
+    assert_eq!(host.device.restart_due(), Some(Restart::Firmware));
+    assert_eq!(
+        host.say(&ToDevice::Bootloader),
+        Err(Refusal::NotHere),
+        "asked, not refused unheard"
+    );
+}
+
+#[test]
+fn a_host_of_an_earlier_release_is_spoken_to_in_its_own_schema() {
+    for schema in wire::EARLIER {
+        let mut host = Host::new();
+        let hello = ToDevice::Hello(HelloToDevice { schema, version: "0.1.0" });
+        host.say(&hello).unwrap();
+        assert_eq!(host.hello, Some((schema, "1.2.3".into())));
+        host.start(LINK);
+        host.say(&ToDevice::Stop).unwrap();
+        // Words that its release does not have.
+        host.board.store_fault = Some(StoreFault::Supply);
+        let refused = host.say(&ToDevice::Save);
+        assert_eq!(refused, Err(Refusal::Store(StoreFault::NotWritten)));
+    }
 }
 
 #[test]
@@ -280,7 +322,7 @@ fn a_host_that_does_not_listen_costs_rows_that_are_counted_and_nothing_else() {
     let mut host = Host::introduced();
     host.start(Source::Converter);
     for row in 0..1_000 {
-        host.sample(press(row), Lost::default());
+        host.sample(press(row), Lost::NONE);
     }
     host.say(&ToDevice::Stop).unwrap();
     let lost = host.status().counters.link_full;
@@ -293,8 +335,8 @@ fn what_the_interrupt_lost_is_a_gap_in_the_numbers_and_counted_by_cause() {
     let mut host = Host::introduced();
     host.start(Source::Converter);
     assert!(host.board.listening);
-    host.sample([0; GAUGES], Lost::default());
-    host.sample([1; GAUGES], Lost { missed: 2, damaged: 1, queue_full: 4 });
+    host.sample([0; GAUGES], Lost::NONE);
+    host.sample([1; GAUGES], Lost { missed: 2, damaged: 1, queue_full: 4, exchanged: false });
     host.say(&ToDevice::Stop).unwrap();
     assert_eq!(host.rows.iter().map(|row| row.number).collect::<Vec<_>>(), [0, 8]);
     let counted = host.status().counters;
@@ -305,10 +347,67 @@ fn what_the_interrupt_lost_is_a_gap_in_the_numbers_and_counted_by_cause() {
 }
 
 #[test]
+fn what_was_lost_before_a_stop_is_counted_and_what_waited_for_the_filter_is_sent() {
+    let mut host = Host::introduced();
+    host.start(Source::Converter);
+    host.sample(press(0), Lost::NONE);
+    host.board.untold = Lost { missed: 7, ..Lost::NONE };
+    host.sequence += 1;
+    host.send(host.sequence, &ToDevice::Stop);
+    host.hear();
+    assert!(host.answers.iter().all(|(to, _)| *to != host.sequence), "not before it has ended");
+    assert!(!host.board.listening);
+    // It was read before the stop and waited for its turn.
+    host.sample(press(1), Lost::NONE);
+    host.device.drained();
+    host.hear();
+    assert_eq!(host.answers.last(), Some(&(host.sequence, Ok(Done::Carried))));
+    assert_eq!(host.rows.len(), 2);
+    let status = host.status();
+    assert_eq!((status.counters.conversions_missed, status.streaming), (7, None));
+}
+
+#[test]
+fn losses_that_no_sample_follows_are_counted_and_are_a_gap_in_the_numbers() {
+    let mut host = Host::introduced();
+    host.start(Source::Converter);
+    host.sample(press(0), Lost::NONE);
+    host.device.count_lost(Lost { damaged: 5_000, ..Lost::NONE });
+    let status = host.status();
+    assert_eq!((status.rows, status.counters.conversions_damaged), (5_001, 5_000));
+}
+
+#[test]
+fn a_change_of_gain_while_streaming_makes_no_press_and_samples_on_their_way_keep_their_gain() {
+    let mut host = Host::introduced();
+    host.start(Source::Converter);
+    for _ in 0..600 {
+        host.sample([1_000_000; GAUGES], Lost::NONE);
+        host.hear();
+    }
+    let before = *host.rows.last().unwrap();
+    host.say(&ToDevice::SetGain([64; GAUGES])).unwrap();
+    assert_eq!(host.board.set.unwrap().gain, [64; GAUGES]);
+    // One of the old gain was on its way.
+    host.sample([1_000_000; GAUGES], Lost::NONE);
+    host.sample([500_000; GAUGES], Lost { missed: 5, exchanged: true, ..Lost::NONE });
+    for _ in 0..40 {
+        host.sample([500_000; GAUGES], Lost::NONE);
+    }
+    host.say(&ToDevice::Stop).unwrap();
+    assert_eq!(host.settings.unwrap().1.gain, [64; GAUGES]);
+    for row in &host.rows[600..] {
+        assert!((row.fa[0] - before.fa[0]).abs() < 256, "{row:?}");
+        assert!((row.fa[0] + row.sa[0] - before.fa[0] - before.sa[0]).abs() <= 2, "{row:?}");
+        assert_eq!(row.states[0].region, before.states[0].region);
+    }
+}
+
+#[test]
 fn rows_that_nothing_follows_are_sent_soon() {
     let mut host = Host::introduced();
     host.start(Source::Converter);
-    host.sample(press(0), Lost::default());
+    host.sample(press(0), Lost::NONE);
     host.hear();
     assert!(host.rows.is_empty());
     for _ in 0..2 {
@@ -376,7 +475,7 @@ fn a_tare_reads_zero_leaves_the_counts_alone_and_can_be_taken_back() {
     let counts = [100_000, -50_000, 7, 0];
     for command in [ToDevice::Status, ToDevice::Tare, ToDevice::Untare] {
         host.say(&command).unwrap();
-        host.sample(counts, Lost::default());
+        host.sample(counts, Lost::NONE);
     }
     host.say(&ToDevice::Stop).unwrap();
     let strain = |row: &Row| -> [i32; GAUGES] { std::array::from_fn(|i| row.fa[i] + row.sa[i]) };
@@ -397,10 +496,29 @@ fn settings_are_kept_on_request_and_only_then() {
     assert_eq!(host.say(&ToDevice::Save), Err(Refusal::Streaming));
     host.say(&ToDevice::Stop).unwrap();
     host.say(&ToDevice::Save).unwrap();
-    let kept = Settings::from_record(&host.board.stored).unwrap();
+    let (kept, _) = Settings::from_record(&host.board.stored);
     assert_eq!(kept.calibration[2], sheet);
     host.say(&ToDevice::LoadDefaults).unwrap();
     assert_eq!(host.settings.unwrap().1, Settings::DEFAULT);
+}
+
+#[test]
+fn what_became_of_kept_settings_is_told_after_hello() {
+    let (mut record, length) = Settings::DEFAULT.record();
+    let mut wrong = Settings::DEFAULT;
+    wrong.calibration[0].gain = 7.0;
+    let (out_of_range, _) = wrong.record();
+    let told = |record: Option<&[u8]>| {
+        let mut host = Host::beginning_with(record);
+        host.say(&ToDevice::Hello(HelloToDevice { schema: SCHEMA, version: "1" })).unwrap();
+        assert_eq!(host.settings, Some((0, Settings::DEFAULT)));
+        host.kept.unwrap()
+    };
+    assert_eq!(told(None), Kept::None);
+    assert_eq!(told(Some(&record[..length])), Kept::All);
+    assert_eq!(told(Some(&out_of_range[..length])), Kept::Discarded);
+    record[0] = 0;
+    assert_eq!(told(Some(&record[..length])), Kept::Discarded);
 }
 
 #[test]
@@ -448,7 +566,7 @@ fn a_self_test_is_answered_when_it_has_its_samples() {
     host.sequence += 1;
     host.send(host.sequence, &ToDevice::SelfTest);
     for row in 0..256 {
-        host.sample([row, 0, 0, 0], Lost::default());
+        host.sample([row, 0, 0, 0], Lost::NONE);
     }
     host.hear();
     let said = host.answers.len();
@@ -484,7 +602,7 @@ proptest! {
             let mut whole = [0; FRAME_MAX];
             let bytes = wire::encode(Head::default(), &frame[..], &mut whole).unwrap().len();
             host.device.receive(&mut whole[..bytes - 1], host.now_us, &mut host.board);
-            host.sample(counts, Lost { missed: frame.len() as u32, ..Lost::default() });
+            host.sample(counts, Lost { missed: frame.len() as u32, ..Lost::NONE });
             host.device.tick(host.now_us, &mut host.board);
             host.hear();
         }

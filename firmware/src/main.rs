@@ -3,13 +3,16 @@
 //! What it does is in the crate `device`, which the host's simulated device shares. Here is what drives it:
 //!
 //! ```text
-//! priority 4   read       DRDY interrupt: reads the converter, stamps the time     ── queue of samples ──┐
-//! priority 3   line       USART interrupt: one byte in, one byte out               ── queue of bytes ──┐ │
+//! priority 4   line       USART interrupt: one byte in, one byte out               ── queue of bytes ──┐
+//! priority 3   read       DRDY interrupt: stamps the time, reads the converter     ── queue of samples ┼─┐
 //! priority 2   command    cuts frames, carries out commands                        ◄───────────────────┘ │
 //! priority 2   send       asks the device for frames                               ── queue of frames ─► line
 //! priority 2   tick       every 10 ms: status, watchdog, temperature                                     │
 //! priority 1   filter     calibrates and decomposes                                ◄─────────────────────┘
 //! ```
+//!
+//! The line comes first because it waits least: at 1 Mbaud a byte must be fetched within 10 µs, and to read the converter takes
+//! longer. The converter keeps two samples. Its driver is locked only while it is spoken to.
 //!
 //! Interrupts do the least; nothing waits for the host; what finds a queue full is counted. The device's state is shared by
 //! the lower priorities, one row or one command at a time, so settings change between two rows.
@@ -17,7 +20,6 @@
 #![no_main]
 
 mod board;
-mod front_end;
 mod hardware;
 mod log;
 mod memory;
@@ -39,25 +41,25 @@ type Frame = heapless::Vec<u8, { shared::wire::FRAME_MAX }>;
 mod app {
     use core::mem::MaybeUninit;
     use core::sync::atomic::{AtomicU32, Ordering};
-    use defmt::{info, warn};
-    use device::{Blocks, Device, Identity, Sample, begin_with};
+    use defmt::{Debug2Format, info, warn};
+    use device::converters::FourChannels;
+    use device::{Blocks, Device, FrontEnd, Identity, Lost, Sample, begin_with};
     use embedded_hal_bus::spi::{ExclusiveDevice, NoDelay};
-    use embedded_hal_nb::serial::{Read, Write};
+    use embedded_hal_nb::serial::Write;
     use heapless::spsc::{Consumer, Producer, Queue};
     use rtic_monotonics::{Timebase, fugit, systick_monotonic};
     use rtic_sync::signal::SignalReader;
-    use shared::wire::{Accumulated, Accumulator, BAUD, FRAME_MAX, Hello};
+    use shared::wire::{Accumulated, Accumulator, BAUD, FRAME_MAX, Hello, Settings};
     use stm32f4xx_hal::gpio::{Edge, Input, Output, PB8, PB9, PC7, Speed};
     use stm32f4xx_hal::pac::{Interrupt, SPI2, USART3};
     use stm32f4xx_hal::prelude::*;
-    use stm32f4xx_hal::serial::{self, Rx, RxISR, RxListen, Serial, Tx, TxISR, TxListen};
+    use stm32f4xx_hal::serial::{self, RxListen, Serial, Tx, TxISR, TxListen};
     use stm32f4xx_hal::spi::Spi;
 
     use crate::board::temperature::Thermometer;
     use crate::board::watchdog::{Stage, Watchdog, progress};
-    use crate::board::{self, clocks, fingerprint, reset, stack, time};
-    use crate::front_end::{Cycles, FrontEnd};
-    use crate::hardware::Hardware;
+    use crate::board::{self, clocks, fingerprint, receiver, reset, stack, supply, time};
+    use crate::hardware::{Hardware, Locked};
     use crate::memory::Memory;
     use crate::wake::{self, give_way, wake};
     use crate::{BYTES, FRAMES, Frame, SAMPLES, log};
@@ -68,7 +70,8 @@ mod app {
         <Mono as Timebase>::delay(fugit::TimerDurationU32::from_ticks(time)).await;
     }
 
-    type Board = Hardware<ExclusiveDevice<Spi<SPI2>, PB9<Output>, NoDelay>, PB8<Output>>;
+    type Bus = ExclusiveDevice<Spi<SPI2>, PB9<Output>, NoDelay>;
+    type Board = Hardware<FourChannels<Bus, PB8<Output>>>;
 
     #[shared]
     struct Shared {
@@ -81,7 +84,6 @@ mod app {
         drdy: PC7<Input>,
         samples_in: Producer<'static, Sample>,
         samples: Consumer<'static, Sample>,
-        rx: Rx<USART3>,
         tx: Tx<USART3>,
         bytes_in: Producer<'static, u8>,
         bytes: Consumer<'static, u8>,
@@ -106,8 +108,9 @@ mod app {
         let p = cx.device;
         let panic = reset::last_words(cx.local.panic, &p.RCC, &p.SYSCFG);
         let why = reset::cause(&p.RCC);
-        let fingerprint = fingerprint::read(&p.RCC);
-        let (mut rcc, clock) = clocks::start(p.RCC);
+        let fingerprint = fingerprint::read();
+        supply::watch(&p.PWR, &p.RCC);
+        let (mut rcc, clock) = clocks::start(p.RCC, p.TIM11);
         let sysclk = rcc.clocks.sysclk();
         time::start(p.TIM2, &mut rcc);
         Mono::start(cx.core.SYST, sysclk.raw());
@@ -115,12 +118,17 @@ mod app {
         let (b, c) = (p.GPIOB.split(&mut rcc), p.GPIOC.split(&mut rcc));
         // Its clock must run before the converter is spoken to.
         let (_, (clkin, ..)) = p.TIM8.pwm_hz(board::CONVERTER_CLOCK_HZ.Hz(), &mut rcc);
-        let mut clkin = clkin.with(c.pc6);
+        // The pins of clock and bus are slow after a reset: 2 to 8 MHz (data sheet, table 50).
+        let mut clkin = clkin.with(c.pc6.into_alternate().speed(Speed::High));
         clkin.set_duty(clkin.get_max_duty() / 2);
         clkin.enable();
         let spi = Spi::new(
             p.SPI2,
-            (Some(b.pb13), Some(b.pb14), Some(b.pb15)),
+            (
+                Some(b.pb13.into_alternate().speed(Speed::High)),
+                Some(b.pb14),
+                Some(b.pb15.into_alternate().speed(Speed::High)),
+            ),
             ads131m04::SPI_MODE,
             board::SPI_HZ.Hz(),
             &mut rcc,
@@ -129,7 +137,8 @@ mod app {
         let mut reset_line = b.pb8.into_push_pull_output();
         reset_line.set_speed(Speed::Low);
         let Ok(bus) = ExclusiveDevice::new_no_delay(spi, select);
-        let front_end = FrontEnd::new(bus, reset_line, Cycles { per_us: sysclk.to_MHz() });
+        let converter = FourChannels::new(bus, reset_line, board::CONVERTER_CLOCK_HZ);
+        let front_end = FrontEnd::new(converter, time::Delay);
         let mut drdy = c.pc7.into_pull_up_input();
         drdy.make_interrupt_source(&mut p.SYSCFG.constrain(&mut rcc));
         let mut exti = p.EXTI;
@@ -145,7 +154,9 @@ mod app {
         rx.listen();
 
         let mut memory = Memory::new(p.FLASH, fingerprint.is_some());
-        let Ok(settings) = begin_with(memory.load(), board::CONVERTER_CLOCK_HZ) else {
+        let mut record = [0; Settings::RECORD];
+        let kept = memory.load(&mut record);
+        let Ok(beginning) = begin_with(kept, board::CONVERTER_CLOCK_HZ) else {
             reset::die("the default settings are out of range");
         };
         let identity = Identity {
@@ -159,7 +170,8 @@ mod app {
             panic,
         };
         // Made where it stays: the stack has no room for copies.
-        let device = cx.local.device_place.write(Device::new(identity, &settings, cx.local.blocks));
+        let device =
+            cx.local.device_place.write(Device::new(identity, &beginning, cx.local.blocks));
         info!("palpate {} on {}, {} MHz", identity.version, board::NAME, sysclk.to_MHz());
 
         let (samples_in, samples) = cx.local.sample_queue.split();
@@ -175,7 +187,6 @@ mod app {
                 drdy,
                 samples_in,
                 samples,
-                rx,
                 tx,
                 bytes_in,
                 bytes,
@@ -185,17 +196,18 @@ mod app {
                 command_wakes: wake::COMMAND.take_reader(),
                 send_wakes: wake::SEND.take_reader(),
                 thermometer,
-                watchdog: Watchdog::start(p.IWDG),
+                watchdog: Watchdog::start(p.IWDG, &p.DBGMCU),
             },
         )
     }
 
     /// An edge of the converter's data-ready line.
-    #[task(binds = EXTI9_5, priority = 4, local = [drdy, samples_in], shared = [hardware])]
+    #[task(binds = EXTI9_5, priority = 3, local = [drdy, samples_in], shared = [hardware])]
     fn read(mut cx: read::Context) {
+        let now_us = time::now_us();
         cx.local.drdy.clear_interrupt_pending_bit();
         cx.shared.hardware.lock(|Hardware { front_end, .. }| {
-            let Some(sample) = front_end.ready() else { return };
+            let Some(sample) = front_end.ready(now_us) else { return };
             if let Err(sample) = cx.local.samples_in.enqueue(sample) {
                 front_end.found_queue_full(&sample);
             }
@@ -208,15 +220,17 @@ mod app {
     static BYTES_LOST: AtomicU32 = AtomicU32::new(0);
 
     /// One byte of the link, in or out.
-    #[task(binds = USART3, priority = 3, local = [rx, tx, bytes_in, frames, sent: usize = 0])]
+    #[task(binds = USART3, priority = 4, local = [tx, bytes_in, frames, sent: usize = 0])]
     fn line(cx: line::Context) {
-        let line::LocalResources { rx, tx, bytes_in, frames, sent, .. } = cx.local;
-        if rx.is_rx_not_empty() {
-            // The line cannot be held back: without room the byte is lost, and counted.
-            let kept = rx.read().ok().and_then(|byte| bytes_in.enqueue(byte).ok());
-            if kept.is_none() {
-                BYTES_LOST.fetch_add(1, Ordering::Relaxed);
-            }
+        let line::LocalResources { tx, bytes_in, frames, sent, .. } = cx.local;
+        let received = receiver::take();
+        // The line cannot be held back: without room the byte is lost, and counted.
+        let found_no_room = received.byte.is_some_and(|byte| bytes_in.enqueue(byte).is_err());
+        let lost = received.lost + u32::from(found_no_room);
+        if lost > 0 {
+            BYTES_LOST.fetch_add(lost, Ordering::Relaxed);
+        }
+        if received.byte.is_some() {
             wake(&wake::COMMAND);
         }
         // On a real line the register is full again after a byte or two, and its interrupt brings us back here.
@@ -261,8 +275,8 @@ mod app {
                     wake(&wake::SEND);
                     sleep_ms(1).await;
                 }
-                (&mut cx.shared.device, &mut cx.shared.hardware)
-                    .lock(|device, hardware| device.receive(frame, time::now_us(), hardware));
+                let mut board = Locked(&mut cx.shared.hardware);
+                cx.shared.device.lock(|device| device.receive(frame, time::now_us(), &mut board));
                 wake(&wake::FILTER);
                 wake(&wake::SEND);
                 give_way().await;
@@ -308,25 +322,36 @@ mod app {
     async fn tick(mut cx: tick::Context) {
         for count in (0_u32..).cycle() {
             sleep_ms(10).await;
-            (&mut cx.shared.device, &mut cx.shared.hardware).lock(|device, hardware| {
+            let (found, listens, expects_edges) = cx.shared.hardware.lock(|hardware| {
+                let front_end = &mut hardware.front_end;
+                let found = front_end.look_after(time::now_us());
+                (found, front_end.is_listening(), front_end.expects_edges())
+            });
+            if !expects_edges {
+                progress(Stage::Read);
+            }
+            let temperature = cx.local.thermometer.as_mut().and_then(Thermometer::read);
+            let stack_used = count.is_multiple_of(100).then(stack::used);
+            let mut board = Locked(&mut cx.shared.hardware);
+            cx.shared.device.lock(|device| {
                 device.count_bytes_lost(BYTES_LOST.swap(0, Ordering::Relaxed));
                 device.count_log_lost(log::lost());
-                if !hardware.front_end.is_listening() {
-                    progress(Stage::Read);
+                if found.lost != Lost::NONE {
+                    device.count_lost(found.lost);
                 }
-                if count.is_multiple_of(100) {
-                    device
-                        .set_temperature(cx.local.thermometer.as_mut().and_then(Thermometer::read));
-                    device.set_stack_used(stack::used());
-                    if hardware.front_end.is_listening() {
-                        let fault = hardware.front_end.fault();
-                        if fault.is_some() {
-                            warn!("the converter's data-ready line stands still");
-                        }
-                        device.set_converter(fault);
+                if listens && device.converter() != found.fault {
+                    if let Some(fault) = found.fault {
+                        warn!("converter: {}", Debug2Format(&fault));
                     }
+                    device.set_converter(found.fault);
                 }
-                device.tick(time::now_us(), hardware);
+                if count.is_multiple_of(10) {
+                    device.set_temperature(temperature);
+                }
+                if let Some(bytes) = stack_used {
+                    device.set_stack_used(bytes);
+                }
+                device.tick(time::now_us(), &mut board);
             });
             for sleeper in [&wake::FILTER, &wake::COMMAND, &wake::SEND] {
                 wake(sleeper);
@@ -349,6 +374,7 @@ mod app {
             while let Some(sample) = samples.dequeue() {
                 cx.shared.device.lock(|device| device.sample(&sample));
             }
+            cx.shared.device.lock(|device| device.drained());
             while cx.shared.device.lock(|device| device.process_injected()) {}
             wake(&wake::SEND);
         }

@@ -87,6 +87,8 @@ pub struct Pipeline {
     channels: [Channel; GAUGES],
     config: Config,
     samples: u32,
+    /// The next sample is taken as settled.
+    anew: bool,
     news: News,
     /// Of the last sample, if it came as counts.
     counts: Option<[i32; GAUGES]>,
@@ -131,6 +133,7 @@ impl Pipeline {
             config: *config,
             channels,
             samples: 0,
+            anew: true,
             news: News { now: true, next: true },
             counts: None,
             temperature,
@@ -145,7 +148,7 @@ impl Pipeline {
             self.temperature = temperature;
             self.convert();
         }
-        if self.samples == 0 {
+        if self.anew {
             self.read_anew();
         }
         self.pass(counts, None, Channel::calibrate);
@@ -155,7 +158,8 @@ impl Pipeline {
     /// `motion` is the displacement where it is known, in the unit of the thresholds; pressing must then raise the strain.
     pub fn process_strain(&mut self, strain: &[i32; GAUGES], motion: Option<i32>) {
         self.counts = None;
-        if self.samples == 0 {
+        if self.anew {
+            self.anew = false;
             for (channel, strain) in self.channels.iter_mut().zip(strain) {
                 channel.rest_at(*strain, motion);
             }
@@ -210,6 +214,15 @@ impl Pipeline {
         }
     }
 
+    /// Exchanges the configuration between two samples together with gains or rate of the converter: the next counts are of
+    /// the new gains, those before are of no use any more. What the filters remember is kept, and so are the regions, unless
+    /// a strain means something else from now on: `same_strain` says that it does not.
+    pub fn exchange(&mut self, config: &Config, same_strain: bool) {
+        let samples = self.counts.take();
+        self.configure(config);
+        self.anew = self.anew || (samples.is_some() && !same_strain);
+    }
+
     /// Sets the tares so that the last counts read zero on every gauge, out of contact; without effect if the last sample
     /// did not come as counts.
     pub fn tare(&mut self) {
@@ -239,6 +252,7 @@ impl Pipeline {
     #[cold]
     fn read_anew(&mut self) {
         let Some(counts) = self.counts else { return };
+        self.anew = false;
         self.news.next = true;
         for (channel, counts) in self.channels.iter_mut().zip(counts) {
             channel.rest_at(channel.conversion.apply(counts).strain, None);
@@ -456,6 +470,41 @@ mod tests {
         assert_eq!(pipeline.config(), &untouched);
         pipeline.process(&press(300), 0);
         assert_eq!(pipeline.outputs()[0].strain, before[0].strain);
+    }
+
+    #[test]
+    fn a_change_of_gain_is_no_press_and_keeps_regions_and_what_the_filter_remembers() {
+        let (config, mut halved) = (config(), config());
+        let mut pipeline = Pipeline::new(&config);
+        let at_half_gain = |sample| press(sample).map(|counts| counts / 2);
+        for sample in 0..=600 {
+            pipeline.process(&press(sample), 0);
+        }
+        let before = pipeline.outputs();
+        for gauge in 0..GAUGES {
+            let sheet = Sheet {
+                gain: 2.0 * (0.002 + 0.001 * gauge as f64),
+                offset: 500 * gauge as i32,
+                temperature_coefficient: 1.0,
+                reference_celsius: 20.0,
+            };
+            halved.calibration[gauge] = Calibration::new(&sheet).unwrap();
+        }
+        pipeline.exchange(&halved, true);
+        for _ in 0..10 {
+            pipeline.process(&at_half_gain(600), 0);
+            for (before, after) in before.iter().zip(&pipeline.outputs()) {
+                assert!((after.strain - before.strain).abs() <= 2);
+                assert_eq!(after.region, before.region);
+                assert!((before.fa - after.fa).abs() * 20 < before.strain, "{before:?} {after:?}");
+            }
+        }
+        // A strain that means something else is no step either.
+        pipeline.exchange(&config, false);
+        pipeline.process(&at_half_gain(600), 0);
+        for (before, after) in before.iter().zip(&pipeline.outputs()) {
+            assert!((before.fa - after.fa).abs() * 20 < before.strain, "{before:?} {after:?}");
+        }
     }
 
     #[test]

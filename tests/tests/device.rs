@@ -383,6 +383,26 @@ fn a_recording_goes_on_over_the_death_of_the_device_and_ends_in_order_when_told(
 }
 
 #[test]
+fn a_recording_whose_disk_is_full_leaves_no_stream_behind() {
+    let simulated = Simulated::begin();
+    // A limit of the file's size is an error of its writing, as a full disk is.
+    let limited =
+        "trap '' XFSZ; ulimit -f 64; exec \"$0\" record --port fingertip -o take.palpate --quiet";
+    let output = Command::new("sh")
+        .args(["-c", limited])
+        .arg(program().get_program())
+        .current_dir(simulated.folder.path())
+        .output()
+        .unwrap();
+    let (status, _, error) = said(&output);
+    assert_eq!(status, 1, "{error}");
+    assert!(error.contains("take.palpate"), "{error}");
+    let (rows, _, closed) = contents(&simulated.file("take.palpate"));
+    assert!(rows > 100 && !closed, "{rows}");
+    assert_eq!(simulated.json(&["device", "info"])["status"]["streaming"], Value::Null);
+}
+
+#[test]
 fn the_margin_of_a_grasp_is_told_while_it_is_held() {
     let simulated = Simulated::begin();
     let watch =

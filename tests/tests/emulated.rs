@@ -84,7 +84,7 @@ fn its_log_is_read_with_the_file_it_was_flashed_from() {
     let elf = firmware();
     let (log, status) = said(&["device", "log", "--elf", elf.to_str().unwrap()], &device);
     assert_eq!(status, Some(0), "{log}");
-    assert!(log.contains("palpate 0.1.0 on feather-stm32f405, 16 MHz"), "{log}");
+    assert!(log.contains("palpate 0.1.0 on stm32f405, 16 MHz"), "{log}");
 }
 
 #[test]

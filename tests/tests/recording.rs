@@ -304,3 +304,20 @@ fn damaged_frames_are_left_out_on_demand_and_counted() {
     assert!((1..=16).contains(&lost), "{lost}");
     assert_eq!(answer["written"][0]["samples"], 600 - lost);
 }
+
+/// Whatever releases come: measurements outlive them.
+#[test]
+fn a_recording_of_release_0_1_is_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let (from, to) = (
+        workspace().join("tests/golden/release-0.1/recording.palpate"),
+        folder.path().join("r.csv"),
+    );
+    palpate().args(["convert", "-o"]).arg(&to).arg(&from).assert().success();
+    let trace = read(&to).unwrap();
+    assert_eq!(trace.time.len(), 1_977);
+    let column = |name: &str| trace.column(name).unwrap_or_else(|| panic!("no column {name}"));
+    assert_eq!(column("gauge1_ustrain")[..3], [603.648_437_5, 603.503_906_25, 603.593_75]);
+    assert_eq!(column("gauge1_fa_ustrain")[1], -0.035_156_25);
+    assert_eq!(column("gauge1_counts")[..3], [337_585.0, 337_503.0, 337_555.0]);
+}

@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use miette::{IntoDiagnostic, bail};
 
-use crate::{browser, emulate, firmware};
+use crate::{browser, emulate, firmware, modelled};
 
 /// How long a device streams in the whole check, to the emulator's host and to a browser, s.
 const STEADY_S: u32 = 60;
@@ -32,15 +32,15 @@ pub fn run() -> miette::Result<()> {
     )?;
     browser::run(STEADY_S)?;
     firmware::set_up()?;
-    let folder = firmware::folder();
-    rust("format of the firmware", &folder, &["fmt", "--all", "--check"], &[])?;
-    let lints = ["clippy", "--workspace", "--release", "--", "-D", "warnings"];
-    rust("lints of the firmware", &folder, &lints, &[])?;
-    for features in ["pyboard", "olimex-h405", "feather,rtt"] {
-        let lints = ["clippy", "--release", "--no-default-features", "--features", features];
-        rust(features, &folder, &[&lints[..], &["--", "-D", "warnings"]].concat(), &[])?;
+    firmware::cargo("format of the firmware", &["fmt", "--all", "--check"])?;
+    for features in ["", "rtt"] {
+        let lints = ["clippy", "--workspace", "--release", "--features", features];
+        let strict = [&lints[..], &["--", "-D", "warnings"]].concat();
+        firmware::cargo("lints of the firmware", &strict)?;
     }
-    emulate::run(STEADY_S, false)
+    emulate::run(STEADY_S, false)?;
+    modelled::check()?;
+    modelled::run(modelled::KILLS)
 }
 
 /// Installs a component of the toolchain where it is missing.

@@ -4,7 +4,7 @@ use std::process::Command;
 
 use miette::{IntoDiagnostic, bail};
 
-use crate::check::{rust, set_up_tests};
+use crate::check::set_up_tests;
 use crate::firmware;
 use crate::golden::Golden;
 use crate::packages;
@@ -23,12 +23,7 @@ pub fn run(steady_s: u32, update: bool) -> miette::Result<()> {
 
 /// Instructions of a sample, printed beside those of rivals and held to the golden file.
 pub fn cost(golden: &mut Golden) -> miette::Result<()> {
-    rust(
-        "count of instructions",
-        &firmware::folder(),
-        &["build", "--release", "-p", "palpate-cost"],
-        &[],
-    )?;
+    firmware::cargo("count of instructions", &["build", "--release", "-p", "palpate-cost"])?;
     let output = Command::new(QEMU)
         .args(["-machine", "netduinoplus2", "-nographic", "-icount", "shift=0"])
         .args(["-semihosting-config", "enable=on,target=native", "-kernel"])

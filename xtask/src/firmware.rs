@@ -33,7 +33,18 @@ pub fn folder() -> PathBuf {
 
 /// An executable of the firmware's workspace.
 pub fn executable(name: &str) -> PathBuf {
-    folder().join("target").join(TARGET).join("release").join(name)
+    target().join(TARGET).join("release").join(name)
+}
+
+/// Where its workspace is built, whatever the environment says of other workspaces.
+pub fn target() -> PathBuf {
+    folder().join("target")
+}
+
+/// Runs cargo in the workspace of the firmware.
+pub fn cargo(name: &str, arguments: &[&str]) -> miette::Result<()> {
+    let target = target();
+    rust(name, &folder(), arguments, &[("CARGO_TARGET_DIR", &target.to_string_lossy())])
 }
 
 /// Installs the target where it is missing.
@@ -48,8 +59,9 @@ pub fn set_up() -> miette::Result<()> {
 /// Builds the firmware and leaves it in `target/firmware/`, with its sizes.
 pub fn build() -> miette::Result<Sizes> {
     set_up()?;
-    rust("firmware", &folder(), &["build", "--release", "--bin", "palpate"], &[])?;
-    let elf = fs::read(executable("palpate")).into_diagnostic()?;
+    cargo("firmware", &["build", "--release", "--bin", "palpate"])?;
+    let elf = executable("palpate");
+    let elf = fs::read(&elf).into_diagnostic().wrap_err_with(|| elf.display().to_string())?;
     let out = workspace().join("target/firmware");
     fs::create_dir_all(&out).into_diagnostic()?;
     let sizes = sizes(&elf)?;

@@ -5,6 +5,7 @@ mod check;
 mod emulate;
 mod firmware;
 mod golden;
+mod modelled;
 mod packages;
 
 use std::process::ExitCode;
@@ -27,7 +28,8 @@ enum Task {
     Test,
     /// Build the firmware and leave palpate.elf, palpate.bin and their sizes in target/firmware/.
     Firmware,
-    /// Run the firmware on an emulated board and hold it to everything it promises; ten minutes of stream.
+    /// Run the firmware on two emulated boards and hold it to everything it promises; ten minutes of stream, a thousand killed
+    /// hosts.
     Emulate {
         /// Seconds of steady stream.
         #[arg(long, default_value_t = 600)]
@@ -35,6 +37,12 @@ enum Task {
         /// Write sizes and counts of instructions to tests/golden/firmware.txt instead of comparing them.
         #[arg(long)]
         update: bool,
+    },
+    /// Run the firmware on the modelled board alone.
+    Model {
+        /// Hosts that are killed.
+        #[arg(long, default_value_t = modelled::KILLS)]
+        kills: u32,
     },
     /// Show the local page in a real browser and hold it to everything it promises; an hour of stream.
     Browser {
@@ -58,7 +66,10 @@ fn main() -> ExitCode {
     let outcome = match Arguments::parse().task {
         Task::Test => check::run(),
         Task::Firmware => firmware::build().map(drop),
-        Task::Emulate { steady, update } => emulate::run(steady, update),
+        Task::Emulate { steady, update } => {
+            emulate::run(steady, update).and_then(|()| modelled::run(1_000))
+        }
+        Task::Model { kills } => firmware::build().and_then(|_| modelled::run(kills)),
         Task::Browser { steady } => browser::run(steady),
         Task::Effects => generate("effects"),
         Task::Traces => generate("traces"),

@@ -1,7 +1,7 @@
 //! Reset, identity and settings: what `init` sends, verifies and refuses.
 
 use crate::script::{NULL, READ_ID, READY, RESET, Script, config, no_delay};
-use ads131m04::{Ads131m04, Error, Register};
+use ads131m04::{Ads131m04, Clock, Config, Error, PowerMode, Register};
 use embedded_hal_mock::eh1::{
     MockError,
     delay::{CheckedDelay, Transaction as Wait},
@@ -27,16 +27,22 @@ fn init_resets_identifies_and_configures_with_every_setting_read_back() {
 }
 
 #[test]
-fn the_reset_pulse_is_long_enough_at_the_slowest_clock() {
-    let mut delay = CheckedDelay::new(&[
-        Wait::delay_us(250),
-        Wait::delay_us(7_000), // 2048 periods of 300 kHz are 6827 µs
-        Wait::delay_us(5),
-        Wait::delay_us(5),
-    ]);
-    let script = settings(Script::default().reset_and_identity()).stale();
-    script.meet_init(|chip| chip.init(&mut delay, &config())).unwrap();
-    delay.done();
+fn the_reset_pulse_is_2048_periods_of_whatever_clock_there_is_and_little_more() {
+    // 6826.7 µs and 250 µs.
+    for (hz, power, us) in
+        [(300_000, PowerMode::HighResolution, 6_828), (8_192_000, PowerMode::HighResolution, 252)]
+    {
+        let mut delay = CheckedDelay::new(&[
+            Wait::delay_us(250),
+            Wait::delay_us(us),
+            Wait::delay_us(5),
+            Wait::delay_us(5),
+        ]);
+        let config = Config { clock: Clock::new(hz, power).unwrap(), ..config() };
+        let script = settings(Script::default().reset_and_identity()).stale();
+        script.meet_init(|chip| chip.init(&mut delay, &config)).unwrap();
+        delay.done();
+    }
 }
 
 #[test]

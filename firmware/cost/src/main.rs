@@ -10,7 +10,7 @@ use core::mem::MaybeUninit;
 
 use cortex_m::peripheral::{SYST, syst::SystClkSource};
 use cortex_m_semihosting::{debug, hprintln};
-use device::{Blocks, Device, Identity, Lost, Sample, begin_with};
+use device::{Beginning, Blocks, Device, Identity, Lost, Sample, Setting, begin_with};
 use dsp_fixedpoint::Q32;
 use dsp_process::SplitProcess;
 use idsp::iir::{Biquad, DirectForm1, DirectForm1Wide};
@@ -19,8 +19,8 @@ use panic_semihosting as _;
 use shared::adaptation;
 use shared::pipeline::{Config, GAUGES, Pipeline};
 use shared::wire::{
-    self, ClockSource, ConverterFault, FRAME_MAX, Head, HelloToDevice, Oversampling, ResetCause,
-    SCHEMA, Settings, Source, Start, StoreFault, ToDevice,
+    self, ClockSource, ConverterFault, FRAME_MAX, Head, HelloToDevice, ResetCause, SCHEMA, Source,
+    Start, StoreFault, ToDevice,
 };
 
 /// Samples that are measured, after so many that are not.
@@ -46,11 +46,11 @@ fn main() -> ! {
 
 fn measure_all() {
     rivals();
-    let Ok(settings) = begin_with(None, IDENTITY.converter_clock_hz) else { return };
-    let config = black_box(settings.1);
+    let Ok(beginning) = begin_with(None, IDENTITY.converter_clock_hz) else { return };
+    let config = black_box(*beginning.config());
     decomposition(&config.adaptation);
     pipeline(&config);
-    everything(&settings);
+    everything(&beginning);
 }
 
 #[inline(never)]
@@ -84,13 +84,13 @@ fn pipeline(config: &Config) {
 }
 
 #[inline(never)]
-fn everything(settings: &(Settings, Config)) {
+fn everything(beginning: &Beginning) {
     let Some(blocks) = cortex_m::singleton!(: Blocks = Blocks::new()) else { return };
     let Some(place) = cortex_m::singleton!(: MaybeUninit<Device<'static>> = MaybeUninit::uninit())
     else {
         return;
     };
-    let device = place.write(Device::new(IDENTITY, settings, blocks));
+    let device = place.write(Device::new(IDENTITY, beginning, blocks));
     say(device, 1, &ToDevice::Hello(HelloToDevice { schema: SCHEMA, version: "" }));
     let start = Start { source: Source::Converter, columns: wire::Columns::Parts };
     say(device, 2, &ToDevice::Start(start));
@@ -98,7 +98,7 @@ fn everything(settings: &(Settings, Config)) {
     let mut sent = 0;
     let sample = |number| {
         let time_us = u64::from(number) * 1_024;
-        Sample { time_us, counts: press(number), lost: Lost::default() }
+        Sample { time_us, counts: press(number), lost: Lost::NONE }
     };
     report("whole pipeline with framing", sample, |sample| {
         device.sample(sample);
@@ -169,10 +169,12 @@ fn say(device: &mut Device<'_>, sequence: u32, command: &ToDevice<'_>) {
 struct Desk;
 
 impl device::Board for Desk {
-    fn configure(&mut self, _: Oversampling, _: [u8; GAUGES]) -> Result<(), ConverterFault> {
+    fn configure(&mut self, _: Setting) -> Result<(), ConverterFault> {
         Ok(())
     }
-    fn listen(&mut self, _: bool) {}
+    fn listen(&mut self, _: bool) -> Lost {
+        Lost::NONE
+    }
     fn store(&mut self, _: &[u8]) -> Result<(), StoreFault> {
         Err(StoreFault::NotWritten)
     }

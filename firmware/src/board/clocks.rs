@@ -1,23 +1,24 @@
-//! The processor's clock: 168 MHz from the crystal, or 16 MHz from the oscillator on the chip.
+//! The processor's clock: 168 MHz from the crystal, whichever it is, or 16 MHz from the oscillator on the chip.
 
 use shared::wire::ClockSource;
-use stm32f4xx_hal::pac::RCC;
+use stm32f4xx_hal::pac::{RCC, TIM11};
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::{Config, Rcc};
 
-use super::names::CRYSTAL_MHZ;
+use super::crystal;
 
 /// Reads of a ready bit before an oscillator counts as dead; a crystal needs some milliseconds.
 const PATIENCE: u32 = 200_000;
 
 /// Starts the best clock there is.
-pub fn start(rcc: RCC) -> (Rcc, ClockSource) {
-    if crystal_starts(&rcc) && pll_starts(&rcc) {
-        let config =
-            Config::hse(CRYSTAL_MHZ.MHz()).sysclk(168.MHz()).pclk1(42.MHz()).pclk2(84.MHz());
-        (rcc.freeze(config), ClockSource::Crystal)
-    } else {
-        (rcc.freeze(Config::hsi()), ClockSource::Internal)
+pub fn start(rcc: RCC, timer: TIM11) -> (Rcc, ClockSource) {
+    let crystal_mhz = crystal_starts(&rcc).then(|| crystal::megahertz(&rcc, &timer)).flatten();
+    match crystal_mhz {
+        Some(mhz) if pll_starts(&rcc) => {
+            let config = Config::hse(mhz.MHz()).sysclk(168.MHz()).pclk1(42.MHz()).pclk2(84.MHz());
+            (rcc.freeze(config), ClockSource::Crystal)
+        }
+        _ => (rcc.freeze(Config::hsi()), ClockSource::Internal),
     }
 }
 

@@ -14,10 +14,16 @@ pub struct Fingerprint {
     pub temperature: [u16; 2],
 }
 
-/// Reads them; none on an emulated chip, which has neither these numbers nor a flash that can be written, and where reading
-/// them would fault. A real one runs from an oscillator that says it is ready; the emulator has no such register.
-pub fn read(rcc: &RCC) -> Option<Fingerprint> {
-    if rcc.cr().read().hsirdy().bit_is_clear() {
+/// Whether this is an emulated chip, which has neither these numbers nor a flash that can be written nor a loader, and where
+/// reading them would fault. A real one runs from an oscillator that says it is ready; the emulator has no such register.
+pub fn is_emulated() -> bool {
+    // SAFETY: a read of a status register, which has no effect.
+    unsafe { (*RCC::ptr()).cr().read().hsirdy().bit_is_clear() }
+}
+
+/// Reads them; none on an emulated chip.
+pub fn read() -> Option<Fingerprint> {
+    if is_emulated() {
         return None;
     }
     // SAFETY: both addresses are in the system memory of every STM32F405 (RM0090 §39, data sheet table 70), aligned, and

@@ -1,4 +1,4 @@
-//! The board: clocks, pins, and what else is soldered.
+//! The board: clocks, pins, and what else is soldered. Every board with an STM32F405 that brings these pins out will do.
 //!
 //! | signal | pin | Feather | function |
 //! |-|-|-|-|
@@ -10,9 +10,13 @@
 //! | link TX, RX | PB10, PB11 | TX, RX | USART3, 1,000,000 baud, 8N1 |
 
 pub mod clocks;
+mod crystal;
 pub mod fingerprint;
+pub mod flash;
+pub mod receiver;
 pub mod reset;
 pub mod stack;
+pub mod supply;
 pub mod temperature;
 pub mod time;
 pub mod watchdog;
@@ -22,21 +26,5 @@ pub const CONVERTER_CLOCK_HZ: u32 = 8_000_000;
 /// Clock of the converter's bus, Hz, at most.
 pub const SPI_HZ: u32 = 11_000_000;
 
-#[cfg(feature = "feather")]
-mod names {
-    pub const NAME: &str = "feather-stm32f405";
-    pub const CRYSTAL_MHZ: u32 = 12;
-}
-#[cfg(all(feature = "pyboard", not(feature = "feather")))]
-mod names {
-    pub const NAME: &str = "pyboard-1.1";
-    pub const CRYSTAL_MHZ: u32 = 8;
-}
-#[cfg(all(feature = "olimex-h405", not(any(feature = "feather", feature = "pyboard"))))]
-mod names {
-    pub const NAME: &str = "olimex-stm32-h405";
-    pub const CRYSTAL_MHZ: u32 = 8;
-}
-
-/// Name of the board.
-pub use names::NAME;
+/// Name of the chip; the boards that have it differ in the crystal, which is measured.
+pub const NAME: &str = "stm32f405";

@@ -8,6 +8,11 @@ use device::Restart;
 use shared::wire::{Hello, ResetCause};
 use stm32f4xx_hal::pac::{RCC, SYSCFG};
 
+unsafe extern "C" {
+    static _stack_end: u32;
+    static _stack_start: u32;
+}
+
 /// A note to the program after the reset, in memory that the reset does not touch.
 #[derive(Clone, Copy)]
 #[repr(C)]
@@ -124,11 +129,35 @@ impl core::fmt::Display for Said<'_> {
     }
 }
 
-/// A fault of the processor, as when the stack leaves its memory.
-// SAFETY: nothing of the frame is trusted but its program counter, which is only printed.
-#[cortex_m_rt::exception]
-unsafe fn HardFault(frame: &cortex_m_rt::ExceptionFrame) -> ! {
-    die(format_args!("hard fault at {:#010x}", frame.pc()))
+/// A fault of the processor. The stack may have left its memory, and whatever is pushed onto it then is a second fault, which
+/// stops the processor for good: this takes all of the stack's memory anew before anything else.
+///
+/// # Safety
+/// Called by the processor alone.
+#[unsafe(naked)]
+#[unsafe(export_name = "HardFault")]
+unsafe extern "C" fn hard_fault() -> ! {
+    core::arch::naked_asm!(
+        "mrs r0, msp",
+        "ldr r1, ={top}",
+        "msr msp, r1",
+        "b {fault}",
+        top = sym _stack_start,
+        fault = sym fault,
+    )
+}
+
+/// Words of a fault, with the stack pointer at the frame that the processor pushed, if it could.
+extern "C" fn fault(frame: *const [u32; 8]) -> ! {
+    let (end, start) = ((&raw const _stack_end).cast(), (&raw const _stack_start).cast());
+    if frame < end || frame.wrapping_add(1) > start {
+        die("the stack left its memory");
+    }
+    // SAFETY: the frame lies within the memory of the stack, as the line above has found.
+    let pushed = unsafe { frame.read() };
+    // Registers 0 to 3 and 12, link register, program counter, status (ARMv7-M architecture, B1.5.6).
+    let [.., program_counter, _] = pushed;
+    die(format_args!("hard fault at {program_counter:#010x}"))
 }
 
 /// Why the chip began; the answer is cleared for the next time.

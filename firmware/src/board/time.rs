@@ -3,6 +3,7 @@
 use core::cell::Cell;
 
 use critical_section::Mutex;
+use embedded_hal::delay::DelayNs;
 use stm32f4xx_hal::pac::TIM2;
 use stm32f4xx_hal::rcc::{BusTimerClock, Enable, Rcc, Reset};
 
@@ -32,4 +33,16 @@ pub fn now_us() -> u64 {
         LAST.borrow(section).set(now);
         now
     })
+}
+
+/// Waits by that clock.
+#[derive(Clone, Copy, Debug)]
+pub struct Delay;
+
+impl DelayNs for Delay {
+    fn delay_ns(&mut self, ns: u32) {
+        // One more, because the present one may be over at once.
+        let until = now_us().saturating_add(u64::from(ns.div_ceil(1_000)) + 1);
+        while now_us() < until {}
+    }
 }

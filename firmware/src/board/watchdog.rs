@@ -2,11 +2,12 @@
 
 use core::sync::atomic::{AtomicU32, Ordering};
 
-use stm32f4xx_hal::pac::IWDG;
+use stm32f4xx_hal::pac::{DBGMCU, IWDG};
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::watchdog::IndependentWatchdog;
 
-/// Longer than an erasure of a flash sector, during which nothing runs.
+/// Longer than an erasure of a flash sector, during which nothing runs, even if the watchdog's oscillator is fast: its 32 kHz may
+/// be 47 kHz, which makes this 5.4 s.
 const PATIENCE_MS: u32 = 8_000;
 
 /// A stage that must make progress.
@@ -37,9 +38,12 @@ pub fn progress(stage: Stage) {
 pub struct Watchdog(IndependentWatchdog);
 
 impl Watchdog {
-    /// Starts it; nothing can stop it any more.
-    pub fn start(watchdog: IWDG) -> Self {
+    /// Starts it; nothing but a debugger that holds the processor can stop it any more.
+    pub fn start(watchdog: IWDG, debug: &DBGMCU) -> Self {
         let mut watchdog = IndependentWatchdog::new(watchdog);
+        watchdog.stop_on_debug(debug, true);
+        // Without it a probe loses the processor whenever there is nothing to do.
+        debug.cr().modify(|_, w| w.dbg_sleep().set_bit());
         watchdog.start(PATIENCE_MS.millis());
         Self(watchdog)
     }
@@ -51,4 +55,10 @@ impl Watchdog {
             self.0.feed();
         }
     }
+}
+
+/// Feeds it in any case, before something that is known to take long.
+pub fn feed_now() {
+    // SAFETY: the register takes keys only, and this one does nothing but feed.
+    unsafe { (*IWDG::ptr()).kr().write(|w| w.key().feed()) };
 }

@@ -11,7 +11,7 @@ use super::device::At;
 use super::output::print;
 use super::{Failure, interrupt};
 use crate::device::describe::{live_line, view_json};
-use crate::device::record::{Beside, Plan, RecordError, View, record};
+use crate::device::record::{Beside, Plan, RecordError, View, overload, record};
 
 /// Record a device into a file.
 #[derive(clap::Args)]
@@ -88,6 +88,9 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let (port, session) = args.at.open()?;
     let columns = if args.all { Columns::All } else { Columns::Parts };
     let start = Start { source: Source::Converter, columns };
+    if let Some(warning) = overload(session.identity(), session.interval_s(), columns) {
+        eprintln!("warning: {warning}");
+    }
     let plan = Plan { port, start, duration: args.duration };
     let live = !args.quiet && !args.json && std::io::stderr().is_terminal();
     let mut screen = Screen { live, json: args.json, shown_s: 0, ended };

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 use shared::fixed::{celsius, microstrain};
-use shared::wire::{ClockSource, Counters, ResetCause, Settings, Source, Status};
+use shared::wire::{ClockSource, Counters, Kept, ResetCause, Settings, Source, Status};
 
 use super::change::{Threshold, rate_hz};
 use super::heard::Identity;
@@ -51,6 +51,9 @@ pub fn info(identity: &Identity, settings: &Settings, status: &Status) -> Vec<Se
     if !identity.panic.is_empty() {
         who.push(text("last panic", identity.panic.clone()));
     }
+    if let Some(words) = identity.kept.and_then(kept_in_words) {
+        who.push(text("settings", words.into()));
+    }
     let temperature = status
         .temperature
         .map_or("no sensor".into(), |temperature| format!("{:.1} °C", celsius(temperature)));
@@ -66,6 +69,20 @@ pub fn info(identity: &Identity, settings: &Settings, status: &Status) -> Vec<Se
     blocks.extend(self::settings(settings, identity.converter_clock_hz));
     blocks.push(Block::Table(counters(&status.counters)));
     vec![Section { title: "Device".into(), blocks }]
+}
+
+/// What a user must know of the settings that were kept.
+const fn kept_in_words(kept: Kept) -> Option<&'static str> {
+    match kept {
+        Kept::None | Kept::All => None,
+        Kept::Calibration => Some(
+            "saved by firmware of another release: gains, calibration and tare are as they were saved, the rest is at its \
+             defaults; set it anew and save it",
+        ),
+        Kept::Discarded => Some(
+            "those that were saved cannot be read or are out of range, calibration and tare too; all are at their defaults",
+        ),
+    }
 }
 
 /// The settings.
@@ -142,6 +159,7 @@ pub fn identity_json(identity: &Identity) -> Value {
         "clock": clock_in_words(identity.clock),
         "reset": reset_in_words(identity.reset),
         "panic": identity.panic,
+        "settings": identity.kept.and_then(kept_in_words),
     })
 }
 

@@ -134,6 +134,7 @@ mod tests {
             reset: ResetCause::PowerOn,
             panic: String::new(),
             counters: Counters::default(),
+            kept: None,
         };
         Found { port: port.into(), answer: Ok(identity) }
     }

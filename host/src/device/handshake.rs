@@ -3,7 +3,9 @@
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
-use shared::wire::{FRAME_MAX, Head, HelloToDevice, Refusal, SCHEMA, Settings, ToDevice, encode};
+use shared::wire::{
+    EARLIER, FRAME_MAX, Head, HelloToDevice, Kept, Refusal, SCHEMA, Settings, ToDevice, encode,
+};
 
 use super::heard::{Heard, Identity, Said};
 use super::line::Line;
@@ -28,22 +30,26 @@ pub(super) fn introduce(
     patience: Duration,
 ) -> Result<Met, LinkError> {
     let until = Instant::now() + patience;
-    let mut meeting = Meeting::default();
+    let mut meeting = Meeting { schema: SCHEMA, ..Meeting::default() };
     while Instant::now() < until {
         *sequence = sequence.wrapping_add(1);
         meeting.answered = false;
         let mut frame = [0; FRAME_MAX];
-        let hello = ToDevice::Hello(HelloToDevice { schema: SCHEMA, version: VERSION });
+        let hello = ToDevice::Hello(HelloToDevice { schema: meeting.schema, version: VERSION });
         let hello = encode(Head { sequence: *sequence, time_us: 0 }, &hello, &mut frame)?;
         // The zero byte ends whatever was on the line before.
         line.send(&[0])?;
         line.send(hello)?;
         let deadline = until.min(Instant::now() + REPEAT);
+        let spoken = meeting.schema;
         while let Some(heard) = line.receive(deadline)?.and_then(Heard::of) {
             meeting.hear(&heard, *sequence)?;
             kept.push_back(heard);
             if let Some(met) = meeting.met() {
                 return Ok(met);
+            }
+            if meeting.schema != spoken {
+                break;
             }
         }
     }
@@ -53,8 +59,11 @@ pub(super) fn introduce(
 /// What is known so far.
 #[derive(Default)]
 struct Meeting {
+    /// The one that we speak; that of the device's release once it is known to be an earlier one.
+    schema: u64,
     identity: Option<Identity>,
     settings: Option<(u32, Settings)>,
+    kept: Option<Kept>,
     answered: bool,
     refused: Option<u64>,
     damaged: usize,
@@ -67,10 +76,12 @@ impl Meeting {
                 return Err(LinkError::Schema { theirs: version.clone(), their_schema: *schema });
             }
             Ok((_, Said::Hello(identity))) => self.identity = Some((**identity).clone()),
+            Ok((_, Said::Kept(kept))) => self.kept = Some(*kept),
             Ok((_, Said::Settings(generation, settings))) => {
                 self.settings = Some((*generation, **settings));
             }
             Ok((_, Said::Answer(answer))) if answer.to == sequence => match answer.outcome {
+                Err(Refusal::Schema(schema)) if EARLIER.contains(&schema) => self.schema = schema,
                 Err(Refusal::Schema(schema)) => self.refused = Some(schema),
                 _ => self.answered = true,
             },
@@ -85,7 +96,8 @@ impl Meeting {
             return None;
         }
         let (generation, settings) = self.settings?;
-        Some(Met { generation, settings, identity: self.identity.take()? })
+        let identity = Identity { kept: self.kept, ..self.identity.take()? };
+        Some(Met { generation, settings, identity })
     }
 
     fn failure(&self) -> LinkError {

@@ -3,8 +3,8 @@
 use std::time::Instant;
 
 use shared::wire::{
-    Answer, ClockSource, Counters, FrameError, Head, Hello, Introduction, ResetCause, Rows, SCHEMA,
-    Settings, Status, ToHost, introduction, open, read,
+    Answer, ClockSource, Counters, FrameError, Head, Hello, Introduction, Kept, ResetCause, Rows,
+    Settings, Status, ToHost, introduction, is_understood, open, read,
 };
 
 use super::line::Arrival;
@@ -42,6 +42,8 @@ pub enum Said {
     Settings(u32, Box<Settings>),
     /// A piece of its log.
     Log(Vec<u8>),
+    /// What became of the settings that it had kept.
+    Kept(Kept),
 }
 
 /// Who a device is.
@@ -67,9 +69,28 @@ pub struct Identity {
     pub panic: String,
     /// What was lost since the reset.
     pub counters: Counters,
+    /// What became of the settings that it had kept; none of firmware that does not say.
+    pub kept: Option<Kept>,
 }
 
 impl Identity {
+    /// Of a device of which only the core is understood.
+    pub(crate) fn unknown() -> Self {
+        Self {
+            version: String::new(),
+            git: String::new(),
+            board: String::new(),
+            serial: [0; 3],
+            channels: 0,
+            converter_clock_hz: 0,
+            clock: ClockSource::Internal,
+            reset: ResetCause::PowerOn,
+            panic: String::new(),
+            counters: Counters::default(),
+            kept: None,
+        }
+    }
+
     /// The serial number as 24 hexadecimal digits.
     #[must_use]
     pub fn serial_number(&self) -> String {
@@ -90,6 +111,7 @@ impl From<Hello<'_>> for Identity {
             reset: hello.reset,
             panic: hello.panic.into(),
             counters: hello.counters,
+            kept: None,
         }
     }
 }
@@ -114,7 +136,7 @@ impl Heard {
 fn understand(frame: &mut [u8]) -> Result<(Head, Said), FrameError> {
     let (head, message) = open(frame)?;
     if let Some(Introduction { schema, version }) = introduction(message)
-        && schema != SCHEMA
+        && !is_understood(schema)
     {
         return Ok((head, Said::Foreign { schema, version: version.into() }));
     }
@@ -128,6 +150,7 @@ fn understand(frame: &mut [u8]) -> Result<(Head, Said), FrameError> {
         ToHost::Status(status) => Said::Status(Box::new(status)),
         ToHost::Settings { generation, settings } => Said::Settings(generation, Box::new(settings)),
         ToHost::Log(log) => Said::Log(log.bytes.into()),
+        ToHost::Kept(kept) => Said::Kept(kept),
     };
     Ok((head, said))
 }

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use shared::pipeline::GAUGES;
-use shared::wire::{Counters, Row, Start, ToDevice};
+use shared::wire::{BAUD, ClockSource, Columns, Counters, Row, Start, ToDevice};
 
 use super::heard::{Heard, Identity, Said};
 use super::session::{LinkError, Session};
@@ -23,6 +23,29 @@ const WATCH: Duration = Duration::from_millis(100);
 const PATIENCE: Duration = Duration::from_millis(750);
 /// Between two attempts to open a port that went away.
 const PAUSE: Duration = Duration::from_millis(100);
+
+/// Bytes that a row takes on the line, as measured at 976 Hz with the noise of the simulated fingertip.
+const fn bytes_per_row(columns: Columns) -> f64 {
+    match columns {
+        Columns::Parts => 11.0,
+        Columns::All => 37.6,
+    }
+}
+
+/// Whether a real line carries such a stream: if not, why not and what to do.
+#[must_use]
+pub fn overload(identity: &Identity, interval_s: f64, columns: Columns) -> Option<String> {
+    let (rate_hz, carried) = (1.0 / interval_s, f64::from(BAUD) / 10.0);
+    let made = rate_hz * bytes_per_row(columns);
+    (identity.clock != ClockSource::Simulated && made > carried).then(|| {
+        format!(
+            "{rate_hz:.0} rows a second of these columns make about {:.0} kB/s, and the line carries {:.0}: rows will be lost, \
+             and counted. Leave --all away, or set a lower rate with `palpate device set --rate`.",
+            made / 1e3,
+            carried / 1e3
+        )
+    })
+}
 
 /// What to record.
 #[derive(Clone, Debug)]
@@ -195,19 +218,35 @@ impl<'p> Recorder<'p> {
         at.saturating_duration_since(self.began).as_micros() as u64
     }
 
-    fn run(&mut self, mut session: Session, beside: &mut dyn Beside) -> Result<(), Stop> {
+    fn run(&mut self, session: Session, beside: &mut dyn Beside) -> Result<(), Stop> {
+        let mut present = Some(session);
+        let outcome = self.follow(&mut present, beside);
+        if let (Err(Stop::File(_)), Some(session)) = (&outcome, &mut present) {
+            // Or the device would stream on for nobody. The file is what there is to tell.
+            let _ = session.quiet();
+        }
+        outcome
+    }
+
+    /// Follows the device as long as it takes; it is `present` while its port is open.
+    fn follow(
+        &mut self,
+        present: &mut Option<Session>,
+        beside: &mut dyn Beside,
+    ) -> Result<(), Stop> {
         self.heard_at = Instant::now();
         let mut watched = self.began;
         while !self.is_over(beside) {
+            let Some(session) = present else { return Ok(()) };
             let until = Instant::now() + SLICE;
-            let listened =
-                self.listen(&mut session, until).and_then(|()| Ok(beside.command(&mut session)?));
+            let listened = self.listen(session, until).and_then(|()| Ok(beside.command(session)?));
             let silent = self.heard_at.elapsed() > SILENCE;
             match listened {
                 Ok(()) if !silent => {}
                 Ok(()) | Err(Stop::Link(LinkError::Line(_) | LinkError::Silent { .. })) => {
-                    let Some(again) = self.reconnect(session, beside)? else { return Ok(()) };
-                    session = again;
+                    let gone = present.take();
+                    *present = self.reconnect(gone, beside)?;
+                    continue;
                 }
                 Err(stop) => return Err(stop),
             }
@@ -217,7 +256,7 @@ impl<'p> Recorder<'p> {
                 beside.watch(&self.view());
             }
         }
-        self.finish(&mut session)
+        present.as_mut().map_or(Ok(()), |session| self.finish(session))
     }
 
     fn is_over(&self, beside: &mut dyn Beside) -> bool {
@@ -266,12 +305,12 @@ impl<'p> Recorder<'p> {
     /// Waits until the device is there again; none if the recording is over before.
     fn reconnect(
         &mut self,
-        session: Session,
+        gone: Option<Session>,
         beside: &mut dyn Beside,
     ) -> Result<Option<Session>, Stop> {
         self.linked = false;
         self.gap(self.now_us(Instant::now()), Gap::LinkLost)?;
-        drop(session);
+        drop(gone);
         while !self.is_over(beside) {
             beside.watch(&self.view());
             self.writer.tick(self.now_us(Instant::now()))?;
@@ -368,4 +407,23 @@ pub fn parts(row: &Row) -> [(f64, f64); GAUGES] {
         *part = (microstrain(*fa), microstrain(*sa));
     }
     parts
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_stream_that_the_line_cannot_carry_is_told_with_what_to_do() {
+        let device = Identity { clock: ClockSource::Crystal, ..Identity::unknown() };
+        let told = overload(&device, 1.0 / 3_906.25, Columns::All).unwrap();
+        assert!(
+            told.contains("147 kB/s") && told.contains("100") && told.contains("--rate"),
+            "{told}"
+        );
+        assert_eq!(overload(&device, 1.0 / 3_906.25, Columns::Parts), None);
+        assert_eq!(overload(&device, 1.0 / 1_953.125, Columns::All), None);
+        let simulated = Identity { clock: ClockSource::Simulated, ..device };
+        assert_eq!(overload(&simulated, 1.0 / 3_906.25, Columns::All), None);
+    }
 }

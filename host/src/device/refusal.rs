@@ -40,6 +40,9 @@ impl fmt::Display for Refused {
             Refusal::Store(StoreFault::Flash) => {
                 f.write_str("its flash failed; the settings before are still there")
             }
+            Refusal::Store(StoreFault::Supply) => f.write_str(
+                "its supply is too low to write its flash (it needs 3 V); the settings before are still there",
+            ),
             Refusal::NotHere => f.write_str("this device cannot do that"),
         }
     }

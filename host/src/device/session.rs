@@ -20,9 +20,18 @@ use super::refusal::Refused;
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");
 /// An answer that did not come for so long is asked for again.
 const REPEAT: Duration = Duration::from_millis(300);
-/// How often a command is sent before the device counts as silent; the device may stand still for two seconds when it
-/// writes its flash.
+/// How often a command is sent before the device counts as silent.
 const TRIES: usize = 10;
+/// The same where the device may stand still: to save, it erases a sector of flash, two if the first is worn out, and each takes
+/// up to 4 s (data sheet of the STM32F405, table 40).
+const TRIES_TO_SAVE: usize = 30;
+
+const fn tries(command: &ToDevice<'_>) -> usize {
+    match command {
+        ToDevice::Save => TRIES_TO_SAVE,
+        _ => TRIES,
+    }
+}
 
 /// Why a conversation failed.
 #[derive(Debug, thiserror::Error)]
@@ -182,7 +191,7 @@ impl Session {
         let mut frame = [0; FRAME_MAX];
         let frame = encode(Head { sequence: self.sequence, time_us: 0 }, command, &mut frame)?;
         let mut damaged = 0;
-        for _ in 0..TRIES {
+        for _ in 0..tries(command) {
             self.line.send(frame)?;
             let deadline = Instant::now() + REPEAT;
             while let Some(heard) = self.receive(deadline)? {
@@ -266,8 +275,34 @@ impl Session {
     }
 }
 
+/// Has a device of any release carry out a command of the core ([`shared::wire::is_of_core`]), though nothing else can be said to it.
+///
+/// # Errors
+/// As [`Session::command`].
+pub fn command_of_core(port: &Path, command: &ToDevice<'_>) -> Result<(), LinkError> {
+    let mut line = Line::open(port)?;
+    let (mut sequence, mut kept) = (any_number(), VecDeque::new());
+    match introduce(&mut line, &mut sequence, &mut kept, REPEAT * TRIES as u32) {
+        Ok(_) | Err(LinkError::Schema { .. }) => {}
+        Err(error) => return Err(error),
+    }
+    let identity = Identity::unknown();
+    let mut session = Session { line, sequence, kept, identity, settings: VecDeque::new() };
+    session.command(command).map(drop)
+}
+
 /// A number to begin with: hosts one after the other do not take the same, or the device would repeat an old answer.
 fn any_number() -> u32 {
     let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
     now.subsec_nanos() ^ std::process::id().rotate_left(16)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_save_has_time_for_two_erasures() {
+        assert!(REPEAT * tries(&ToDevice::Save) as u32 > Duration::from_secs(8));
+    }
 }

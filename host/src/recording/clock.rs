@@ -97,7 +97,7 @@ impl Clock {
                 reset
             }
             ToHost::Samples(block) => self.hear_rows(head, block, host_us),
-            ToHost::Answer(_) | ToHost::Settings { .. } | ToHost::Log(_) => {
+            ToHost::Answer(_) | ToHost::Settings { .. } | ToHost::Log(_) | ToHost::Kept(_) => {
                 self.anchor(head.time_us, host_us)
             }
         }

@@ -4,7 +4,9 @@ use std::fs::File;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 
-use shared::wire::{FRAME_MAX, FrameError, HEAD, Head, SCHEMA, ToHost, introduction, open, read};
+use shared::wire::{
+    FRAME_MAX, FrameError, HEAD, Head, ToHost, introduction, is_understood, open, read,
+};
 
 use super::note::{Note, read_note};
 use super::{BEGINNING, Error, VERSION};
@@ -180,9 +182,10 @@ fn version(begun: &[u8]) -> Option<u32> {
 }
 
 fn check_schema(who: &str, version: &str, schema: u64) -> Result<(), Error> {
-    match schema {
-        SCHEMA => Ok(()),
-        _ => Err(Error::Schema { by: format!("{who} {version}"), schema }),
+    if is_understood(schema) {
+        Ok(())
+    } else {
+        Err(Error::Schema { by: format!("{who} {version}"), schema })
     }
 }
 
@@ -191,7 +194,7 @@ mod tests {
     use super::*;
     use crate::recording::{Gap, Opened, Writer};
     use proptest::prelude::*;
-    use shared::wire::{Answer, Done, encode};
+    use shared::wire::{Answer, Done, SCHEMA, encode};
 
     fn answer(to: u32) -> Vec<u8> {
         let answer = ToHost::Answer(Answer { to, outcome: Ok(Done::Carried) });

@@ -170,7 +170,7 @@ impl Stream {
             }
             ToHost::Status(status) => self.source = status.streaming,
             ToHost::Samples(block) => self.hear_rows(head, block),
-            ToHost::Answer(_) | ToHost::Log(_) => {}
+            ToHost::Answer(_) | ToHost::Log(_) | ToHost::Kept(_) => {}
         }
     }
 

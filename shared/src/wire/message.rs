@@ -3,6 +3,7 @@
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
 
+use super::record::Kept;
 use super::samples::Block;
 use super::settings::{Oversampling, Settings};
 use crate::adaptation::Relaxation;
@@ -31,6 +32,8 @@ pub enum ToHost<'a> {
     },
     /// A piece of its log.
     Log(Log<'a>),
+    /// What became of the settings that were kept; after `Hello`.
+    Kept(Kept),
 }
 
 /// What the host says: commands, each answered by one [`Answer`].
@@ -308,6 +311,8 @@ pub enum StoreFault {
     NotWritten,
     /// The flash reported an error.
     Flash,
+    /// The supply is too low to write the flash.
+    Supply,
 }
 
 /// What a self-test found.
@@ -454,6 +459,6 @@ mod tests {
     #[test]
     fn the_schema_changes_with_the_messages_and_with_nothing_else() {
         // A change of any message must change this number, and this number must not change without one.
-        assert_eq!(SCHEMA, 0xdaca_3958_96b2_8455, "{SCHEMA:#018x}");
+        assert_eq!(SCHEMA, 0x351a_c94b_e9f7_5020, "{SCHEMA:#018x}");
     }
 }

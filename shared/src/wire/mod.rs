@@ -17,9 +17,10 @@
 //! # Conversation
 //! The device only answers until it is told to start; then it streams samples and, once a second, its status. Its log comes
 //! at any time after `Hello`. The first command is `Hello` with the schema, a hash
-//! of every message's type ([`SCHEMA`]): a device of another schema refuses all that follows and says so, and the host sees
-//! the device's schema and version in its `Hello`. The frame and the first fields of both `Hello`, those of [`Introduction`],
-//! never change, so that this works between any two versions.
+//! of every message's type ([`SCHEMA`]). Both sides understand the schemas of all earlier releases ([`EARLIER`]) and speak the
+//! older of the two; a device to which the host's is foreign refuses all that follows but the core ([`is_of_core`]) and says so,
+//! and the host sees the device's schema and version in its `Hello`. The frame, the first fields of both `Hello`, those of
+//! [`Introduction`], and the core never change, so that this works between any two versions.
 //!
 //! Every command is answered by one [`Answer`] that carries the sequence number of the command. A command that comes again
 //! with the same number is not carried out again, only its answer is repeated: a host that hears nothing asks again safely.
@@ -28,6 +29,8 @@ mod check;
 mod differences;
 mod frame;
 mod message;
+mod record;
+mod releases;
 mod rows;
 mod samples;
 mod settings;
@@ -43,6 +46,8 @@ pub use message::{
     INJECT_ROWS, Inject, Introduction, Log, Refusal, ResetCause, SelfTest, Source, Start, Status,
     StoreFault, ToDevice, ToHost,
 };
+pub use record::Kept;
+pub use releases::{EARLIER, is_of_core, is_understood};
 pub use samples::{Block, Made, REFERENCE_TEMPERATURE, Row, RowState, Rows};
 pub use settings::{Oversampling, Settings, SettingsError};
 

@@ -3,7 +3,6 @@
 use core::fmt;
 
 use postcard_schema::Schema;
-use postcard_schema::key::Key;
 use serde::{Deserialize, Serialize};
 
 use crate::adaptation::{self, Relaxation};
@@ -159,28 +158,6 @@ impl Settings {
         })
     }
 
-    /// The settings as they are kept over a loss of power: a hash of their type, and they.
-    #[must_use]
-    pub fn record(&self) -> ([u8; Self::RECORD], usize) {
-        let mut record = [0; Self::RECORD];
-        let written = record.split_first_chunk_mut().and_then(|(hash, rest)| {
-            *hash = Self::HASH;
-            postcard::to_slice(self, rest).ok().map(|rest| rest.len())
-        });
-        (record, written.map_or(0, |length| length.saturating_add(Self::HASH.len())))
-    }
-
-    /// Settings from their record; none if it is of another firmware with other settings.
-    #[must_use]
-    pub fn from_record(record: &[u8]) -> Option<Self> {
-        let (hash, rest) = record.split_first_chunk()?;
-        postcard::from_bytes(rest).ok().filter(|_| *hash == Self::HASH)
-    }
-
-    /// Most bytes of a record.
-    pub const RECORD: usize = 256;
-    const HASH: [u8; 8] = Key::for_path::<Self>("settings").to_bytes();
-
     /// The same with other gains: the calibration follows, so that strain stays what it is.
     #[must_use]
     pub fn with_gain(mut self, gain: [u8; GAUGES]) -> Self {
@@ -221,16 +198,6 @@ mod tests {
         wrong.calibration[3].gain = 0.0;
         let said = wrong.config(1e-3).unwrap_err().to_string();
         assert!(said.starts_with("gauge 4: gain of 0"), "{said}");
-    }
-
-    #[test]
-    fn a_record_gives_the_settings_back_and_a_foreign_one_does_not() {
-        let settings = Settings { tare: [i32::MIN, -1, 0, i32::MAX], ..Settings::DEFAULT };
-        let (mut record, length) = settings.record();
-        assert_eq!(Settings::from_record(&record[..length]), Some(settings));
-        record[0] ^= 1;
-        assert_eq!(Settings::from_record(&record[..length]), None);
-        assert_eq!(Settings::from_record(&[]), None);
     }
 
     #[test]

@@ -5,7 +5,9 @@ use std::time::{Duration, Instant};
 
 use palpate::device::heard::{Heard, Said};
 use palpate::device::line::Line;
-use shared::wire::{Answer, FRAME_MAX, Head, HelloToDevice, Refusal, SCHEMA, ToDevice, encode};
+use shared::wire::{
+    Answer, Done, FRAME_MAX, Head, HelloToDevice, Refusal, SCHEMA, ToDevice, encode,
+};
 
 use super::{Checked, Report, open, require};
 
@@ -45,9 +47,14 @@ pub fn check_wrong_schema_is_refused(port: &Path) -> Checked {
         _ => None,
     });
     let version = knows.ok_or_else(|| format!("it did not say who it is: {said:?}"))?;
-    let said = talk(&mut line, first + 1, &ToDevice::Status)?;
+    let said = talk(&mut line, first + 1, &ToDevice::Settings)?;
     require(answer(&said, first + 1) == Some(refusal), || {
         format!("a command in spite of that was answered by {said:?}")
+    })?;
+    // What never changes is done for a host of any release.
+    let said = talk(&mut line, first + 2, &ToDevice::Status)?;
+    require(answer(&said, first + 2) == Some(Ok(Done::Carried)), || {
+        format!("to tell the status was answered by {said:?}")
     })?;
     drop(line);
     // Nothing of it stays.
@@ -75,7 +82,7 @@ fn talk(line: &mut Line, sequence: u32, command: &ToDevice<'_>) -> Result<Vec<Sa
     Err(format!("no answer to {command:?}; heard {heard:?}"))
 }
 
-fn answer(said: &[Said], sequence: u32) -> Option<Result<shared::wire::Done, Refusal>> {
+fn answer(said: &[Said], sequence: u32) -> Option<Result<Done, Refusal>> {
     said.iter().find_map(|said| match said {
         Said::Answer(Answer { to, outcome }) if *to == sequence => Some(*outcome),
         _ => None,

@@ -10,7 +10,8 @@ use shared::wire::ToDevice;
 use super::{At, failed};
 use crate::cli::Failure;
 use crate::cli::output::print;
-use crate::device::session::{LinkError, Session};
+use crate::device::discover::DiscoverError;
+use crate::device::session::{LinkError, Session, command_of_core};
 
 /// The port should be gone after so long.
 const PATIENCE: Duration = Duration::from_secs(3);
@@ -40,12 +41,16 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         // Before the device stops being one.
         check(file)?;
     }
-    let (port, mut session) = args.at.open()?;
-    let gone = match session.command(&ToDevice::Bootloader) {
-        Ok(_) => vanished(session),
-        // Its answer can be lost with the port.
-        Err(LinkError::Line(_)) => true,
-        Err(error) => return Err(failed(error)),
+    let (port, gone) = match args.at.choose() {
+        Ok((port, session)) => (port, begin(session)?),
+        // Firmware of any release takes this command.
+        Err(DiscoverError::Named { port, source: LinkError::Schema { .. } }) => {
+            match command_of_core(&port, &ToDevice::Bootloader) {
+                Ok(()) | Err(LinkError::Line(_)) => (port, true),
+                Err(error) => return Err(failed(error)),
+            }
+        }
+        Err(error) => return Err(Failure::input(error)),
     };
     if gone {
         eprintln!("the device began its loader; {} is gone", port.display());
@@ -56,6 +61,16 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     match &args.flash {
         None => print(&format!("dfu-util {}\n", words(file).join(" "))),
         Some(_) => flash(file),
+    }
+}
+
+/// Begins the loader; whether the port went away.
+fn begin(mut session: Session) -> Result<bool, Failure> {
+    match session.command(&ToDevice::Bootloader) {
+        Ok(_) => Ok(vanished(session)),
+        // Its answer can be lost with the port.
+        Err(LinkError::Line(_)) => Ok(true),
+        Err(error) => Err(failed(error)),
     }
 }
 

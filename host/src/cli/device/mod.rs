@@ -13,7 +13,7 @@ mod tare;
 use std::path::PathBuf;
 
 use super::Failure;
-use crate::device::discover::choose;
+use crate::device::discover::{DiscoverError, choose};
 use crate::device::session::{LinkError, Session};
 
 /// Find, set, test and simulate fingertips.
@@ -79,7 +79,12 @@ pub struct At {
 impl At {
     /// The device, and its port.
     pub fn open(&self) -> Result<(PathBuf, Session), Failure> {
-        choose(self.port.as_deref()).map_err(Failure::input)
+        self.choose().map_err(Failure::input)
+    }
+
+    /// The same, with the reason as it is.
+    fn choose(&self) -> Result<(PathBuf, Session), DiscoverError> {
+        choose(self.port.as_deref())
     }
 }
 

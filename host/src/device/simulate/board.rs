@@ -4,9 +4,9 @@ use std::io::ErrorKind;
 use std::path::PathBuf;
 use std::time::Duration;
 
-use device::Restart;
+use device::{Lost, Restart, Setting};
 use shared::pipeline::GAUGES;
-use shared::wire::{ConverterFault, Oversampling, Settings, StoreFault};
+use shared::wire::{ConverterFault, Kept, Settings, StoreFault};
 
 use super::{CONVERTER_CLOCK_HZ, SimulationError};
 use crate::files::write_whole;
@@ -19,8 +19,9 @@ const BEHIND: Duration = Duration::from_millis(1);
 /// The hardware of a simulated device.
 pub(super) struct Board {
     settings: Option<PathBuf>,
-    oversampling: Oversampling,
-    gain: [u8; GAUGES],
+    setting: Setting,
+    /// The next sample is the first of its setting.
+    exchanged: bool,
     listening: bool,
     /// Time of the next sample, µs; none before the first.
     next_us: Option<u64>,
@@ -29,7 +30,8 @@ pub(super) struct Board {
 impl Board {
     pub(super) fn new(settings: Option<PathBuf>) -> Self {
         let Settings { oversampling, gain, .. } = Settings::DEFAULT;
-        Self { settings, oversampling, gain, listening: false, next_us: None }
+        let setting = Setting { oversampling, gain };
+        Self { settings, setting, exchanged: false, listening: false, next_us: None }
     }
 
     /// As after power-on.
@@ -37,25 +39,32 @@ impl Board {
         *self = Self::new(self.settings.take());
     }
 
-    /// The settings that are kept, if any are.
-    pub(super) fn settings(&self) -> Result<Option<Settings>, SimulationError> {
+    /// The record of the settings that are kept, if any are.
+    pub(super) fn record(&self) -> Result<Option<Vec<u8>>, SimulationError> {
         let Some(path) = &self.settings else { return Ok(None) };
         let refused = |reason: String| SimulationError::Settings { path: path.clone(), reason };
         match std::fs::read(path) {
-            Ok(record) => Settings::from_record(&record)
-                .map(Some)
-                .ok_or_else(|| refused("it is of another version, or no settings".into())),
+            // A file that is none may be somebody's.
+            Ok(record) if Settings::from_record(&record).1 == Kept::Discarded => {
+                Err(refused("it is of another version, or no settings".into()))
+            }
+            Ok(record) => Ok(Some(record)),
             Err(error) if error.kind() == ErrorKind::NotFound => Ok(None),
             Err(error) => Err(refused(error.to_string())),
         }
     }
 
     pub(super) const fn gain(&self) -> [u8; GAUGES] {
-        self.gain
+        self.setting.gain
+    }
+
+    /// What happened between the sample before and the next.
+    pub(super) fn lost(&mut self) -> Lost {
+        Lost { exchanged: std::mem::take(&mut self.exchanged), ..Lost::NONE }
     }
 
     fn interval_us(&self) -> u64 {
-        (self.oversampling.interval_s(CONVERTER_CLOCK_HZ) * 1e6) as u64
+        (self.setting.oversampling.interval_s(CONVERTER_CLOCK_HZ) * 1e6) as u64
     }
 
     /// Time of the sample that comes next, µs; none before the first.
@@ -88,17 +97,14 @@ impl Board {
 }
 
 impl device::Board for Board {
-    fn configure(
-        &mut self,
-        oversampling: Oversampling,
-        gain: [u8; GAUGES],
-    ) -> Result<(), ConverterFault> {
-        (self.oversampling, self.gain) = (oversampling, gain);
+    fn configure(&mut self, setting: Setting) -> Result<(), ConverterFault> {
+        (self.setting, self.exchanged) = (setting, self.listening);
         Ok(())
     }
 
-    fn listen(&mut self, to_converter: bool) {
-        (self.listening, self.next_us) = (to_converter, None);
+    fn listen(&mut self, to_converter: bool) -> Lost {
+        (self.listening, self.next_us, self.exchanged) = (to_converter, None, false);
+        Lost::NONE
     }
 
     fn store(&mut self, record: &[u8]) -> Result<(), StoreFault> {

@@ -7,10 +7,8 @@ mod pace;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use device::{Blocks, Device, Identity, Lost, Restart, Sample, begin_with};
-use shared::wire::{
-    Accumulated, Accumulator, ClockSource, FRAME_MAX, ResetCause, Settings, SettingsError,
-};
+use device::{Blocks, Device, Identity, Restart, Sample, begin_with};
+use shared::wire::{Accumulated, Accumulator, ClockSource, FRAME_MAX, ResetCause, SettingsError};
 
 use self::board::Board;
 use self::grasp::Grasp;
@@ -77,7 +75,7 @@ impl Simulated {
     /// [`SimulationError`].
     pub fn new(simulation: &Simulation) -> Result<Self, SimulationError> {
         let board = Board::new(simulation.settings.clone());
-        board.settings()?;
+        board.record()?;
         let pty = Pty::open()?;
         if let Some(link) = &simulation.link {
             link_to(pty.path(), link)?;
@@ -115,7 +113,7 @@ impl Simulated {
         blocks: &mut Blocks,
         ended: &impl Fn() -> bool,
     ) -> Result<Option<Restart>, SimulationError> {
-        let mut body = Body::new(self.board.settings()?, reset, blocks)?;
+        let mut body = Body::new(self.board.record()?.as_deref(), reset, blocks)?;
         while !ended() {
             let busy = !body.waiting.is_empty();
             self.pty.wait(self.board.wait(body.now_us()), busy)?;
@@ -134,9 +132,10 @@ impl Simulated {
         let until_us = body.pace.until(now_us, board.due_us());
         while let Some(time_us) = board.next_sample(until_us) {
             let counts = grasp.counts(time_us, &board.gain());
-            body.device.sample(&Sample { time_us, counts, lost: Lost::default() });
+            body.device.sample(&Sample { time_us, counts, lost: board.lost() });
             body.send(pty)?;
         }
+        body.device.drained();
         while body.device.process_injected() {
             body.send(pty)?;
         }
@@ -165,7 +164,7 @@ impl Drop for Simulated {
 
 impl<'b> Body<'b> {
     fn new(
-        kept: Option<Settings>,
+        kept: Option<&[u8]>,
         reset: ResetCause,
         blocks: &'b mut Blocks,
     ) -> Result<Self, SimulationError> {
@@ -179,8 +178,8 @@ impl<'b> Body<'b> {
             reset,
             panic: "",
         };
-        let settings = begin_with(kept, CONVERTER_CLOCK_HZ)?;
-        let mut device = Device::new(identity, &settings, blocks);
+        let beginning = begin_with(kept, CONVERTER_CLOCK_HZ)?;
+        let mut device = Device::new(identity, &beginning, blocks);
         device.set_temperature(Some(TEMPERATURE));
         Ok(Self {
             device,

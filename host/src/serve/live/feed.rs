@@ -220,7 +220,7 @@ impl Feed {
                 self.log.take(piece);
                 store.health.log = self.log.words();
             }
-            Said::Answer(_) | Said::Foreign { .. } => {}
+            Said::Answer(_) | Said::Foreign { .. } | Said::Kept(_) => {}
         }
     }
 

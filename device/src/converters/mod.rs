@@ -1,0 +1,5 @@
+//! Converters that a fingertip may have.
+
+mod four_channels;
+
+pub use four_channels::FourChannels;
