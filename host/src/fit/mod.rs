@@ -26,6 +26,7 @@ mod start;
 mod uncertainty;
 pub mod warning;
 pub mod watch;
+pub mod welch;
 pub mod whitening;
 pub mod whole_motion;
 

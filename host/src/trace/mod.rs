@@ -11,6 +11,7 @@ mod error;
 mod gaps;
 mod head;
 mod holds;
+mod levels;
 mod import;
 mod import_error;
 mod lines;
