@@ -447,7 +447,7 @@ fn the_nodes_inside_follow_the_contact() {
     }
     // Force and nodes of one file are of one specimen: F = N(x)/x ε1 with ε1 = x1 − x2 of m segments and
     // N(x) = 0.1/1.8 x^1.8.
-    let (force, x) = (trace.force().unwrap(), node(1));
+    let (force, x) = (trace.force().unwrap(), trace.displacement().unwrap());
     for k in 0..trace.len() {
         if x[k] > 0.1 {
             let strain = x[k] - node(2)[k];
