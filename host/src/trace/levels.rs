@@ -12,7 +12,7 @@ use super::scatter::{self, scatter};
 /// Half the width of the band, of the whole range of the force.
 const BAND: f64 = 0.01;
 /// The same in standard deviations of what smoothing leaves of the noise.
-const NOISES: f64 = 4.0;
+const NOISES: f64 = 5.0;
 /// Smoothing aims at this part of the band.
 const SMOOTH: f64 = 0.1;
 /// Most samples to smooth over.
@@ -54,7 +54,9 @@ pub(super) fn levels(time: &[f64], force: &[f64]) -> Vec<Range<usize>> {
         }
         open.push(part.start..longest.start);
         open.push(longest.end..part.end);
-        if course.is_flat(&longest) && course.level(&longest).abs() > 2.0 * band {
+        // What is left of a ramp between two rests would be flat by itself.
+        let whole = course.extended(&longest);
+        if course.is_flat(&whole) && course.level(&longest).abs() > 2.0 * band {
             found.push(longest);
         }
     }
@@ -95,6 +97,15 @@ impl Course<'_> {
             }
         }
         longest
+    }
+
+    /// A rest as far as the force stays within the band about its level, whatever else lies there.
+    fn extended(&self, rest: &Range<usize>) -> Range<usize> {
+        let level = self.level(rest);
+        let near = |k: &usize| (self.smooth[*k] - level).abs() <= self.band;
+        let start = (0..rest.start).rev().take_while(near).last().unwrap_or(rest.start);
+        let more = (rest.end..self.time.len()).take_while(near).count();
+        start..rest.end + more
     }
 
     /// Whether its thirds lie at one level.
