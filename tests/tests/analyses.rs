@@ -163,7 +163,10 @@ fn creep_under_a_controlled_force_is_found_whatever_the_noise() {
             assert!(found["left_out"].as_array().unwrap().is_empty());
             for (hold, (ends, kind)) in holds.iter().zip([(0.51, "Type I"), (10.27, "Type II")]) {
                 let from = hold["from_s"].as_f64().unwrap();
-                assert!((ends - 0.02..ends + 0.6).contains(&from), "{noise} N, seed {seed}: {from}");
+                assert!(
+                    (ends - 0.02..ends + 0.6).contains(&from),
+                    "{noise} N, seed {seed}: {from}"
+                );
                 assert_eq!(hold["type"], kind);
                 assert!(hold["parameters"]["N"]["value"].as_f64().unwrap() > 0.0);
             }
@@ -178,7 +181,13 @@ fn a_scrap_of_a_hold_is_left_out_with_its_reason_and_ends_nothing() {
     let mut slow = 0.0;
     let rows = (0..2200).map(move |k| {
         let t = 0.01 * f64::from(k);
-        let force = if t < 1.0 { 2.0 * t } else if t < 21.0 { 2.0 } else { (2.0 + 20.0 * (t - 21.0)).min(3.0) };
+        let force = if t < 1.0 {
+            2.0 * t
+        } else if t < 21.0 {
+            2.0
+        } else {
+            (2.0 + 20.0 * (t - 21.0)).min(3.0)
+        };
         let force = if t > 21.13 { (3.0 - 20.0 * (t - 21.13)).max(0.0) } else { force };
         slow += (force - slow) * 0.006;
         [t, 1.5 * force + 0.3 * slow, force]

@@ -312,7 +312,10 @@ fn a_hand_is_planned_with_its_least_grip_and_when_it_slips() {
     let tighten = plan["forecast"]["tighten_by"].as_f64().unwrap();
     assert!((5.0 * tighten * 0.6 - 4.4).abs() < 0.02, "{tighten}");
     let page = std::fs::read_to_string(&report).unwrap();
-    assert!(page.matches("<svg").count() >= 2 && page.contains("slips after"), "a picture and a plot");
+    assert!(
+        page.matches("<svg").count() >= 2 && page.contains("slips after"),
+        "a picture and a plot"
+    );
 }
 
 #[test]
@@ -326,8 +329,7 @@ fn a_hand_that_cannot_be_is_refused_in_words() {
         ("gripping = 3\n", &[], "gripping"),
     ] {
         let hand = gripper(place.path(), more);
-        let output =
-            palpate().args(["grasp", "plan"]).args(arguments).arg(&hand).output().unwrap();
+        let output = palpate().args(["grasp", "plan"]).args(arguments).arg(&hand).output().unwrap();
         let said = String::from_utf8_lossy(&output.stderr);
         assert_eq!(output.status.code(), Some(2), "{more}: {said}");
         assert!(said.contains(word) && output.stdout.is_empty(), "{more}: {said}");
@@ -349,6 +351,7 @@ fn friction_is_identified_from_the_part_of_a_recording_that_slides() {
     let found = json(place.path(), &arguments);
     assert!((found["friction"].as_f64().unwrap() - 0.55).abs() < 1e-3, "{found}");
     assert_eq!(found["exponent_is_told"], false);
-    let (status, out, said) = call(place.path(), &["friction", "slide.csv", "--contact", "circle:5", "--from", "9"]);
+    let (status, out, said) =
+        call(place.path(), &["friction", "slide.csv", "--contact", "circle:5", "--from", "9"]);
     assert!(status == 2 && out.is_empty() && said.contains("too few"), "{said}");
 }

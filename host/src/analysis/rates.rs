@@ -413,8 +413,9 @@ mod tests {
     fn a_rise_that_is_not_straight_is_shown_by_the_standard_errors_of_the_peaks() {
         // Printed of a simulated silicone: χ² 72 for 4 degrees of freedom, and no straight line.
         let decades = [20.0f64, 40.0, 60.0, 80.0, 100.0].map(f64::log10);
-        let peaks = [(21.122, 0.024), (21.286, 0.024), (21.329, 0.022), (21.381, 0.023), (21.338, 0.023)]
-            .map(|(peak, error)| (peak, Some(error)));
+        let peaks =
+            [(21.122, 0.024), (21.286, 0.024), (21.329, 0.022), (21.381, 0.023), (21.338, 0.023)]
+                .map(|(peak, error)| (peak, Some(error)));
         let found = trend(&decades, &peaks).unwrap();
         assert!(found.slope_n.0 > 0.0 && found.p_value < 1e-10, "{found:?}");
         assert!(agreement(&peaks).unwrap().p_value < 1e-12);

@@ -224,7 +224,8 @@ fn what_follows(found: &[Fitted]) -> String {
         format!("The two orders of magnitude of the text are reached by {}.", list(far))
     };
     let steadiest = found.iter().min_by(|a, b| ratio(a).total_cmp(&ratio(b)));
-    let missing: Vec<&Fitted> = found.iter().filter(|fitted| fitted.worst_misfit() > MISFIT).collect();
+    let missing: Vec<&Fitted> =
+        found.iter().filter(|fitted| fitted.worst_misfit() > MISFIT).collect();
     let missing = if missing.is_empty() {
         "Every law leaves no more than the noise, so that its drift is that of parameters which a press does not tell.".to_owned()
     } else {

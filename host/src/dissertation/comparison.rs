@@ -163,7 +163,8 @@ impl Comparison {
             Column::text("unit"),
             Column::text("agrees"),
         ];
-        let mut table = Table::new(format!("{}: {}", self.source, self.evidence.names().0), columns);
+        let mut table =
+            Table::new(format!("{}: {}", self.source, self.evidence.names().0), columns);
         let number = |value: f64, digits| {
             if value.is_finite() { significant(value, digits) } else { "–".into() }
         };
@@ -174,7 +175,11 @@ impl Comparison {
                 significant(check.printed, 5),
                 number(check.recomputed, 5),
                 number(check.half_units(), 2),
-                if expected { significant(2.0 * check.tolerance / check.digit, 2) } else { "–".into() },
+                if expected {
+                    significant(2.0 * check.tolerance / check.digit, 2)
+                } else {
+                    "–".into()
+                },
                 check.unit.to_owned(),
                 if check.agrees() { "yes" } else { "no" }.to_owned(),
             ]);

@@ -63,7 +63,12 @@ fn table_8_3() -> Result<Comparison, ContactError> {
     };
     let checks = TABLE_8_3.into_iter().map(check).collect::<Result<Vec<_>, ContactError>>()?;
     let reason = "half a unit of the last printed digit: eq. 8.2 is exact";
-    Ok(Comparison { source: "Table 8.3", evidence: Evidence::Derived, reason: reason.into(), checks })
+    Ok(Comparison {
+        source: "Table 8.3",
+        evidence: Evidence::Derived,
+        reason: reason.into(),
+        checks,
+    })
 }
 
 fn name(law: PressureLaw) -> String {

@@ -1,7 +1,7 @@
 //! Chapter 5: two silicones at 20 to 100 mm/s. Table 5.2, Figs 5.6–5.14 in kind.
 
-use super::simulated::{noisy, times, trace};
 use super::comparison::digits;
+use super::simulated::{noisy, times, trace};
 use super::{Chapter, Check, Comparison, Evidence};
 use crate::analysis::geometry::{Faces, Geometry};
 use crate::analysis::rates::{Study, rates};
@@ -163,7 +163,12 @@ fn inertia() -> Comparison {
         source: "Section 5.3.1",
         evidence: Evidence::Derived,
         reason: "half of the last printed digit".into(),
-        checks: vec![Check::exact("inertial force of 14 g at 5000 mm/s²", "N", (0.07, 0.01), force)],
+        checks: vec![Check::exact(
+            "inertial force of 14 g at 5000 mm/s²",
+            "N",
+            (0.07, 0.01),
+            force,
+        )],
     }
 }
 
@@ -183,7 +188,8 @@ mod tests {
                 assert!(slope.slope_n.0 > 0.0 && slope.p_value < 1e-6, "{slope:?}");
             } else {
                 // The contrast of Figs 5.8 and 5.9: the hard one hardly stiffens.
-                let of = |group: &Group| group.peak_trend.unwrap().slope_n.0 / group.peaks.unwrap().mean;
+                let of =
+                    |group: &Group| group.peak_trend.unwrap().slope_n.0 / group.peaks.unwrap().mean;
                 let soft = rates(&SILICONES[0].runs(), 1, Faces::One).unwrap();
                 assert!(of(group) < 0.3 * of(&soft.groups[0]), "{slope:?}");
             }

@@ -106,6 +106,7 @@ mod tests {
         // What does not follow is named, not left out.
         for (source, kind) in [
             ("Table B.1, R² for n = 1", Evidence::NotReproduced),
+            ("Eq. B.1", Evidence::NotReproduced),
             ("Fig. 6.10, length at last", Evidence::NotReproduced),
             ("Fig. 4.6 and Table 5.2", Evidence::NotReproduced),
             ("Eq. A.3", Evidence::NotReproduced),

@@ -1,7 +1,7 @@
 //! Chapter 7: the power law of a ball's strain. Tables 7.1 and 7.2, Fig. 7.6 in kind.
 
-use super::simulated::{course, noisy, times, trace};
 use super::comparison::{decimals, digits};
+use super::simulated::{course, noisy, times, trace};
 use super::{Chapter, Check, Comparison, Evidence};
 use crate::analysis::geometry::{Faces, Geometry};
 use crate::analysis::strain_rate::{Order, Study, strain_rate};

@@ -20,6 +20,7 @@ pub mod line;
 pub mod power_law;
 pub mod problem;
 pub mod ranking;
+pub mod ranks;
 pub mod relaxation_form;
 pub mod slope;
 mod start;

@@ -13,6 +13,17 @@ pub struct Repeats {
     pub count: f64,
 }
 
+impl Repeats {
+    /// Mean, sample standard deviation (n − 1) and number of these values.
+    #[must_use]
+    pub fn of(values: &[f64]) -> Self {
+        let count = values.len() as f64;
+        let mean = values.iter().sum::<f64>() / count;
+        let square: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
+        Self { mean, deviation: (square / (count - 1.0)).sqrt(), count }
+    }
+}
+
 /// What the test says.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Welch {
@@ -40,8 +51,7 @@ pub fn welch(groups: &[Repeats]) -> Option<Welch> {
     let lost: f64 =
         groups.iter().map(|g| (1.0 - weight(g) / total).powi(2) / (g.count - 1.0)).sum();
     let square = number * number - 1.0;
-    let statistic =
-        between / (number - 1.0) / (1.0 + 2.0 * (number - 2.0) / square * lost);
+    let statistic = between / (number - 1.0) / (1.0 + 2.0 * (number - 2.0) / square * lost);
     let degrees_of_freedom = (number - 1.0, square / (3.0 * lost));
     let spread = FisherSnedecor::new(degrees_of_freedom.0, degrees_of_freedom.1).ok()?;
     Some(Welch { statistic, degrees_of_freedom, p_value: spread.sf(statistic) })

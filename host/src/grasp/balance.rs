@@ -12,9 +12,7 @@
 //! surface goes (the motions that give way first), and with these alone the problem can only be easier.
 
 use clarabel::algebra::CscMatrix;
-use clarabel::solver::{
-    DefaultSettings, DefaultSolver, IPSolver, SolverStatus, SupportedConeT,
-};
+use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
 use nalgebra::{DMatrix, Matrix3, Vector3};
 
 use super::contact::{Contact, Load, Motion};
@@ -208,7 +206,8 @@ pub fn least_grip(
         let share = Share { normal: 0.0, load: Load::default(), used: f64::NAN };
         return Ok(Balance { value: 0.0, bound: 0.0, shares: vec![share; touches.len()] });
     }
-    let ask = Ask { touches, load: load.times(size.recip()), unit: size, margin, aim: Aim::Grip(least) };
+    let ask =
+        Ask { touches, load: load.times(size.recip()), unit: size, margin, aim: Aim::Grip(least) };
     ask.solve()
 }
 
@@ -225,7 +224,11 @@ pub fn largest_load(touches: &[Touch], load: &Wrench) -> Result<Balance, Balance
     let grip = touches.iter().map(|touch| touch.most).filter(|most| most.is_finite());
     let unit = grip.fold(0.0, f64::max);
     if unit == 0.0 {
-        return Err(if touches.iter().any(|t| t.most > 0.0) { BalanceError::Unlimited } else { BalanceError::Impossible });
+        return Err(if touches.iter().any(|t| t.most > 0.0) {
+            BalanceError::Unlimited
+        } else {
+            BalanceError::Impossible
+        });
     }
     let ask = Ask { touches, load: load.times(size.recip()), unit, margin: 1.0, aim: Aim::Load };
     let mut found = ask.solve()?;
@@ -271,7 +274,8 @@ fn length(touches: &[Touch]) -> f64 {
 }
 
 fn size(load: &Wrench, length: f64) -> f64 {
-    let square = |parts: [f64; 3], unit: f64| parts.map(|part| (part / unit).powi(2)).iter().sum::<f64>();
+    let square =
+        |parts: [f64; 3], unit: f64| parts.map(|part| (part / unit).powi(2)).iter().sum::<f64>();
     (square(load.force, 1.0) + square(load.moment, length)).sqrt()
 }
 
@@ -371,13 +375,16 @@ impl Ask<'_> {
 
     /// μN over the margin, less the reserve.
     fn allowed(&self, touch: usize, solution: &[f64]) -> f64 {
-        let reserve = if matches!(self.aim, Aim::Reserve) { solution[4 * self.touches.len()] } else { 0.0 };
+        let reserve =
+            if matches!(self.aim, Aim::Reserve) { solution[4 * self.touches.len()] } else { 0.0 };
         self.touches[touch].friction / self.margin * solution[4 * touch] - reserve
     }
 
     /// The gauge of a contact's limit surface; none where hardly anything is asked of it.
     fn gauge(&self, touch: usize, y: &Vector3<f64>, solution: &[f64]) -> Option<Gauge> {
-        if y.norm() <= NO_LOAD * self.touches[touch].friction * solution[4 * touch].abs().max(NO_LOAD) {
+        if y.norm()
+            <= NO_LOAD * self.touches[touch].friction * solution[4 * touch].abs().max(NO_LOAD)
+        {
             return None;
         }
         let contact = &self.touches[touch].contact;
@@ -453,11 +460,14 @@ impl Ask<'_> {
             }
         }
         let reserve = if matches!(self.aim, Aim::Reserve) { 1.0 } else { 0.0 };
-        let limit = |k: usize| vec![(4 * k, self.touches[k].friction / self.margin), (last, -reserve)];
+        let limit =
+            |k: usize| vec![(4 * k, self.touches[k].friction / self.margin), (last, -reserve)];
         match surface {
             Surface::Ellipsoid(models) => {
                 for (k, model) in models.iter().enumerate() {
-                    let root = model.cholesky().map_or_else(Matrix3::identity, |root| root.l().transpose());
+                    let root = model
+                        .cholesky()
+                        .map_or_else(Matrix3::identity, |root| root.l().transpose());
                     let row = |i: usize| (0..3).map(|j| (4 * k + 1 + j, root[(i, j)])).collect();
                     programme.cone([limit(k), row(0), row(1), row(2)]);
                 }
@@ -592,7 +602,7 @@ impl Programme {
 
     /// The first row is not below the length of the others.
     fn cone<const N: usize>(&mut self, rows: [Vec<(usize, f64)>; N]) {
-        self.cones.push(rows.to_vec());
+        self.cones.push(rows.into());
     }
 
     fn solve(&self) -> Result<Vec<f64>, BalanceError> {
@@ -661,8 +671,12 @@ mod tests {
                 let normal = [-angle.cos() + part(-0.1, 0.1), -angle.sin(), part(-0.1, 0.1)];
                 let shape = match part(0.0, 3.0) {
                     kind if kind < 1.0 => ContactShape::Circle { radius: part(3.0, 8.0) },
-                    kind if kind < 2.0 => ContactShape::Ellipse { x: part(3.0, 7.0), y: part(2.0, 4.0) },
-                    _ => ContactShape::Rectangle { length: part(6.0, 15.0), width: part(4.0, 12.0) },
+                    kind if kind < 2.0 => {
+                        ContactShape::Ellipse { x: part(3.0, 7.0), y: part(2.0, 4.0) }
+                    }
+                    _ => {
+                        ContactShape::Rectangle { length: part(6.0, 15.0), width: part(4.0, 12.0) }
+                    }
                 };
                 let law = [2.0, 4.0, f64::INFINITY][part(0.0, 3.0) as usize];
                 Touch {
@@ -722,7 +736,8 @@ mod tests {
                 left = left.plus(&touch.pose.wrench(share.normal, &share.load));
                 assert!(share.used.is_nan() || share.used < 1.0 + 1e-6, "{trial}: {}", share.used);
             }
-            let off = left.force.iter().chain(&left.moment).fold(0.0f64, |most, x| most.max(x.abs()));
+            let off =
+                left.force.iter().chain(&left.moment).fold(0.0f64, |most, x| most.max(x.abs()));
             assert!(off < 1e-6, "{trial}: {off} out of balance");
         }
     }

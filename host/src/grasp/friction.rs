@@ -111,11 +111,7 @@ pub fn friction(
     let ends = (edge(&excess, best.0, 0.0), edge(&excess, best.0, 1.0));
     let told = ends.1 - ends.0 < TOLD;
     let chosen = if told { best.1 } else { said(body, law, &used) };
-    let of_k = if told {
-        0.25 * (at(ends.1).mean - at(ends.0).mean).abs()
-    } else {
-        0.0
-    };
+    let of_k = if told { 0.25 * (at(ends.1).mean - at(ends.0).mean).abs() } else { 0.0 };
     let scatter = (chosen.square / (count - 1.0)).sqrt();
     let law = |w: f64| law_of(w).exponent();
     Ok(Friction {
@@ -159,7 +155,9 @@ fn said(body: &Body, law: PressureLaw, samples: &[Sliding]) -> Said {
     let mut moment_share = (f64::INFINITY, 0.0f64);
     for sample in samples {
         let contact = first.as_ref().zip(body.contact(sample.compression));
-        let Some(Ok(contact)) = contact.map(|(first, shape)| first.reshaped(shape)) else { continue };
+        let Some(Ok(contact)) = contact.map(|(first, shape)| first.reshaped(shape)) else {
+            continue;
+        };
         let turning = sample.load.moment.abs() / contact.arm();
         let share = turning / turning.hypot(sample.load.tangential()).max(f64::MIN_POSITIVE);
         moment_share = (moment_share.0.min(share), moment_share.1.max(share));

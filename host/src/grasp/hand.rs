@@ -217,7 +217,8 @@ impl Hand {
             let (true, Ok(balance)) = (grows, &found) else { break };
             let next: Vec<f64> =
                 balance.shares.iter().map(|share| share.normal.max(SMALLEST_NORMAL)).collect();
-            let moved = next.iter().zip(&normals).map(|(a, b)| (a / b - 1.0).abs()).fold(0.0, f64::max);
+            let moved =
+                next.iter().zip(&normals).map(|(a, b)| (a / b - 1.0).abs()).fold(0.0, f64::max);
             normals = next;
             if moved < SETTLED {
                 break;
@@ -371,7 +372,11 @@ impl FingerEntry {
     fn finger(self, folder: &Path, without_effects: &mut Vec<String>) -> Result<Finger, String> {
         let positive = |name: &str, value: f64| {
             let fine = value > 0.0 && value.is_finite();
-            if fine { Ok(value) } else { Err(format!("`{name}` is {value}; it must be above zero")) }
+            if fine {
+                Ok(value)
+            } else {
+                Err(format!("`{name}` is {value}; it must be above zero"))
+            }
         };
         if !self.position_mm.iter().chain(&self.normal).all(|part| part.is_finite()) {
             return Err("position and normal must be of finite numbers".into());
@@ -432,7 +437,8 @@ impl Finger {
         times: &[f64],
         again: Option<(f64, f64)>,
     ) -> Result<Vec<(f64, Shape)>, String> {
-        let factor = |time: f64| again.filter(|(at, _)| time >= *at).map_or(1.0, |(_, factor)| factor);
+        let factor =
+            |time: f64| again.filter(|(at, _)| time >= *at).map_or(1.0, |(_, factor)| factor);
         let Some(material) = &self.material else {
             if self.keeps == Keeps::Position {
                 return Err(format!(
@@ -476,13 +482,16 @@ impl Material {
         if at > 0.0 {
             normal = self.response.advance(&mut state, at, compression);
         }
-        let tightened =
-            self.response.keeping(&state, SUDDENLY, factor * normal, compression);
+        let tightened = self.response.keeping(&state, SUDDENLY, factor * normal, compression);
         let _ = self.response.advance(&mut state, SUDDENLY, tightened);
         let mut now = at;
         let after = |&time: &f64| {
             if time <= at {
-                let before = if time < at { self.relaxation(&[time], compression)[0].normal } else { factor * normal };
+                let before = if time < at {
+                    self.relaxation(&[time], compression)[0].normal
+                } else {
+                    factor * normal
+                };
                 return Held { time, compression, normal: before };
             }
             let normal = self.response.advance(&mut state, time - now, tightened);

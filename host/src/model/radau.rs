@@ -20,24 +20,15 @@ fn advance(right: Right, y: &DVector<f64>, time: f64, step: f64) -> DVector<f64>
     let root = 6f64.sqrt();
     let nodes = [(4.0 - root) / 10.0, (4.0 + root) / 10.0, 1.0];
     let weights = [
-        [
-            (88.0 - 7.0 * root) / 360.0,
-            (296.0 - 169.0 * root) / 1800.0,
-            (-2.0 + 3.0 * root) / 225.0,
-        ],
-        [
-            (296.0 + 169.0 * root) / 1800.0,
-            (88.0 + 7.0 * root) / 360.0,
-            (-2.0 - 3.0 * root) / 225.0,
-        ],
+        [(88.0 - 7.0 * root) / 360.0, (296.0 - 169.0 * root) / 1800.0, (-2.0 + 3.0 * root) / 225.0],
+        [(296.0 + 169.0 * root) / 1800.0, (88.0 + 7.0 * root) / 360.0, (-2.0 - 3.0 * root) / 225.0],
         [(16.0 - root) / 36.0, (16.0 + root) / 36.0, 1.0 / 9.0],
     ];
     let size = y.len();
     // Stages as one vector z, with z_i = h Σ a_ij f(t + c_j h, y + z_j).
     let residual = |z: &DVector<f64>| {
-        let slopes: Vec<_> = (0..3)
-            .map(|j| right(time + nodes[j] * step, &(y + z.rows(j * size, size))))
-            .collect();
+        let slopes: Vec<_> =
+            (0..3).map(|j| right(time + nodes[j] * step, &(y + z.rows(j * size, size)))).collect();
         let mut rest = z.clone();
         for (i, row) in weights.iter().enumerate() {
             for (weight, slope) in row.iter().zip(&slopes) {

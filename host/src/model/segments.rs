@@ -60,7 +60,7 @@ impl Segments {
                 }
             }
             // Not a number stays one.
-            if !(moved > RESOLVED * largest) || parts == MOST_PARTS {
+            if moved <= RESOLVED * largest || moved.is_nan() || parts == MOST_PARTS {
                 return better;
             }
             (coarse, before) = (fine, Some(better));

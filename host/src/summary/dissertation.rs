@@ -120,7 +120,11 @@ fn source_table(chapters: &[Chapter]) -> Table {
             comparison.evidence.names().0.to_owned(),
             checks.len().to_string(),
             if said { "–".into() } else { count(Check::is_exact) },
-            if comparison.evidence == Evidence::Fitted { "–".into() } else { count(Check::agrees) },
+            if comparison.evidence == Evidence::Fitted {
+                "–".into()
+            } else {
+                count(Check::agrees)
+            },
             if said { "–".into() } else { significant(largest, 2) },
         ]);
     }
@@ -224,7 +228,11 @@ pub fn comparisons_csv(chapters: &[Chapter]) -> String {
                 check.unit,
                 &check.printed.to_string(),
                 &check.digit.to_string(),
-                &if check.recomputed.is_finite() { check.recomputed.to_string() } else { String::new() },
+                &if check.recomputed.is_finite() {
+                    check.recomputed.to_string()
+                } else {
+                    String::new()
+                },
                 &check.tolerance.to_string(),
                 if check.agrees() { "yes" } else { "no" },
             ]);

@@ -5,6 +5,7 @@
 //! from end to end however slow it is, and the turn of a wave bends in it. It begins where the force has
 //! arrived for good, and not before the ramp to it has ended.
 
+use std::iter;
 use std::ops::Range;
 
 use super::scatter::{self, scatter};
@@ -45,7 +46,7 @@ pub(super) fn levels(time: &[f64], force: &[f64]) -> Vec<Range<usize>> {
     let band = (BAND * range(&smooth)).max(NOISES * noise / (width as f64).sqrt());
     let shortest = (SHORTEST * time.len() as f64) as usize;
     let course = Course { time, force, smooth: &smooth, noise, band };
-    let mut open = vec![0..time.len()];
+    let mut open: Vec<Range<usize>> = iter::once(0..time.len()).collect();
     let mut found = Vec::new();
     while let Some(part) = open.pop() {
         let Some(longest) = course.longest_rest(part.clone()) else { continue };
@@ -253,7 +254,9 @@ mod tests {
                     let told: Vec<(f64, f64)> =
                         found.iter().map(|r| (time[r.start], time[r.end - 1])).collect();
                     assert_eq!(found.len(), 2, "{lag} {noise} {seed}: {told:?}");
-                    for ((from, to), (start, end)) in told.iter().zip([(0.51, 10.01), (10.265, 19.765)]) {
+                    for ((from, to), (start, end)) in
+                        told.iter().zip([(0.51, 10.01), (10.265, 19.765)])
+                    {
                         // Never before the ramp ended, and soon after the controller arrived.
                         let soon = start - 0.02 <= *from && *from <= start + 0.1 + 6.0 * lag;
                         assert!(soon, "{lag} {noise} {seed}: {told:?}");
@@ -279,6 +282,6 @@ mod tests {
     fn holds_of_a_few_samples_are_found_where_nothing_scatters() {
         let time: Vec<f64> = (0..30).map(f64::from).collect();
         let force: Vec<f64> = time.iter().map(|t| (t * 1.0).min(5.0)).collect();
-        assert_eq!(levels(&time, &force), std::iter::once(5..30).collect::<Vec<_>>());
+        assert_eq!(levels(&time, &force), iter::once(5..30).collect::<Vec<_>>());
     }
 }

@@ -63,7 +63,8 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     wait.finish_and_clear();
     let plan = plan?;
     let inputs = vec![args.hand.display().to_string()];
-    args.result.give("A grasp", "", inputs, &plan_sections(&hand, &plan), || plan_json(&hand, &plan))
+    args.result
+        .give("A grasp", "", inputs, &plan_sections(&hand, &plan), || plan_json(&hand, &plan))
 }
 
 fn plan(args: &Args, hand: &Hand) -> Result<HandPlan, Failure> {
@@ -79,13 +80,14 @@ fn plan(args: &Args, hand: &Hand) -> Result<HandPlan, Failure> {
         None => None,
         Some(lasts) => {
             // What the file says, else what holds with the margin asked for.
-            let planned = grip.as_ref().ok().map(|grip| {
-                grip.shares.iter().map(|share| share.normal).collect::<Vec<f64>>()
-            });
+            let planned = grip
+                .as_ref()
+                .ok()
+                .map(|grip| grip.shares.iter().map(|share| share.normal).collect::<Vec<f64>>());
             let given = now.as_ref().map(|(_, normals)| normals.clone());
             match given.or(planned) {
                 None => None,
-                Some(normals) => Some(forecast(args, hand, normals, lasts).map_err(wrong)?),
+                Some(normals) => Some(forecast(args, hand, &normals, lasts).map_err(wrong)?),
             }
         }
     };
@@ -95,15 +97,15 @@ fn plan(args: &Args, hand: &Hand) -> Result<HandPlan, Failure> {
     Ok(HandPlan { closure, margin: args.margin, least, grip, now, forecast })
 }
 
-fn forecast(args: &Args, hand: &Hand, normals: Vec<f64>, lasts: f64) -> Result<Forecast, String> {
+fn forecast(args: &Args, hand: &Hand, normals: &[f64], lasts: f64) -> Result<Forecast, String> {
     // Close together at first: relaxation is fast then.
     let at = |k: u32| lasts * (f64::from(k) / f64::from(INSTANTS)).powi(2);
     let times: Vec<f64> = (0..=INSTANTS).map(|k| args.after + at(k)).collect();
-    let course = hand.course(&normals, &times, None)?;
+    let course = hand.course(normals, &times, None)?;
     Ok(Forecast {
-        slips: hand.falls_to(&normals, 1.0, &course)?,
-        below_margin: hand.falls_to(&normals, args.margin, &course)?,
-        tighten: hand.regrip(&normals, args.margin, args.after, lasts)?,
+        slips: hand.falls_to(normals, 1.0, &course)?,
+        below_margin: hand.falls_to(normals, args.margin, &course)?,
+        tighten: hand.regrip(normals, args.margin, args.after, lasts)?,
         from: args.after,
         lasts,
         course,

@@ -22,9 +22,14 @@ pub fn friction_sections(found: &Friction, law: PressureLaw) -> Vec<Section> {
         .row(["μ".to_owned(), estimate(found.coefficient.0, Some(found.coefficient.1))])
         .row(["k (95 %)".to_owned(), exponent])
         .row(["scatter of μ from sample to sample".to_owned(), significant(found.scatter, 3)])
-        .row(["share of the moment in the load".to_owned(), format!("{} to {}", percent(least, 3), percent(most, 3))])
+        .row([
+            "share of the moment in the load".to_owned(),
+            format!("{} to {}", percent(least, 3), percent(most, 3)),
+        ])
         .row(["samples".to_owned(), found.samples.to_string()])
-        .note("Standard error and range are for scatter that is independent from sample to sample.");
+        .note(
+            "Standard error and range are for scatter that is independent from sample to sample.",
+        );
     let text = match found.exponent {
         Some(_) => "Loads of different mix lie on one limit surface for this k.".to_owned(),
         None => format!(

@@ -147,7 +147,10 @@ fn share_table(hand: &Hand, title: &str, balance: &Balance) -> Table {
         ]);
     }
     let off = (balance.value - balance.bound).abs() / balance.value.abs().max(f64::MIN_POSITIVE);
-    table.note(format!("Certified to {} of the value by a bound from the other side.", significant(off, 1)))
+    table.note(format!(
+        "Certified to {} of the value by a bound from the other side.",
+        significant(off, 1)
+    ))
 }
 
 fn forecast_section(hand: &Hand, plan: &HandPlan, forecast: &Forecast) -> Section {
@@ -189,17 +192,16 @@ fn forecast_words(plan: &HandPlan, forecast: &Forecast) -> String {
     let until = significant(from + lasts, 4);
     let slip = match slips {
         Some(time) if *time <= *from => "It slips now.".to_owned(),
-        Some(time) => format!(
-            "Held on like this it slips after {} s.",
-            significant(*time, 4)
-        ),
+        Some(time) => format!("Held on like this it slips after {} s.", significant(*time, 4)),
         None => format!("Held on like this it does not slip before {until} s."),
     };
     let margin = significant(plan.margin, 4);
     let below = match below_margin {
         _ if plan.margin == 1.0 => String::new(),
         Some(time) if *time <= *from => format!(" Its margin is below {margin} now."),
-        Some(time) => format!(" Its margin falls below {margin} after {} s.", significant(*time, 4)),
+        Some(time) => {
+            format!(" Its margin falls below {margin} after {} s.", significant(*time, 4))
+        }
         None => format!(" Its margin stays above {margin}."),
     };
     let more = match tighten {
@@ -209,18 +211,16 @@ fn forecast_words(plan: &HandPlan, forecast: &Forecast) -> String {
             percent(factor - 1.0, 3),
             significant(*factor, 4)
         ),
-        None => format!(" No grip up to a thousand times as strong keeps a margin of {margin} until {until} s."),
+        None => format!(
+            " No grip up to a thousand times as strong keeps a margin of {margin} until {until} s."
+        ),
     };
     slip + &below + &more
 }
 
 /// The hand from three sides.
 fn picture(hand: &Hand, normals: &[f64]) -> Panels {
-    let reach = hand
-        .fingers
-        .iter()
-        .map(|finger| finger.pose.position.norm())
-        .fold(1.0, f64::max);
+    let reach = hand.fingers.iter().map(|finger| finger.pose.position.norm()).fold(1.0, f64::max);
     let hardest = normals.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
     let load = Vector3::from(hand.load.force);
     let views = [("x", "y", [0, 1]), ("x", "z", [0, 2]), ("y", "z", [1, 2])];
@@ -232,7 +232,8 @@ fn picture(hand: &Hand, normals: &[f64]) -> Panels {
             let at = finger.pose.position;
             let from = at - finger.pose.axes[2] * (0.6 * reach * normal / hardest);
             let (x, y) = (vec![from[a], at[a]], vec![from[b], at[b]]);
-            let line = Series::line(finger.name.clone(), x, y).colour(Colour::Hue(index)).width(3.0);
+            let line =
+                Series::line(finger.name.clone(), x, y).colour(Colour::Hue(index)).width(3.0);
             let touch = Series::points("", vec![at[a]], vec![at[b]]).colour(Colour::Hue(index));
             plot = plot.series(line).series(touch);
         }
