@@ -11,6 +11,7 @@ use shared::wire::Row;
 
 use super::body::Body;
 use super::contact::{Contact, Load};
+use super::growth::Material;
 use super::margin::margin;
 use crate::device::record::parts;
 
@@ -53,22 +54,20 @@ impl Felt {
     }
 }
 
-/// A contact that grows as it is pressed, and how the force tells the compression: N(x) = p/(q+1) x^(q+1)
-/// (eq. 3.2), with the normal force of a silicone without memory.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// A contact that grows as it is pressed, and how the force tells the compression: by the elastic response
+/// of a law, with the normal force of a silicone without memory.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Growing {
     /// What is pressed.
     pub body: Body,
-    /// Stiffness p, N/mm^(q+1).
-    pub p: f64,
-    /// Exponent q.
-    pub q: f64,
+    /// What makes a force of a compression.
+    pub material: Material,
 }
 
 impl Growing {
     /// Compression under a normal force of a silicone without memory, mm.
     fn compression(&self, elastic: f64) -> f64 {
-        ((self.q + 1.0) * elastic.max(0.0) / self.p).powf((self.q + 1.0).recip())
+        self.material.response.sudden_compression(elastic.max(0.0))
     }
 }
 
@@ -161,12 +160,12 @@ impl Fingertip {
     /// Forces and margins, and how long they last.
     #[must_use]
     pub fn read(&self, felt: &Felt) -> Reading {
-        let compression = self.growing.map(|growing| {
+        let compression = self.growing.as_ref().map(|growing| {
             let elastic =
                 std::array::from_fn(|gauge| felt.elastic[gauge] - self.elastic_zero[gauge]);
             growing.compression(self.normal.of(&elastic))
         });
-        let grown = self.growing.zip(compression).and_then(|(growing, compression)| {
+        let grown = self.growing.as_ref().zip(compression).and_then(|(growing, compression)| {
             self.contact.reshaped(growing.body.contact(compression)?).ok()
         });
         let contact = grown.as_ref().unwrap_or(&self.contact);
@@ -336,6 +335,7 @@ mod tests {
     use super::super::contact::Shape;
     use super::super::pressure::PressureLaw;
     use super::*;
+    use crate::model::{BaseLaw, Separation};
 
     fn fingertip() -> Fingertip {
         Fingertip {
@@ -390,7 +390,9 @@ mod tests {
     fn a_contact_that_grows_follows_the_compression_of_a_silicone_without_memory() {
         let body = Body::Sphere { radius: 10.0 };
         let mut pressed = fingertip();
-        pressed.growing = Some(Growing { body, p: 1.0, q: 1.0 });
+        let law = BaseLaw::fung(1, Separation::Clamp);
+        let material = Material { response: law.response(&[1.0, 1.0, 0.4, 2.0]) };
+        pressed.growing = Some(Growing { body, material });
         pressed.moment = Weights { constant: 1.0, ..Weights::default() };
         let mut felt = felt(1.0, [810.0, 390.0, 500.0, 300.0], [410.0, 190.0, 250.0, 150.0]);
         felt.elastic = [500.0; GAUGES];

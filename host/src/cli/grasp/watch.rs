@@ -122,7 +122,7 @@ impl<'a> Watcher<'a> {
         };
         let growing = growing(args, model.as_ref())?;
         // Any compression will do for a contact that is shaped anew at every reading.
-        let compression = args.compression.or(growing.map(|_| 1.0));
+        let compression = args.compression.or(growing.as_ref().map(|_| 1.0));
         let contact = contact_of(&args.contact, compression, args.pressing.exponent)?;
         let relaxation = match &model {
             Some(model) => Some(relaxation_of(model).map_err(Failure::input)?),
@@ -177,8 +177,8 @@ fn growing(args: &Args, model: Option<&Model>) -> Result<Option<Growing>, Failur
         return Ok(None);
     };
     let wrong = |what: String| Failure::Input(miette::miette!("{what}"));
-    let response = Material::of(model).map_err(wrong)?.response;
-    Ok(Some(Growing { body, p: response.p, q: response.q }))
+    let material = Material::of(model).map_err(wrong)?;
+    Ok(Some(Growing { body, material }))
 }
 
 /// The samples of a trace with gauges. Where their equilibria were not recorded, the filter of the device says
