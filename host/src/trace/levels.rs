@@ -24,6 +24,10 @@ const UNEVEN: f64 = 0.6;
 const FEWEST: usize = 6;
 /// Shortest level, of the recording.
 const SHORTEST: f64 = 0.005;
+/// A controller overshoots by less than so many half widths of the band, and for less than this part of the
+/// level that it then settles to.
+const OVERSHOOT: f64 = 6.0;
+const BRIEF: f64 = 0.2;
 /// Parts of the way to a level between which the ramp is taken for straight.
 const RAMP: (f64, f64) = (0.25, 0.75);
 
@@ -62,6 +66,10 @@ pub(super) fn levels(time: &[f64], force: &[f64]) -> Vec<Range<usize>> {
         }
     }
     found.sort_by_key(|level| level.start);
+    let settling = |pair: &[Range<usize>]| course.is_overshoot(&pair[0], &pair[1]);
+    let overshoots: Vec<bool> = found.windows(2).map(settling).chain([false]).collect();
+    let mut overshoots = overshoots.into_iter();
+    found.retain(|_| !overshoots.next().unwrap_or(false));
     let ends: Vec<Range<usize>> = (0..found.len()).map(|k| course.ends(&found, k)).collect();
     ends.into_iter().filter(|level| level.len() >= FEWEST).collect()
 }
@@ -117,6 +125,14 @@ impl Course<'_> {
             (part(rest.start), part(rest.start + third), part(rest.end - third));
         let most = UNEVEN * self.band;
         (first - last).abs() <= most && (middle - 0.5 * (first + last)).abs() <= most
+    }
+
+    /// Whether a rest is where a controller turned back on its way to the next one.
+    fn is_overshoot(&self, rest: &Range<usize>, next: &Range<usize>) -> bool {
+        let (way, gap) = (self.level(rest) - self.level(next), next.start - rest.end);
+        way.abs() < OVERSHOOT * self.band
+            && gap <= rest.len()
+            && (rest.len() as f64) < BRIEF * next.len() as f64
     }
 
     fn level(&self, rest: &Range<usize>) -> f64 {
@@ -265,6 +281,22 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn where_a_controller_overshoots_it_holds_nothing() {
+        // Down to 0.47 N, where it turns back slowly to 0.5 N.
+        let time: Vec<f64> = (0..3000).map(|k| 0.005 * f64::from(k)).collect();
+        let at = |t: &f64| match *t {
+            t if t < 0.5 => 2.0 * t,
+            t if t < 5.0 => 1.0,
+            t if t < 5.25 => 1.0 - 2.12 * (t - 5.0),
+            t => 0.5 - 0.03 * (-(t - 5.25) / 0.15).exp(),
+        };
+        let force: Vec<f64> = time.iter().map(at).collect();
+        let found = levels(&time, &force);
+        let told: Vec<f64> = found.iter().map(|range| time[range.start]).collect();
+        assert!(found.len() == 2 && (5.25..5.6).contains(&told[1]), "{told:?}");
     }
 
     #[test]
