@@ -44,6 +44,23 @@ fn kinds_of_evidence_are_told_apart_and_the_report_has_every_chapter() {
         assert!(page.contains(&format!("Chapter {chapter}: ")), "chapter {chapter}");
     }
     assert!(page.contains("Appendices A and B") && page.contains("Slips in the text"));
+    // The documentation states the same counts.
+    let measured = fs::read_to_string(palpate_tests::workspace().join("docs/measured.md")).unwrap();
+    for (name, words) in [
+        ("derived", "derived from other printed numbers"),
+        ("found_again", "fed into a rebuilt recording"),
+        ("fitted", "fitted to the printed numbers"),
+        ("said", "said in words"),
+        ("not_reproduced", "not reproduced, each"),
+    ] {
+        let row = measured.lines().find(|line| line.starts_with(&format!("| {words}")));
+        let numbers: Vec<&str> = row.unwrap().split('|').skip(2).map(str::trim).collect();
+        assert_eq!(numbers[0], kind(name)["figures"].to_string(), "{name}");
+        if name != "said" {
+            let exact = &kind(name)["within_half_of_the_last_digit"];
+            assert_eq!(numbers[1], exact.to_string(), "{name}");
+        }
+    }
     // One line for each figure, and the head.
     let rows = fs::read_to_string(folder.join("comparisons.csv")).unwrap().lines().count();
     let figures: u64 =

@@ -169,6 +169,21 @@ impl Hand {
         Ok(Self { fingers, load, without_effects })
     }
 
+    /// Lets the fingers whose file names no model relax and creep by this one, of such a name.
+    ///
+    /// # Errors
+    /// In words, when the model cannot be run.
+    pub fn made_of(&mut self, model: &Model, name: String) -> Result<(), String> {
+        let material = Material::of(model)?;
+        for finger in &mut self.fingers {
+            finger.material.get_or_insert_with(|| material.clone());
+        }
+        if !model.effects.is_empty() {
+            self.without_effects.push(name);
+        }
+        Ok(())
+    }
+
     /// The contacts while the fingers press so hard, N, none harder than `most`, N.
     ///
     /// # Errors

@@ -7,6 +7,7 @@ use crate::cli::output::Output;
 use crate::cli::{Failure, progress};
 use crate::grasp::hand::Hand;
 use crate::grasp::{BalanceError, Least};
+use crate::model::Model;
 use crate::summary::{Forecast, HandPlan, plan_json, plan_sections};
 
 /// Several fingers on one object: least grip, margin, and when it will slip.
@@ -22,8 +23,8 @@ its contact and friction, and the fitted model of what is pressed (docs/grasp.md
 Examples:
   palpate grasp plan hand.toml
   palpate grasp plan hand.toml --margin 1.5 --least largest
-  palpate grasp plan hand.toml --margin 1.2 --for 60 --report hand.html
-  palpate grasp plan hand.toml --for 60 --after 5      it has been held for 5 s already")]
+  palpate grasp plan hand.toml --model tip.toml --margin 1.2 --for 60 --report hand.html
+  palpate grasp plan hand.toml --model tip.toml --for 60 --after 5      it has been held for 5 s already")]
 pub struct Args {
     /// The hand
     #[arg(value_name = "HAND.toml")]
@@ -40,6 +41,9 @@ pub struct Args {
     /// The object has been held for so many seconds
     #[arg(long, value_name = "S", default_value = "0", value_parser = not_negative, requires = "lasts")]
     after: f64,
+    /// What is pressed, for fingers whose entry names no model
+    #[arg(long, value_name = "MODEL.toml")]
+    model: Option<PathBuf>,
     #[command(flatten)]
     result: Output,
 }
@@ -54,7 +58,13 @@ const INSTANTS: u32 = 24;
 
 /// Plans and prints.
 pub fn run(args: &Args) -> Result<(), Failure> {
-    let hand = Hand::read(&args.hand).map_err(Failure::input)?;
+    let mut hand = Hand::read(&args.hand).map_err(Failure::input)?;
+    if let Some(path) = &args.model {
+        let model = Model::read(path).map_err(Failure::input)?;
+        let name = path.display().to_string();
+        let wrong = |what: String| Failure::Input(miette::miette!("{}: {what}", path.display()));
+        hand.made_of(&model, name).map_err(wrong)?;
+    }
     for model in &hand.without_effects {
         eprintln!("! the effects of {model} are left out: only its base law is followed");
     }
