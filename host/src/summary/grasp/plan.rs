@@ -99,15 +99,15 @@ fn closure_words(closure: &Closure) -> String {
 
 fn grip_words(plan: &HandPlan, grip: &Balance) -> String {
     let what = match plan.least {
-        Least::Sum => "normal forces of together",
-        Least::Largest => "normal forces of at most",
+        Least::Sum => "The normal forces must be together at least",
+        Least::Largest => "The largest normal force must be at least",
     };
     let margin = if plan.margin == 1.0 {
-        "just hold the load".into()
+        "to hold the load".into()
     } else {
-        format!("hold {} times the load's share of friction", significant(plan.margin, 4))
+        format!("to hold the load with a margin of {}", significant(plan.margin, 4))
     };
-    format!("At least {what} {} N {margin}.", significant(grip.value, 5))
+    format!("{what} {} N {margin}.", significant(grip.value, 5))
 }
 
 fn now_words(now: &Result<Balance, BalanceError>) -> String {
@@ -147,11 +147,16 @@ fn share_table(hand: &Hand, title: &str, balance: &Balance) -> Table {
         ]);
     }
     let off = (balance.value - balance.bound).abs() / balance.value.abs().max(f64::MIN_POSITIVE);
+    // What rounding leaves is no figure to print.
+    let off = if off <= CERTAIN { CERTAIN } else { off };
     table.note(format!(
         "Certified to {} of the value by a bound from the other side.",
         significant(off, 1)
     ))
 }
+
+/// Part of the value that a certificate is told to, at best.
+const CERTAIN: f64 = 1e-7;
 
 fn forecast_section(hand: &Hand, plan: &HandPlan, forecast: &Forecast) -> Section {
     let mut columns = vec![Column::number("time", "s")];
