@@ -79,7 +79,7 @@ pub fn analyse(trace: &Trace, mut each: impl FnMut()) -> Result<Press<'_>, Press
     let model = Model::of(&fit.chain.base, FORCE, &fit.values, &fit.standard_errors);
     let relaxation = relaxation_of(&model)?;
     let terms = Terms::Fixed(TERMS);
-    let force_holds = fit_holds(trace, FORCE, terms, true)?;
+    let force_holds = fit_holds(trace, FORCE, terms, true)?.holds;
     let mut press = Press {
         data,
         fit,
@@ -92,7 +92,7 @@ pub fn analyse(trace: &Trace, mut each: impl FnMut()) -> Result<Press<'_>, Press
     for signal in signals(trace)? {
         let channel = decompose(trace, &signal, &relaxation, &mut each)?;
         let found = regions(trace, &channel)?;
-        press.gauge_holds.extend(fit_holds(trace, &signal, terms, true)?);
+        press.gauge_holds.extend(fit_holds(trace, &signal, terms, true)?.holds);
         press.recoveries.extend(recovery(trace, &channel, &found)?);
         press.channels.push((channel, found));
     }

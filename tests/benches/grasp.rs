@@ -1,7 +1,11 @@
-//! A whole limit surface of 200 points, its tables included, and the margin of one load.
+//! A whole limit surface of 200 points, its tables included, the margin of one load, and three fingers on one
+//! object.
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use palpate::grasp::{Contact, Load, PressureLaw, Shape, limit_surface, margin};
+use palpate::grasp::balance::{largest_load, least_grip};
+use palpate::grasp::{
+    Contact, Least, Load, Pose, PressureLaw, Shape, Touch, Wrench, limit_surface, margin,
+};
 use std::hint::black_box;
 
 const SHAPES: [(&str, Shape); 3] = [
@@ -25,5 +29,26 @@ fn grasp(criterion: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, grasp);
+/// Three fingers around an object of 4.9 N, of three shapes.
+fn hand(criterion: &mut Criterion) {
+    let law = PressureLaw::new(4.0).expect("an exponent of at least 1");
+    let touch = |k: usize| {
+        let angle = std::f64::consts::TAU * k as f64 / 3.0;
+        let position = [30.0 * angle.cos(), 30.0 * angle.sin(), 2.0 * k as f64];
+        let normal = [-angle.cos(), -angle.sin(), 0.0];
+        let pose = Pose::new(position, normal, None).expect("a normal");
+        let contact = Contact::new(SHAPES[k].1, law).expect("sizes above 0");
+        Touch { pose, contact, friction: 0.7, most: 10.0 }
+    };
+    let touches = [touch(0), touch(1), touch(2)];
+    let load = Wrench { force: [0.2, 0.0, -4.9], moment: [10.0, -20.0, 15.0] };
+    criterion.bench_function("least grip of three fingers", |bencher| {
+        bencher.iter(|| least_grip(&touches, black_box(&load), 1.5, Least::Sum));
+    });
+    criterion.bench_function("margin of three fingers", |bencher| {
+        bencher.iter(|| largest_load(&touches, black_box(&load)));
+    });
+}
+
+criterion_group!(benches, grasp, hand);
 criterion_main!(benches);

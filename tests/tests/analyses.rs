@@ -4,6 +4,8 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use palpate::latency::Power;
+use palpate::model::{BaseLaw, Model, Separation};
+use palpate::trace::FORCE;
 use palpate_tests::{bundled, palpate};
 use serde_json::Value;
 
@@ -136,6 +138,69 @@ fn creep_is_found_without_a_head_and_a_relaxation_is_refused() {
 }
 
 #[test]
+fn creep_under_a_controlled_force_is_found_whatever_the_noise() {
+    // Ramps at 1.96 N/s to 1 N and back to 0.5 N, each held for 9.5 s, under a PI controller.
+    let folder = tempfile::tempdir().unwrap();
+    let law = BaseLaw::fung(2, Separation::Clamp);
+    let values = [0.28, 0.45, 0.24, 0.26, 3.7, 0.5];
+    let model = folder.path().join("model.toml");
+    Model::of(&law, FORCE, &values, &[None; 6]).write(&model).unwrap();
+    let profile = palpate_tests::workspace().join("tests/profiles/creep.toml");
+    for noise in ["0", "0.001", "0.005", "0.02"] {
+        for seed in ["1", "2", "3"] {
+            let path = folder.path().join(format!("crept-{noise}-{seed}.csv"));
+            palpate()
+                .args(["simulate", "--noise", noise, "--seed", seed, "--force"])
+                .arg(&profile)
+                .arg(&model)
+                .arg("-o")
+                .arg(&path)
+                .assert()
+                .success();
+            let found = answer(&["creep", "--terms", "1"], std::slice::from_ref(&path));
+            let holds = found["holds"].as_array().unwrap();
+            assert_eq!(holds.len(), 2, "{noise} N, seed {seed}: {holds:#?}");
+            assert!(found["left_out"].as_array().unwrap().is_empty());
+            for (hold, (ends, kind)) in holds.iter().zip([(0.51, "Type I"), (10.27, "Type II")]) {
+                let from = hold["from_s"].as_f64().unwrap();
+                assert!(
+                    (ends - 0.02..ends + 0.6).contains(&from),
+                    "{noise} N, seed {seed}: {from}"
+                );
+                assert_eq!(hold["type"], kind);
+                assert!(hold["parameters"]["N"]["value"].as_f64().unwrap() > 0.0);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_scrap_of_a_hold_is_left_out_with_its_reason_and_ends_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    // Held for 20 s, then for eight samples, at another force.
+    let mut slow = 0.0;
+    let rows = (0..2200).map(move |k| {
+        let t = 0.01 * f64::from(k);
+        let force = if t < 1.0 {
+            2.0 * t
+        } else if t < 21.0 {
+            2.0
+        } else {
+            (2.0 + 20.0 * (t - 21.0)).min(3.0)
+        };
+        let force = if t > 21.13 { (3.0 - 20.0 * (t - 21.13)).max(0.0) } else { force };
+        slow += (force - slow) * 0.006;
+        [t, 1.5 * force + 0.3 * slow, force]
+    });
+    let path = write(folder.path(), "scrap.csv", "# control = \"force\"\n", rows);
+    let found = answer(&["creep", "--terms", "4"], &[path]);
+    assert_eq!(found["holds"].as_array().unwrap().len(), 1, "{found:#}");
+    let left_out = found["left_out"].as_array().unwrap();
+    assert!(left_out.len() <= 1, "{left_out:?}");
+    assert!(left_out.iter().all(|text| text.as_str().unwrap().contains("too few")), "{left_out:?}");
+}
+
+#[test]
 fn loading_rates_give_one_stiffness_and_asymptotes_that_agree() {
     let folder = tempfile::tempdir().unwrap();
     let runs: Vec<PathBuf> =
@@ -146,7 +211,11 @@ fn loading_rates_give_one_stiffness_and_asymptotes_that_agree() {
     assert!((number("v1_per_s") - 0.5).abs() < 5e-3);
     let group = &found["groups"][0];
     assert!(group["asymptotes_agree_p_value"].as_f64().unwrap() > 1e-3);
-    assert!(group["peak_trend"]["slope_N_per_decade"].as_f64().unwrap() > 0.0);
+    let trend = &group["peak_trend"];
+    assert!(trend["slope_N_per_decade"].as_f64().unwrap() > 0.0);
+    // The peaks have standard errors, and by them the stiffening is shown.
+    assert!(trend["p_value"].as_f64().unwrap() < 1e-6, "{trend}");
+    assert!(group["peaks_agree_p_value"].as_f64().unwrap() < 1e-6);
 }
 
 #[test]

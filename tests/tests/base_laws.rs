@@ -445,6 +445,16 @@ fn the_nodes_inside_follow_the_contact() {
         let outer = trace.displacement().unwrap()[k].max(0.0);
         assert!(node(2)[k] <= outer.max(node(2)[k.saturating_sub(1)]) + 1e-9);
     }
+    // Force and nodes of one file are of one specimen: F = N(x)/x ε1 with ε1 = x1 − x2 of m segments and
+    // N(x) = 0.1/1.8 x^1.8.
+    let (force, x) = (trace.force().unwrap(), trace.displacement().unwrap());
+    for k in 0..trace.len() {
+        if x[k] > 0.1 {
+            let strain = x[k] - node(2)[k];
+            let expected = (0.1 / 1.8 * x[k].powf(0.8) * strain).max(0.0);
+            assert!((force[k] - expected).abs() < 1e-4, "{k}: {} N for {expected} N", force[k]);
+        }
+    }
     assert!(node(5).iter().copied().fold(0.0, f64::max) > 0.1);
 }
 

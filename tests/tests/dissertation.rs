@@ -6,7 +6,7 @@ use palpate_tests::palpate;
 use serde_json::Value;
 
 #[test]
-fn every_printed_figure_agrees_and_the_report_has_every_chapter() {
+fn kinds_of_evidence_are_told_apart_and_the_report_has_every_chapter() {
     let place = tempfile::tempdir().unwrap();
     let folder = place.path().join("new/folder");
     let output = palpate().args(["dissertation", "--json", "-o"]).arg(&folder).output().unwrap();
@@ -14,7 +14,19 @@ fn every_printed_figure_agrees_and_the_report_has_every_chapter() {
     assert!(output.status.success(), "{said}");
     let answer: Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(answer["palpate_dissertation"], 1);
-    assert_eq!(answer["figures"], answer["agree"]);
+    // Kinds of evidence are told apart, and only what should agree must.
+    let kind = |name: &str| {
+        let kinds = answer["kinds"].as_array().unwrap();
+        kinds.iter().find(|kind| kind["evidence"] == name).unwrap()
+    };
+    for name in ["derived", "found_again", "said"] {
+        assert_eq!(kind(name)["figures"], kind(name)["agree"], "{name}");
+    }
+    // 210 of Tables 3.1 to 3.3, 4 of Table 5.2, 20 of Tables 7.1 and 7.2, 2 of R²: fed in and found again.
+    assert_eq!(kind("found_again")["figures"], 236);
+    let derived = kind("derived");
+    assert!(derived["within_half_of_the_last_digit"].as_u64() < derived["figures"].as_u64());
+    assert_eq!(kind("not_reproduced")["agree"], 0);
     let sources: Vec<&str> = answer["comparisons"]
         .as_array()
         .unwrap()
@@ -32,9 +44,28 @@ fn every_printed_figure_agrees_and_the_report_has_every_chapter() {
         assert!(page.contains(&format!("Chapter {chapter}: ")), "chapter {chapter}");
     }
     assert!(page.contains("Appendices A and B") && page.contains("Slips in the text"));
+    // The documentation states the same counts.
+    let measured = fs::read_to_string(palpate_tests::workspace().join("docs/measured.md")).unwrap();
+    for (name, words) in [
+        ("derived", "derived from other printed numbers"),
+        ("found_again", "fed into a rebuilt recording"),
+        ("fitted", "fitted to the printed numbers"),
+        ("said", "said in words"),
+        ("not_reproduced", "not reproduced, each"),
+    ] {
+        let row = measured.lines().find(|line| line.starts_with(&format!("| {words}")));
+        let numbers: Vec<&str> = row.unwrap().split('|').skip(2).map(str::trim).collect();
+        assert_eq!(numbers[0], kind(name)["figures"].to_string(), "{name}");
+        if name != "said" {
+            let exact = &kind(name)["within_half_of_the_last_digit"];
+            assert_eq!(numbers[1], exact.to_string(), "{name}");
+        }
+    }
     // One line for each figure, and the head.
     let rows = fs::read_to_string(folder.join("comparisons.csv")).unwrap().lines().count();
-    assert_eq!(rows as u64, answer["figures"].as_u64().unwrap() + 1);
+    let figures: u64 =
+        answer["kinds"].as_array().unwrap().iter().map(|k| k["figures"].as_u64().unwrap()).sum();
+    assert_eq!(rows as u64, figures + 1);
 }
 
 #[test]

@@ -1,8 +1,9 @@
 //! `palpate grasp` from the command line: what a contact carries, over time and on a stream.
 
 use std::fmt::Write as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
+use palpate::model::{BaseLaw, Model, Separation};
 use palpate_tests::{bundled, palpate};
 use serde_json::Value;
 
@@ -263,4 +264,94 @@ fn what_is_wrong_is_said_with_what_to_do() {
         assert_eq!((status, out.as_str()), (2, ""), "{arguments:?}: {error}");
         assert!(error.contains(words), "{arguments:?}: {error}");
     }
+}
+
+/// Two fingertips that hold a weight of 4 N between them.
+fn gripper(folder: &Path, more: &str) -> PathBuf {
+    let finger = |name: &str, x: i32| {
+        format!(
+            "[[finger]]\nname = \"{name}\"\nposition_mm = [{x}, 0, 0]\nnormal = [{}, 0, 0]\n\
+             contact = \"circle:6\"\nfriction = 0.5\nnormal_N = 5\n{more}",
+            -x
+        )
+    };
+    let text = format!(
+        "palpate-hand = 1\n[load]\nforce_N = [0, 0, -4]\n{}{}",
+        finger("left", -20),
+        finger("right", 20)
+    );
+    let path = folder.join("hand.toml");
+    std::fs::write(&path, text).unwrap();
+    path
+}
+
+#[test]
+fn a_hand_is_planned_with_its_least_grip_and_when_it_slips() {
+    let place = tempfile::tempdir().unwrap();
+    let model = place.path().join("tip.toml");
+    let law = BaseLaw::fung(1, Separation::Clamp);
+    Model::of(&law, "force_N", &[2.0, 0.5, 0.4, 0.5], &[None; 4]).write(&model).unwrap();
+    let hand = gripper(place.path(), "model = \"tip.toml\"\n");
+    let report = place.path().join("hand.html");
+    let output = palpate()
+        .args(["grasp", "plan", "--margin", "1.1", "--for", "60", "--json", "--report"])
+        .arg(&report)
+        .arg(&hand)
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let plan: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(plan["force_closed"], true);
+    // 4 N over 0.5, with a margin of 1.1.
+    assert!((plan["least_grip_N"]["value"].as_f64().unwrap() - 8.8).abs() < 1e-5, "{plan:#}");
+    assert!((plan["now"]["value"].as_f64().unwrap() - 1.25).abs() < 1e-5);
+    // 5 N (0.6 + 0.4 e^(−0.5 t)) falls to 4 N.
+    let slips = plan["forecast"]["slips_after_s"].as_f64().unwrap();
+    assert!((slips - 2.0 * 2f64.ln()).abs() < 0.01, "{slips}");
+    // 0.6 of the first squeeze and of what is added must be 4.4 N.
+    let tighten = plan["forecast"]["tighten_by"].as_f64().unwrap();
+    assert!((5.0 * tighten * 0.6 - 4.4).abs() < 0.02, "{tighten}");
+    let page = std::fs::read_to_string(&report).unwrap();
+    assert!(
+        page.matches("<svg").count() >= 2 && page.contains("slips after"),
+        "a picture and a plot"
+    );
+}
+
+#[test]
+fn a_hand_that_cannot_be_is_refused_in_words() {
+    let place = tempfile::tempdir().unwrap();
+    for (more, arguments, word) in [
+        ("", &["--for", "9"][..], "model"),
+        ("contact = \"cube:3\"\n", &[], "not a hand"),
+        ("most_N = 0\n", &[], "most_N"),
+        ("model = \"none.toml\"\n", &[], "none.toml"),
+        ("gripping = 3\n", &[], "gripping"),
+    ] {
+        let hand = gripper(place.path(), more);
+        let output = palpate().args(["grasp", "plan"]).args(arguments).arg(&hand).output().unwrap();
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{more}: {said}");
+        assert!(said.contains(word) && output.stdout.is_empty(), "{more}: {said}");
+    }
+}
+
+#[test]
+fn friction_is_identified_from_the_part_of_a_recording_that_slides() {
+    let place = tempfile::tempdir().unwrap();
+    let mut text = String::from("time_s,force_N,tangential_N\n");
+    for k in 0..400 {
+        let t = 0.01 * f64::from(k);
+        // Pulled harder and harder until it slides at 2 s, with μ 0.55.
+        let pull = if t < 2.0 { 0.5 * t } else { 1.1 + 1e-3 * f64::from(k % 7 - 3) };
+        writeln!(text, "{t},2.0,{pull}").unwrap();
+    }
+    std::fs::write(place.path().join("slide.csv"), text).unwrap();
+    let arguments = ["friction", "slide.csv", "--contact", "circle:5", "--from", "2"];
+    let found = json(place.path(), &arguments);
+    assert!((found["friction"].as_f64().unwrap() - 0.55).abs() < 1e-3, "{found}");
+    assert_eq!(found["exponent_is_told"], false);
+    let (status, out, said) =
+        call(place.path(), &["friction", "slide.csv", "--contact", "circle:5", "--from", "9"]);
+    assert!(status == 2 && out.is_empty() && said.contains("too few"), "{said}");
 }

@@ -29,7 +29,13 @@ fn a_recording_goes_the_way_of_a_device_and_comes_back_as_it_was_felt() {
     // The device was told the relaxation of this silicone, so its FA is that of the press.
     let fa = back.column("gauge1_fa_ustrain").unwrap();
     assert!(fa.iter().copied().fold(0.0, f64::max) > 100.0);
-    run(&["decompose", "press.csv", "--signal", "gauge1_ustrain"]);
+    run(&["decompose", "press.csv", "--signal", "gauge1_ustrain", "-o", "split"]);
+    let split = read("split/press.csv");
+    let column = |name| split.column(name).unwrap();
+    // FA is negative where the load falls; without its sign it answers to touch and release alike.
+    let (fa, size) = (column("gauge1_fa_ustrain"), column("gauge1_fa_rectified_ustrain"));
+    assert!(fa.iter().any(|fa| *fa < -10.0));
+    assert!(fa.iter().zip(size).all(|(fa, size)| fa.abs() == *size));
     run(&["fit", "fung", "press.csv", "--separation", "free", "-o", "model.toml"]);
     run(&["compare", "model.toml", "press.csv"]);
 }

@@ -7,7 +7,7 @@ use shared::phase::RelaxationType;
 
 use super::terms::{self, Terms};
 use crate::fit::exponentials::{Fit, Parameter};
-use crate::fit::hold::{self, HoldError, HoldFit, Response};
+use crate::fit::hold::{self, HoldError, HoldFit, Holds, Response};
 use crate::trace::{Control, FORCE, Trace, control};
 
 /// Relative standard error above which a value is not told by a hold.
@@ -50,7 +50,7 @@ pub fn creep(
     signal: &str,
     exponentials: hold::Terms,
     signs: bool,
-) -> Result<Vec<Hold>, CreepError> {
+) -> Result<Holds<Hold>, CreepError> {
     let told = trace.head.control.is_some();
     // One column alone (a compliance) tells nothing of what was controlled: asking for creep says it.
     let alone = trace.force().is_none() && !told;
@@ -59,7 +59,7 @@ pub fn creep(
     }
     let mut trace = trace.clone();
     trace.head.control = Some(Control::Force);
-    let fits = hold::fit_responses(&trace, signal, Response::Creep, exponentials, signs)?;
+    let found = hold::fit_responses(&trace, signal, Response::Creep, exponentials, signs)?;
     let values = trace.changing(signal).map_err(HoldError::from)?;
     let of = |fit: HoldFit| {
         let (time, values) = (&trace.time[fit.range.clone()], &values[fit.range.clone()]);
@@ -70,7 +70,9 @@ pub fn creep(
         let force = trace.column(FORCE).map(|force| spread(force, &fit.range));
         Ok::<_, HoldError>(Hold { force, terms, doubts, fit })
     };
-    Ok(fits.into_iter().map(of).collect::<Result<_, _>>()?)
+    let mut each = Holds::of(found.holds.into_iter().map(of))?;
+    each.left_out.splice(..0, found.left_out);
+    Ok(each)
 }
 
 /// What a hold of `duration_s` does not identify of a fit.
@@ -151,7 +153,7 @@ mod tests {
 
     #[test]
     fn creep_goes_up_after_loading_and_down_after_unloading() {
-        let found = creep(&steps(), DISPLACEMENT, hold::Terms::Fixed(1), true).unwrap();
+        let found = creep(&steps(), DISPLACEMENT, hold::Terms::Fixed(1), true).unwrap().holds;
         let types: Vec<_> = found.iter().map(|hold| hold.fit.relaxation).collect();
         assert_eq!(types, [RelaxationType::TypeI, RelaxationType::TypeII]);
         for (hold, (force, sign)) in found.iter().zip([(4.0, -1.0), (2.0, 1.0)]) {
@@ -168,7 +170,7 @@ mod tests {
 
     #[test]
     fn rates_that_a_short_hold_does_not_tell_are_named() {
-        let found = creep(&steps(), DISPLACEMENT, hold::Terms::Fixed(3), false).unwrap();
+        let found = creep(&steps(), DISPLACEMENT, hold::Terms::Fixed(3), false).unwrap().holds;
         assert!(
             found[0].doubts.iter().any(|doubt| doubt.contains("not identifiable")
                 || doubt.contains("coincide")

@@ -3,7 +3,7 @@
 //!
 //! Section 5.4.1 writes ε = k_s σ in passing; (5.7) has it right and is what is computed: ε = σ / k_s.
 
-use statrs::distribution::{ContinuousCDF, StudentsT};
+use statrs::distribution::{ChiSquared, ContinuousCDF, Normal, StudentsT};
 
 use super::controlled::{ForceControlled, displacement_controlled};
 use super::geometry::{Faces, Geometry, GeometryError};
@@ -66,9 +66,24 @@ pub struct Course {
 /// A straight line over the logarithm of the loading rate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Trend {
-    /// Slope, N for ten times the rate, with its standard error from the scatter about the line.
+    /// Slope, N for ten times the rate, with its standard error: from those of the values where all have
+    /// one, else from the scatter about the line.
     pub slope_n: Estimate,
-    /// Chance of so steep a slope if the rate made no difference (Student's t).
+    /// Chance of so steep a slope if the rate made no difference: normal where the values have standard
+    /// errors, else Student's t.
+    pub p_value: f64,
+    /// Whether the values lie on the line within their standard errors, where they have them.
+    pub off_line: Option<OffLine>,
+}
+
+/// How far values lie off a line, by their standard errors.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OffLine {
+    /// Sum of the squared deviations, in standard errors.
+    pub chi_square: f64,
+    /// Values less two.
+    pub degrees_of_freedom: usize,
+    /// Chance of so large a sum if the values lay on the line but for their errors.
     pub p_value: f64,
 }
 
@@ -83,6 +98,8 @@ pub struct Group {
     pub asymptotes: Option<Consistency>,
     /// Asymptote over the rate; three different rates or more.
     pub asymptote_trend: Option<Trend>,
+    /// Whether the peaks agree within their standard errors.
+    pub peaks: Option<Consistency>,
     /// Peak over the rate: stiffening (5.4.3).
     pub peak_trend: Option<Trend>,
 }
@@ -243,13 +260,11 @@ fn groups(runs: &[Run]) -> Vec<Group> {
         let decades: Vec<f64> =
             places.iter().map(|&place| runs[place].rate_mm_per_s.abs().log10()).collect();
         let (asymptotes, peaks) = (of(|run| run.asymptote_n), of(|run| run.peak_n));
-        let values: Vec<f64> = asymptotes.iter().map(|estimate| estimate.0).collect();
-        let errors: Option<Vec<f64>> = asymptotes.iter().map(|estimate| estimate.1).collect();
-        let peaks: Vec<f64> = peaks.iter().map(|estimate| estimate.0).collect();
         Group {
             displacement_mm: runs[places[0]].displacement_mm,
-            asymptotes: errors.and_then(|errors| consistency(&values, &errors)),
-            asymptote_trend: trend(&decades, &values),
+            asymptotes: agreement(&asymptotes),
+            asymptote_trend: trend(&decades, &asymptotes),
+            peaks: agreement(&peaks),
             peak_trend: trend(&decades, &peaks),
             runs: places,
         }
@@ -257,22 +272,55 @@ fn groups(runs: &[Run]) -> Vec<Group> {
     places.into_iter().map(group).collect()
 }
 
-/// The least-squares line through three points or more whose places differ.
-fn trend(x: &[f64], y: &[f64]) -> Option<Trend> {
-    let count = x.len() as f64;
-    let (mx, my) = (x.iter().sum::<f64>() / count, y.iter().sum::<f64>() / count);
-    let square: f64 = x.iter().map(|x| (x - mx).powi(2)).sum();
+/// Values and their standard errors, where all have one.
+fn split(estimates: &[Estimate]) -> (Vec<f64>, Option<Vec<f64>>) {
+    let errors: Option<Vec<f64>> = estimates.iter().map(|estimate| estimate.1).collect();
+    let told = |errors: &Vec<f64>| errors.iter().all(|error| *error > 0.0 && error.is_finite());
+    (estimates.iter().map(|estimate| estimate.0).collect(), errors.filter(told))
+}
+
+/// Whether values agree within their standard errors.
+fn agreement(estimates: &[Estimate]) -> Option<Consistency> {
+    let (values, errors) = split(estimates);
+    consistency(&values, &errors?)
+}
+
+/// The line through three points or more whose places differ, each weighing by its standard error where
+/// all have one.
+fn trend(x: &[f64], estimates: &[Estimate]) -> Option<Trend> {
+    let (y, errors) = split(estimates);
+    let degrees_of_freedom = x.len().checked_sub(2).filter(|degrees| *degrees > 0)?;
+    let weights: Vec<f64> = match &errors {
+        Some(errors) => errors.iter().map(|error| error.powi(-2)).collect(),
+        None => vec![1.0; y.len()],
+    };
+    let sum = |of: &dyn Fn(usize) -> f64| (0..x.len()).map(|k| weights[k] * of(k)).sum::<f64>();
+    let weight = sum(&|_| 1.0);
+    let (mx, my) = (sum(&|k| x[k]) / weight, sum(&|k| y[k]) / weight);
+    let square = sum(&|k| (x[k] - mx).powi(2));
     // Rates within one per cent of each other are one rate.
-    let finite = x.iter().chain(y).all(|value| value.is_finite());
-    if x.len() < 3 || !finite || square < count * 0.004f64.powi(2) {
+    let finite = x.iter().chain(&y).all(|value| value.is_finite());
+    if !finite || square < weight * 0.004f64.powi(2) {
         return None;
     }
-    let slope = x.iter().zip(y).map(|(x, y)| (x - mx) * (y - my)).sum::<f64>() / square;
-    let left: f64 = x.iter().zip(y).map(|(x, y)| (y - my - slope * (x - mx)).powi(2)).sum();
-    let error = (left / (count - 2.0) / square).sqrt();
-    let student = StudentsT::new(0.0, 1.0, count - 2.0).ok()?;
-    let p_value = if error > 0.0 { 2.0 * student.sf((slope / error).abs()) } else { 0.0 };
-    Some(Trend { slope_n: (slope, Some(error)), p_value })
+    let slope = sum(&|k| (x[k] - mx) * (y[k] - my)) / square;
+    let left = sum(&|k| (y[k] - my - slope * (x[k] - mx)).powi(2));
+    let two_sided = |sf: f64| 2.0 * sf;
+    if errors.is_some() {
+        let error = square.sqrt().recip();
+        let normal = Normal::standard();
+        let off_line = ChiSquared::new(degrees_of_freedom as f64).ok().map(|spread| OffLine {
+            chi_square: left,
+            degrees_of_freedom,
+            p_value: spread.sf(left),
+        });
+        let p_value = two_sided(normal.sf((slope / error).abs()));
+        return Some(Trend { slope_n: (slope, Some(error)), p_value, off_line });
+    }
+    let error = (left / degrees_of_freedom as f64 / square).sqrt();
+    let student = StudentsT::new(0.0, 1.0, degrees_of_freedom as f64).ok()?;
+    let p_value = if error > 0.0 { two_sided(student.sf((slope / error).abs())) } else { 0.0 };
+    Some(Trend { slope_n: (slope, Some(error)), p_value, off_line: None })
 }
 
 impl Study {
@@ -359,6 +407,30 @@ mod tests {
         assert!(found.runs.windows(2).all(|pair| pair[0].rate_mm_per_s < pair[1].rate_mm_per_s));
         let stiffening = group.peak_trend.unwrap();
         assert!(stiffening.slope_n.0 > 0.0 && stiffening.p_value < 0.05, "{stiffening:?}");
+    }
+
+    #[test]
+    fn a_rise_that_is_not_straight_is_shown_by_the_standard_errors_of_the_peaks() {
+        // Printed of a simulated silicone: χ² 72 for 4 degrees of freedom, and no straight line.
+        let decades = [20.0f64, 40.0, 60.0, 80.0, 100.0].map(f64::log10);
+        let peaks =
+            [(21.122, 0.024), (21.286, 0.024), (21.329, 0.022), (21.381, 0.023), (21.338, 0.023)]
+                .map(|(peak, error)| (peak, Some(error)));
+        let found = trend(&decades, &peaks).unwrap();
+        assert!(found.slope_n.0 > 0.0 && found.p_value < 1e-10, "{found:?}");
+        assert!(agreement(&peaks).unwrap().p_value < 1e-12);
+        assert_eq!(found.off_line.unwrap().degrees_of_freedom, 3);
+        // Without errors there is the scatter alone, which five runs cannot tell from chance.
+        let bare = peaks.map(|(peak, _)| (peak, None));
+        let scattered = trend(&decades, &bare).unwrap();
+        assert!(scattered.p_value > 0.01 && scattered.off_line.is_none(), "{scattered:?}");
+    }
+
+    #[test]
+    fn equal_peaks_show_no_trend() {
+        let decades = [20.0f64, 50.0, 100.0].map(f64::log10);
+        let peaks = [(5.01, Some(0.02)), (4.99, Some(0.02)), (5.0, Some(0.02))];
+        assert!(trend(&decades, &peaks).unwrap().p_value > 0.1);
     }
 
     #[test]

@@ -5,7 +5,7 @@ use super::controlled::{ForceControlled, displacement_controlled};
 use super::derivative::{Derivative, derivative};
 use super::terms::{self, Terms};
 use crate::fit::exponentials::{Fit, Options, Parameter, Prepared};
-use crate::fit::hold::{self, HoldError, HoldFit, Response};
+use crate::fit::hold::{self, HoldError, HoldFit, Holds, Response};
 use crate::fit::relaxation_form::{Forms, forms};
 use crate::latency::Linear;
 use crate::trace::Trace;
@@ -71,9 +71,9 @@ pub fn relaxation(
     signal: &str,
     exponentials: hold::Terms,
     signs: bool,
-) -> Result<Vec<Hold>, RelaxationError> {
+) -> Result<Holds<Hold>, RelaxationError> {
     displacement_controlled(trace)?;
-    let fits = hold::fit_holds(trace, signal, exponentials, signs)?;
+    let found = hold::fit_holds(trace, signal, exponentials, signs)?;
     let values = trace.changing(signal).map_err(HoldError::from)?;
     let of = |fit: HoldFit| {
         let (time, values) = (&trace.time[fit.range.clone()], &values[fit.range.clone()]);
@@ -87,7 +87,9 @@ pub fn relaxation(
         let latency = latency(time, values, strain_of_height(trace, &fit));
         Ok::<_, HoldError>(Hold { fit, terms, forms, latency })
     };
-    Ok(fits.into_iter().map(of).collect::<Result<_, _>>()?)
+    let mut each = Holds::of(found.holds.into_iter().map(of))?;
+    each.left_out.splice(..0, found.left_out);
+    Ok(each)
 }
 
 /// δ/h during a hold.
@@ -158,7 +160,7 @@ mod tests {
     fn a_hold_of_one_exponential_lies_on_the_straight_line_of_the_latency_model() {
         let mut trace = press();
         trace.head.specimen.height_mm = Some(30.0);
-        let found = relaxation(&trace, FORCE, hold::Terms::Fixed(2), false).unwrap();
+        let found = relaxation(&trace, FORCE, hold::Terms::Fixed(2), false).unwrap().holds;
         let hold = &found[0];
         assert_eq!(hold.terms.decided(), 1);
         let latency = hold.latency.as_ref().unwrap();
@@ -177,7 +179,7 @@ mod tests {
 
     #[test]
     fn without_a_height_strain_is_relative_to_the_equilibrium() {
-        let found = relaxation(&press(), FORCE, hold::Terms::Fixed(1), false).unwrap();
+        let found = relaxation(&press(), FORCE, hold::Terms::Fixed(1), false).unwrap().holds;
         let latency = found[0].latency.as_ref().unwrap();
         assert_eq!(latency.scale, StrainScale::OfEquilibrium);
         assert!((latency.law.equilibrium() + 1.0).abs() < 1e-12);

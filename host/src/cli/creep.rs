@@ -60,16 +60,18 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         }
     }
     let wait = progress::bar(traces.len(), "fitting holds");
-    let mut holds = Vec::new();
+    let (mut holds, mut left_out) = (Vec::new(), Vec::new());
     for trace in &traces {
         let found = creep(trace, &args.signal, args.terms, args.signs);
-        holds.extend(found.map_err(Failure::input)?);
+        let found = found.map_err(Failure::input)?;
+        holds.extend(found.holds);
+        left_out.extend(found.left_out);
         wait.inc(1);
     }
     wait.finish_and_clear();
-    let sections = creep_sections(&holds, &traces, &args.signal, conditioning);
+    let sections = creep_sections(&holds, &left_out, &traces, &args.signal, conditioning);
     let names = traces.iter().map(Trace::label).collect();
-    let json = || creep_json(&holds, &args.signal, conditioning);
+    let json = || creep_json(&holds, &left_out, &args.signal, conditioning);
     args.result.give("Creep", &args.signal, names, &sections, json)
 }
 

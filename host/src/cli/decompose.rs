@@ -18,6 +18,8 @@ use crate::trace::{Trace, read_set, write};
 Runs each signal through the filter of the device, in the device's numbers. With -o, every trace is
 written again with these columns for each signal (here gauge1):
   gauge1_fa_ustrain  gauge1_sa_ustrain            FA + SA is the signal
+  gauge1_fa_rectified_ustrain                     |FA|: answers to touch and to release alike, as
+                                                  rapidly adapting receptors do
   gauge1_elastic_ustrain                          the response without memory to the same motion
   gauge1_equilibrium_ustrain                      where it settles if the motion stops
   gauge1_latent_ustrain                           what is still to relax

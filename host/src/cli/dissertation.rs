@@ -14,13 +14,13 @@ use crate::summary::{
 #[command(after_help = "\
 Writes into the folder:
   report.html        every chapter: printed beside recomputed, figures redrawn, slips noted
-  comparisons.csv    each printed figure, the same one recomputed, and how far they may differ
+  comparisons.csv    each printed figure, the same one recomputed, and what their agreement shows
 
-Exit status 1 when a figure does not agree.
+Exit status 1 when a figure that should agree does not.
 
 Examples:
   palpate dissertation -o dissertation/
-  palpate dissertation -o dissertation/ --json | jq '.figures, .agree'")]
+  palpate dissertation -o dissertation/ --json | jq '.kinds'")]
 pub struct Args {
     /// The folder to write into; made where it is not there
     #[arg(short, long, value_name = "DIR")]

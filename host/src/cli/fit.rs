@@ -302,18 +302,20 @@ fn all(args: &Args, traces: &[Trace], preparation: &Preparation) -> Result<(), F
 
 fn holds(args: &Args, traces: &[Trace], preparation: &Preparation) -> Result<(), Failure> {
     let wait = progress::bar(traces.len(), "fitting holds");
-    let mut fits: Vec<HoldFit> = Vec::new();
+    let (mut fits, mut left_out) = (Vec::<HoldFit>::new(), Vec::new());
     for trace in traces {
         let found = hold::fit_holds(trace, &args.signal, args.terms, args.signs);
-        fits.extend(found.map_err(Failure::input)?);
+        let found = found.map_err(Failure::input)?;
+        fits.extend(found.holds);
+        left_out.extend(found.left_out);
         wait.inc(1);
     }
     wait.finish_and_clear();
     if let Some(path) = &args.output {
         model_of_holds(&fits, &args.signal)?.write(path).map_err(Failure::work)?;
     }
-    let sections = preparation.before(hold_sections(&fits, traces, &args.signal));
-    let json = || preparation.within(hold_json(&fits, &args.signal));
+    let sections = preparation.before(hold_sections(&fits, &left_out, traces, &args.signal));
+    let json = || preparation.within(hold_json(&fits, &left_out, &args.signal));
     args.result.give("Relaxation during holds", &args.signal, names(traces), &sections, json)
 }
 

@@ -45,15 +45,17 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<(), Failure> {
     let traces = read_set(&args.traces).map_err(Failure::input)?;
     let wait = progress::bar(traces.len(), "fitting holds");
-    let mut holds = Vec::new();
+    let (mut holds, mut left_out) = (Vec::new(), Vec::new());
     for trace in &traces {
         let found = relaxation(trace, &args.signal, args.terms, args.signs);
-        holds.extend(found.map_err(Failure::input)?);
+        let found = found.map_err(Failure::input)?;
+        holds.extend(found.holds);
+        left_out.extend(found.left_out);
         wait.inc(1);
     }
     wait.finish_and_clear();
-    let sections = relaxation_sections(&holds, &traces, &args.signal);
+    let sections = relaxation_sections(&holds, &left_out, &traces, &args.signal);
     let names = traces.iter().map(Trace::label).collect();
-    let json = || relaxation_json(&holds, &args.signal);
+    let json = || relaxation_json(&holds, &left_out, &args.signal);
     args.result.give("Relaxation", &args.signal, names, &sections, json)
 }

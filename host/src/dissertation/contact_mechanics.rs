@@ -2,7 +2,7 @@
 
 use shared::latency::{Law, LawError};
 
-use super::{Chapter, Check, Comparison};
+use super::{Chapter, Check, Comparison, Evidence};
 use crate::afm::AfmError;
 use crate::afm::curve::ForceCurve;
 use crate::afm::fit::{CurveFit, Held, Options, fit};
@@ -59,11 +59,16 @@ pub fn chapter() -> Result<Chapter, ContactError> {
 fn table_8_3() -> Result<Comparison, ContactError> {
     let check = |(k, printed, tolerance)| {
         let constant = PressureLaw::new(k)?.circular_constant();
-        Ok(Check::new(format!("Ck for k = {k}"), "", printed, constant, tolerance))
+        Ok(Check::exact(format!("Ck for k = {k}"), "", (printed, 2.0 * tolerance), constant))
     };
     let checks = TABLE_8_3.into_iter().map(check).collect::<Result<Vec<_>, ContactError>>()?;
     let reason = "half a unit of the last printed digit: eq. 8.2 is exact";
-    Ok(Comparison { source: "Table 8.3", reason: reason.into(), checks })
+    Ok(Comparison {
+        source: "Table 8.3",
+        evidence: Evidence::Derived,
+        reason: reason.into(),
+        checks,
+    })
 }
 
 fn name(law: PressureLaw) -> String {

@@ -1,11 +1,11 @@
 //! Chapter 4: the latency model, its two types of relaxation, and what happens inside the specimen.
 
-use super::{Chapter, Check, Comparison};
+use super::{Chapter, Check, Comparison, Evidence};
 use crate::latency::Power;
 use crate::model::{
     BaseLaw, Equilibrium, Family, Hold, Motion, Move, Profile, Segments, Separation, Step,
 };
-use crate::report::number::significant;
+use crate::report::number::{percent, significant};
 use crate::report::{Axis, Callout, Colour, Column, Panels, Plot, Section, Series, Table};
 
 /// Gap between the marker lines of Fig. 4.6, mm, at times, s, into the hold; "asymptotically approaches
@@ -78,7 +78,7 @@ pub fn chapter() -> Chapter {
         );
     Chapter {
         title: "Chapter 4: the latency model",
-        comparisons: vec![gaps.comparison(), run.comparison()],
+        comparisons: vec![gaps.comparison(), gaps.against_table_5_2(), run.comparison()],
         sections: vec![section],
     }
 }
@@ -248,19 +248,20 @@ impl Run {
         };
         Comparison {
             source: "Figs 4.2, 4.4 and 4.8",
+            evidence: Evidence::Said,
             reason: "counts are exact".into(),
             checks: vec![
                 Check::new(
                     "holds at 20 mm that relax downwards (Type I), of 3",
                     "",
-                    3.0,
+                    (3.0, 1.0),
                     at(20.0, true),
                     0.0,
                 ),
                 Check::new(
                     "holds at 15 mm that relax upwards (Type II), of 3",
                     "",
-                    3.0,
+                    (3.0, 1.0),
                     at(15.0, false),
                     0.0,
                 ),
@@ -347,32 +348,58 @@ impl Gaps {
     }
 
     fn words(&self) -> String {
+        let [first, .., last] = MARKER_GAPS.map(|(_, gap)| gap);
+        let done = (MARKER_GAPS[1].1 - first) / (last - first);
         format!(
-            "Four fifths of the way are done in the first 10 s, the rest takes 30 s more: one exponential \
-             (chapter 4) leaves {} mm RMS. With n = 5 (chapter 7) it is {} mm, but the end then lies at {} \
-             mm: five numbers do not tell whether the gap had come to rest at 60 s, as the text says.",
+            "{} of the way are done in the first 10 s: one exponential (chapter 4) leaves {} mm RMS. With n = 5 \
+             (chapter 7) it is {} mm, with an end at {} mm; the text has the gap at rest at {last} mm after 60 s. \
+             The exponential has v1 = {} 1/s. Table 5.2 gives {RATE} 1/s for the same composition, with which \
+             the gap would be {:.3} mm wide after 10 s where {} mm are printed: two rates of one material, or a \
+             gap inside the specimen that opens more slowly than its force relaxes.",
+            percent(done, 2),
             significant(rms(&self.linear), 2),
             significant(rms(&self.power), 2),
-            significant(self.power.equilibrium, 3)
+            significant(self.power.equilibrium, 3),
+            significant(self.linear.rate, 3),
+            self.at_the_rate_of_table_5_2(MARKER_GAPS[1].0),
+            MARKER_GAPS[1].1,
         )
+    }
+
+    /// The gap if it opened at v1 of Table 5.2 towards its last value, mm.
+    fn at_the_rate_of_table_5_2(&self, time: f64) -> f64 {
+        let ([initial, ..], equilibrium) = (MARKER_GAPS.map(|(_, gap)| gap), MARKER_GAPS[4].1);
+        Power { rate: RATE, order: 1.0, equilibrium, initial }.strain(time)
     }
 
     fn comparison(&self) -> Comparison {
         let check = |(time, gap): &(f64, f64)| {
-            Check::new(
-                format!("marker gap at {time:.0} s"),
-                "mm",
-                *gap,
-                self.linear.strain(*time),
-                0.05,
-            )
+            let name = format!("marker gap at {time:.0} s");
+            Check::exact(name, "mm", (*gap, 0.01), self.linear.strain(*time))
         };
         Comparison {
             source: "Fig. 4.6",
-            reason: "0.05 mm, the resolution of the camera of 6.3.1 (chapter 4 states none); the gap is \
-                     fitted by the linear model with two parameters (end and rate) from the first value on"
+            evidence: Evidence::Fitted,
+            reason: "half of the last printed digit; the linear model has two parameters (end and rate) for \
+                     the four values after the first"
                 .into(),
             checks: MARKER_GAPS.iter().map(check).collect(),
+        }
+    }
+
+    fn against_table_5_2(&self) -> Comparison {
+        Comparison {
+            source: "Fig. 4.6 and Table 5.2",
+            evidence: Evidence::NotReproduced,
+            reason: "the rate with which the marker gap opens, beside v1 of a soft silicone of the same \
+                     composition: the text contradicts itself, or the two are not the same quantity"
+                .into(),
+            checks: vec![Check::exact(
+                "v1 of the soft silicone, from the gaps",
+                "1/s",
+                (RATE, 0.001),
+                self.linear.rate,
+            )],
         }
     }
 }

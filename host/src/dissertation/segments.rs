@@ -1,6 +1,6 @@
 //! 7.4: the run of Fig. 7.8 with segments, and what becomes of it when there are many of them.
 
-use super::{Chapter, Check, Comparison};
+use super::{Chapter, Check, Comparison, Evidence};
 use crate::analysis::geometry::{Faces, Geometry};
 use crate::model::{Equilibrium, Hold, Move, Profile, Segments, Step};
 use crate::report::number::significant;
@@ -185,11 +185,12 @@ fn growing(loading: &Run) -> Comparison {
     let more = drops.windows(2).filter(|pair| pair[1].1 > pair[0].1).count() as f64;
     Comparison {
         source: "7.5.1",
+        evidence: Evidence::Said,
         reason: "a count is exact".into(),
         checks: vec![Check::new(
             "steps of which each relaxes by more force than the one before, of 4",
             "",
-            4.0,
+            (4.0, 1.0),
             more,
             0.0,
         )],

@@ -1,7 +1,8 @@
 //! Chapter 7: the power law of a ball's strain. Tables 7.1 and 7.2, Fig. 7.6 in kind.
 
+use super::comparison::{decimals, digits};
 use super::simulated::{course, noisy, times, trace};
-use super::{Chapter, Check, Comparison};
+use super::{Chapter, Check, Comparison, Evidence};
 use crate::analysis::geometry::{Faces, Geometry};
 use crate::analysis::strain_rate::{Order, Study, strain_rate};
 use crate::latency::Power;
@@ -133,12 +134,14 @@ fn compared(source: &'static str, rows: &[Row], study: Option<&Study>) -> Compar
         let fit = study.and_then(|study| study.holds.get(index)).map(|hold| &hold.fit.law);
         let (found, pace) = fit.map_or((f64::NAN, f64::NAN), |law| (law.equilibrium, law.rate));
         let n = index + 1;
-        checks.push(Check::new(format!("curve {n}, |ε_e|"), "", *equilibrium, found, 5e-5));
-        let digit = 0.5 * 10f64.powi(rate.log10().floor() as i32 - 1);
-        checks.push(Check::new(format!("curve {n}, ν"), "1/s", *rate, pace, digit));
+        let strain = (*equilibrium, decimals(4));
+        checks.push(Check::exact(format!("curve {n}, |ε_e|"), "", strain, found));
+        let rate = (*rate, digits(*rate, 2));
+        checks.push(Check::exact(format!("curve {n}, ν"), "1/s", rate, pace));
     }
     Comparison {
         source,
+        evidence: Evidence::FoundAgain,
         reason: "half of the last printed digit: the forces were simulated from the printed ν and ε_e without noise, and both must come back through (7.7), (7.8) and the fit".into(),
         checks,
     }

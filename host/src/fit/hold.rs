@@ -61,18 +61,46 @@ pub enum HoldError {
     Fit { trace: String, from_s: f64, source: exponentials::Error },
 }
 
+/// What came of the holds of a recording.
+#[derive(Debug)]
+pub struct Holds<Found> {
+    /// The holds that could be fitted, in order.
+    pub holds: Vec<Found>,
+    /// Why others could not: too short, or constant.
+    pub left_out: Vec<HoldError>,
+}
+
+impl<Found> Holds<Found> {
+    /// Sorts what came of each; an error where nothing could be fitted.
+    pub(crate) fn of(
+        each: impl IntoIterator<Item = Result<Found, HoldError>>,
+    ) -> Result<Self, HoldError> {
+        let (mut holds, mut left_out) = (Vec::new(), Vec::new());
+        for one in each {
+            match one {
+                Ok(found) => holds.push(found),
+                Err(error) => left_out.push(error),
+            }
+        }
+        if holds.is_empty() && !left_out.is_empty() {
+            return Err(left_out.swap_remove(0));
+        }
+        Ok(Self { holds, left_out })
+    }
+}
+
 /// Fits the relaxation of every hold of a trace, in order.
 ///
 /// With `signs`, every ci has the sign of its type and c0 is not negative; otherwise only Σ c = 1.
 ///
 /// # Errors
-/// When the trace lacks the signal or a hold, or a hold is too short or constant.
+/// When the trace lacks the signal or a hold, or every hold is too short or constant.
 pub fn fit_holds(
     trace: &Trace,
     signal: &str,
     terms: Terms,
     signs: bool,
-) -> Result<Vec<HoldFit>, HoldError> {
+) -> Result<Holds<HoldFit>, HoldError> {
     fit_responses(trace, signal, Response::Relaxation, terms, signs)
 }
 
@@ -87,12 +115,12 @@ pub fn fit_responses(
     response: Response,
     terms: Terms,
     signs: bool,
-) -> Result<Vec<HoldFit>, HoldError> {
+) -> Result<Holds<HoldFit>, HoldError> {
     let values = trace.changing(signal)?;
     let ranges = holds(trace, signal)?;
     let sense = sense(values);
     let fit = |range| fit_hold(trace, values, sense, range, response, terms, signs);
-    ranges.into_iter().map(fit).collect()
+    Holds::of(ranges.into_iter().map(fit))
 }
 
 fn fit_hold(

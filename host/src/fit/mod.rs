@@ -20,12 +20,14 @@ pub mod line;
 pub mod power_law;
 pub mod problem;
 pub mod ranking;
+pub mod ranks;
 pub mod relaxation_form;
 pub mod slope;
 mod start;
 mod uncertainty;
 pub mod warning;
 pub mod watch;
+pub mod welch;
 pub mod whitening;
 pub mod whole_motion;
 

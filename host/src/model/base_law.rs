@@ -10,7 +10,8 @@ use std::ops::Range;
 
 use super::elastic::{EXPONENTS_Q, Elastic, parameter};
 use super::family::{Family, Separation};
-use super::hereditary::{Growth, Hereditary};
+use super::growth::Growth;
+use super::hereditary::Hereditary;
 use super::kernel::{Kernel, Span};
 use super::response::{Form, Response};
 use super::{Branch, Elasticity, HereditaryState, Motion, Parameter, Relaxation};

@@ -4,10 +4,11 @@
 //! h = 1, c⁺ = 0 and τ = 0 it is eq. 2.1 with the relaxation function of eq. 3.3. Read backwards,
 //! N = F − s Σ ci xi with D = d F, it is the creep of eq. 6.2: what goes in settles late.
 //!
-//! Steps are exact for N linear between samples where the rates are constant, exact in a hold where they
-//! follow the state, and of second order otherwise.
+//! For N linear between samples steps are exact where the rates are constant, and where they follow the
+//! state as exact as [`Growth`] says; a surface that parts and a creep that follows its state are found by
+//! two secants.
 
-use super::relaxation::mean_decay;
+use super::growth::Growth;
 use super::{Branch, Separation};
 
 /// How the elastic response relaxes over one stretch.
@@ -33,47 +34,6 @@ pub struct Hereditary {
     pub separation: Separation,
 }
 
-/// How the rate of a branch grows with its state x: a factor h(x).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Growth {
-    /// h = 1: a linear law.
-    None,
-    /// h = |x/X|^m: power m, and state X, N, at which the rates are stated.
-    Power(f64, f64),
-    /// h = sinh(s y)/(s y), y = x/X: strength s and state X, N (Eyring).
-    Sinh(f64, f64),
-}
-
-impl Growth {
-    /// This growth on top of another one.
-    #[must_use]
-    pub fn on(self, base: Self) -> Self {
-        match (self, base) {
-            (_, Self::None) => self,
-            // Powers of the state multiply; the scale of the base law stays.
-            (Self::Power(more, _), Self::Power(power, full)) => Self::Power(power + more, full),
-            _ => base,
-        }
-    }
-
-    /// Whether the rate stays what it is.
-    fn is_none(self) -> bool {
-        matches!(self, Self::None | Self::Power(0.0, _) | Self::Sinh(0.0, _))
-    }
-
-    fn at(self, x: f64) -> f64 {
-        let factor = match self {
-            Self::None => return 1.0,
-            Self::Power(power, full) => (x / full).abs().powf(power),
-            Self::Sinh(strength, full) => {
-                let y = (strength * x / full).abs().min(LARGEST_DRIVE);
-                if y < 1e-4 { 1.0 + y * y / 6.0 } else { y.sinh() / y }
-            }
-        };
-        factor.clamp(RATE_RANGE.0, RATE_RANGE.1)
-    }
-}
-
 /// State of the hereditary integral between samples and traces.
 #[derive(Clone, Debug, Default)]
 pub struct HereditaryState {
@@ -90,14 +50,8 @@ pub struct HereditaryState {
 
 /// Least part of a compression that follows at once.
 const SMALLEST_IMMEDIATE: f64 = 1e-6;
-/// Largest argument of the hyperbolic sine that is followed.
-const LARGEST_DRIVE: f64 = 30.0;
 /// Two intervals closer than this, relatively, are the same: times are printed with few digits.
 const SAME_INTERVAL: f64 = 1e-7;
-/// Largest part of a growth of the rate that is followed; a state far off its reference is at rest or
-/// relaxes within a sample anyway.
-const RATE_RANGE: (f64, f64) = (1e-9, 1e6);
-
 impl Hereditary {
     /// The linear law of these branches.
     #[must_use]
@@ -155,8 +109,7 @@ impl Hereditary {
         elastic: f64,
     ) -> f64 {
         if self.retarded {
-            self.prepare(state, k, interval, state.driven);
-            let settled = self.settled(state, k, elastic);
+            let settled = self.settling(state, k, interval, elastic);
             // A parted surface is free of stress, wherever the indenter is.
             let free = self.separation == Separation::Free && settled < 0.0;
             return self.settle(state, k, if free { 0.0 } else { settled });
@@ -164,7 +117,7 @@ impl Hereditary {
         self.prepare(state, k, interval, at(&self.drive_factor, k) * elastic);
         let reached = match self.separation {
             Separation::Clamp | Separation::Bonded => elastic,
-            Separation::Free => elastic.max(self.free(state, k, interval)),
+            Separation::Free => self.parting(state, k, interval, elastic),
         };
         self.step(state, k, interval, reached)
     }
@@ -217,6 +170,17 @@ impl Hereditary {
         }
     }
 
+    /// The elastic response at sample `k`, N, not below that of a surface that has parted; `elastic` was
+    /// prepared for.
+    fn parting(&self, state: &mut HereditaryState, k: usize, interval: f64, elastic: f64) -> f64 {
+        let free = self.free(state, k, interval);
+        if free <= elastic || self.growth.is_none() {
+            return free.max(elastic);
+        }
+        self.prepare(state, k, interval, at(&self.drive_factor, k) * free);
+        self.free(state, k, interval).max(elastic)
+    }
+
     /// The elastic response that would leave the surface free of force at sample `k`, N.
     fn free(&self, state: &HereditaryState, k: usize, interval: f64) -> f64 {
         let (share, drive) = (at(&self.share_factor, k), at(&self.drive_factor, k));
@@ -230,6 +194,17 @@ impl Hereditary {
             immediate += branch.share * share * drive * (gain - 1.0);
         }
         -held / immediate
+    }
+
+    /// Where retarded: prepares the step to sample `k` and gives the settled response to this input.
+    fn settling(&self, state: &mut HereditaryState, k: usize, interval: f64, input: f64) -> f64 {
+        self.prepare(state, k, interval, state.driven);
+        let settled = self.settled(state, k, input);
+        if self.growth.is_none() {
+            return settled;
+        }
+        self.prepare(state, k, interval, at(&self.drive_factor, k) * settled);
+        self.settled(state, k, input)
     }
 
     /// Where retarded: the settled response to this input at sample `k`.
@@ -261,10 +236,9 @@ impl Hereditary {
         }
         state.interval = if steady { interval } else { f64::NAN };
         let factor = at(&self.rate_factor, k);
-        let half = 0.5 * (ahead - state.driven);
-        for ((step, branch), x) in state.steps.iter_mut().zip(&self.branches).zip(&state.states) {
-            let exponent = self.growth.turns(x + half, branch.rate * factor * interval);
-            *step = ((-exponent).exp(), mean_decay(exponent));
+        let change = ahead - state.driven;
+        for ((step, branch), &x) in state.steps.iter_mut().zip(&self.branches).zip(&state.states) {
+            *step = self.growth.step(x, change, branch.rate * factor * interval);
         }
     }
 
@@ -273,7 +247,7 @@ impl Hereditary {
         let factor = at(&self.rate_factor, 0);
         if self.separation != Separation::Free && !self.retarded {
             for (x, branch) in state.states.iter_mut().zip(&self.branches) {
-                *x *= (-self.growth.turns(*x, branch.rate * factor * seconds)).exp();
+                *x = self.growth.alone(*x, branch.rate * factor * seconds);
             }
             return;
         }
@@ -287,7 +261,7 @@ impl Hereditary {
                 self.advance(state, 0, interval, input);
             } else {
                 self.prepare(state, 0, interval, state.driven);
-                let free = self.free(state, 0, interval).max(0.0);
+                let free = self.parting(state, 0, interval, 0.0);
                 self.step(state, 0, interval, free);
             }
         }
@@ -304,26 +278,6 @@ impl HereditaryState {
     fn forget(&mut self) {
         self.states.fill(0.0);
         (self.driven, self.input) = (0.0, 0.0);
-    }
-}
-
-impl Growth {
-    /// By how many times its e-th part a state x decays in closed form, where a linear law would do it
-    /// `turns` times: ∫ v h(x) dt.
-    pub(super) fn turns(self, x: f64, turns: f64) -> f64 {
-        match self {
-            Self::Power(power, _) if power.abs() > 1e-9 => {
-                let turns = turns * self.at(x);
-                (1.0 + power * turns).max(f64::MIN_POSITIVE).ln() / power
-            }
-            // tanh(s y/2) decays exponentially.
-            Self::Sinh(strength, full) if (strength * x / full).abs() > 1e-6 => {
-                let y = (strength * x / full).abs().min(LARGEST_DRIVE);
-                let half = (0.5 * y).tanh() * (-turns).exp();
-                (y / (2.0 * half.atanh())).max(1.0).ln()
-            }
-            _ => turns,
-        }
     }
 }
 

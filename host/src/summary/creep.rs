@@ -2,13 +2,15 @@
 
 use serde_json::{Value, json};
 
-use super::holds::{chance, coefficient_table, one_json, plot, spread_json, spread_table};
+use super::holds::{
+    chance, coefficient_table, left_out_words, one_json, plot, spread_json, spread_table,
+};
 use super::terms::{place, residual_plot, terms_json, terms_tables};
 use super::unit_of;
 use crate::analysis::conditioning::Butterworth;
 use crate::analysis::creep::Hold;
 use crate::fit::exponentials::Parameter;
-use crate::fit::hold::{HoldFit, Spread, spreads_by};
+use crate::fit::hold::{HoldError, HoldFit, Spread, spreads_by};
 use crate::report::number::significant;
 use crate::report::{Callout, Column, Section, Table};
 use crate::trace::Trace;
@@ -23,6 +25,7 @@ pub type Conditioning = (Butterworth, f64);
 #[must_use]
 pub fn creep_sections(
     holds: &[Hold],
+    left_out: &[HoldError],
     traces: &[Trace],
     signal: &str,
     conditioning: Option<Conditioning>,
@@ -39,6 +42,9 @@ pub fn creep_sections(
         first = first.paragraph(conditioning_words(conditioning));
     }
     first = first.table(force_table(holds)).table(table);
+    for text in left_out_words(left_out) {
+        first = first.callout(Callout::Warning, "Left out", text);
+    }
     for hold in holds {
         for doubt in &hold.doubts {
             let text = format!("{}: {doubt}", place(&hold.fit));
@@ -71,7 +77,12 @@ pub fn creep_sections(
 
 /// Every hold as a JSON object.
 #[must_use]
-pub fn creep_json(holds: &[Hold], signal: &str, conditioning: Option<Conditioning>) -> Value {
+pub fn creep_json(
+    holds: &[Hold],
+    left_out: &[HoldError],
+    signal: &str,
+    conditioning: Option<Conditioning>,
+) -> Value {
     let each: Vec<Value> = holds
         .iter()
         .map(|hold| {
@@ -95,6 +106,7 @@ pub fn creep_json(holds: &[Hold], signal: &str, conditioning: Option<Conditionin
             "minus_3_dB_Hz": filter.three_db_hz(rate),
         })),
         "holds": each,
+        "left_out": left_out_words(left_out),
         "spread": spreads(holds).iter().map(|s| spread_json(s, "force_N")).collect::<Vec<_>>(),
     })
 }

@@ -132,8 +132,10 @@ pub fn decomposed_trace(trace: &Trace, channels: &[(Channel, Regions)]) -> Trace
             Some((stem, unit)) => (stem, format!("_{unit}")),
             None => (channel.signal.as_str(), String::new()),
         };
+        let rectified: Vec<f64> = channel.fa.iter().map(|fa| fa.abs()).collect();
         let parts = [
             ("fa", &channel.fa),
+            ("fa_rectified", &rectified),
             ("sa", &channel.sa),
             ("elastic", &channel.elastic),
             ("equilibrium", &channel.equilibrium),

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use crate::dissertation::{Chapter, Check, Comparison, SLIPS};
+use crate::dissertation::{Chapter, Check, Comparison, Evidence, SLIPS};
 use crate::report::number::significant;
 use crate::report::{Block, Callout, Column, Section, Table};
 
@@ -10,61 +10,164 @@ fn comparisons(chapters: &[Chapter]) -> impl Iterator<Item = &Comparison> {
     chapters.iter().flat_map(|chapter| &chapter.comparisons)
 }
 
-/// Figures in all, and those that agree.
-fn counts(chapters: &[Chapter]) -> (usize, usize) {
-    let checks = || comparisons(chapters).flat_map(|comparison| &comparison.checks);
-    (checks().count(), checks().filter(|check| check.agrees()).count())
+/// How the figures of one kind of evidence came out.
+struct Tally {
+    evidence: Evidence,
+    figures: usize,
+    /// Within half of the last printed digit.
+    exact: usize,
+    /// Within what is allowed.
+    agree: usize,
 }
 
-/// The first page: how much agrees, by table and equation.
+/// The kinds of evidence that the chapters have.
+fn tallies(chapters: &[Chapter]) -> Vec<Tally> {
+    let of = |evidence: Evidence| {
+        let checks = || {
+            comparisons(chapters)
+                .filter(move |comparison| comparison.evidence == evidence)
+                .flat_map(|comparison| &comparison.checks)
+        };
+        let count = |passes: fn(&Check) -> bool| checks().filter(|check| passes(check)).count();
+        Tally {
+            evidence,
+            figures: checks().count(),
+            exact: count(Check::is_exact),
+            agree: count(Check::agrees),
+        }
+    };
+    Evidence::ALL.map(of).into_iter().filter(|tally| tally.figures > 0).collect()
+}
+
+/// The first page: what agrees, what that shows, and what does not agree.
 #[must_use]
 pub fn dissertation_overview(chapters: &[Chapter]) -> Section {
-    let (figures, agree) = counts(chapters);
-    let columns = vec![
-        Column::text("printed in"),
-        Column::whole("figures"),
-        Column::whole("agree"),
-        Column::number("largest difference", "of the allowed"),
-    ];
-    let mut table = Table::new("Printed and recomputed", columns);
-    for comparison in comparisons(chapters) {
-        let count = comparison.checks.len();
-        table = table.row([
-            comparison.source.to_owned(),
-            count.to_string(),
-            (count - comparison.missed().count()).to_string(),
-            comparison
-                .checks
-                .iter()
-                .filter_map(part)
-                .max_by(f64::total_cmp)
-                .map_or_else(|| "exact".into(), |part| significant(part, 2)),
-        ]);
-    }
-    let kind = if agree == figures { Callout::Finding } else { Callout::Warning };
+    let missed = comparisons(chapters).flat_map(Comparison::missed).count();
+    let kind = if missed == 0 { Callout::Finding } else { Callout::Warning };
     Section::new("In short")
-        .callout(
-            kind,
-            "Agreement",
-            format!("{agree} of {figures} printed figures agree with what is computed here."),
-        )
-        .table(table.note("A difference of 1 is as large as the precision of the text allows."))
+        .callout(kind, "Agreement", in_words(chapters))
+        .table(kind_table(chapters))
+        .table(source_table(chapters))
+        .table(not_reproduced_table(chapters))
 }
 
-/// Difference as a part of what is allowed; none where it must be exact.
-fn part(check: &Check) -> Option<f64> {
-    (check.tolerance > 0.0).then(|| check.difference().abs() / check.tolerance)
+/// The tally of each kind, and what it shows.
+fn in_words(chapters: &[Chapter]) -> String {
+    let said = tallies(chapters).into_iter().map(|tally| {
+        let Tally { evidence, figures, exact, agree } = tally;
+        match evidence {
+            Evidence::Derived => format!(
+                "{agree} of {figures} printed figures that follow from other printed numbers agree with what follows here, {exact} of them within half of the last digit."
+            ),
+            Evidence::FoundAgain => format!(
+                "{agree} of {figures} were fed into rebuilt or simulated recordings and found again: that shows that the method works, not that the text is right."
+            ),
+            Evidence::Fitted => format!(
+                "{exact} of {figures} that the model is fitted to are met within half of the last digit."
+            ),
+            Evidence::Said => format!("{agree} of {figures} statements without a printed number hold for the models here."),
+            Evidence::NotReproduced => format!("{figures} are not reproduced; each has its reason."),
+        }
+    });
+    said.collect::<Vec<_>>().join(" ")
+}
+
+fn kind_table(chapters: &[Chapter]) -> Table {
+    let columns = vec![
+        Column::text("kind of evidence"),
+        Column::whole("figures"),
+        Column::whole("within half of the last digit"),
+        Column::whole("within what is allowed"),
+        Column::text("agreement shows"),
+    ];
+    let mut table = Table::new("Kinds of evidence", columns);
+    for Tally { evidence, figures, exact, agree } in tallies(chapters) {
+        table = table.row([
+            evidence.names().0.to_owned(),
+            figures.to_string(),
+            if evidence == Evidence::Said { "–".into() } else { exact.to_string() },
+            if matches!(evidence, Evidence::Fitted | Evidence::NotReproduced) {
+                "–".into()
+            } else {
+                agree.to_string()
+            },
+            evidence.shows().to_owned(),
+        ]);
+    }
+    table
+}
+
+fn source_table(chapters: &[Chapter]) -> Table {
+    let columns = vec![
+        Column::text("printed in"),
+        Column::text("kind of evidence"),
+        Column::whole("figures"),
+        Column::whole("within half of the last digit"),
+        Column::whole("within what is allowed"),
+        Column::number("largest difference", "half units of the last digit"),
+    ];
+    let mut table = Table::new("Printed and recomputed", columns);
+    let reproduced = |comparison: &&Comparison| comparison.evidence != Evidence::NotReproduced;
+    for comparison in comparisons(chapters).filter(reproduced) {
+        let checks = &comparison.checks;
+        let count = |passes: fn(&Check) -> bool| {
+            checks.iter().filter(|check| passes(check)).count().to_string()
+        };
+        let largest = checks.iter().map(Check::half_units).fold(0.0, f64::max);
+        let said = comparison.evidence == Evidence::Said;
+        table = table.row([
+            comparison.source.to_owned(),
+            comparison.evidence.names().0.to_owned(),
+            checks.len().to_string(),
+            if said { "–".into() } else { count(Check::is_exact) },
+            if comparison.evidence == Evidence::Fitted {
+                "–".into()
+            } else {
+                count(Check::agrees)
+            },
+            if said { "–".into() } else { significant(largest, 2) },
+        ]);
+    }
+    table.note("What is allowed is said in each chapter: the rounding of the numbers that a figure follows from, or the standard errors of a fit to a rebuilt recording.")
+}
+
+fn not_reproduced_table(chapters: &[Chapter]) -> Table {
+    let columns = vec![
+        Column::text("figure"),
+        Column::number("printed", ""),
+        Column::number("here", ""),
+        Column::text("unit"),
+        Column::text("why"),
+    ];
+    let mut table = Table::new("Not reproduced", columns);
+    for comparison in comparisons(chapters) {
+        if comparison.evidence != Evidence::NotReproduced {
+            continue;
+        }
+        for (index, check) in comparison.checks.iter().enumerate() {
+            let here = check.recomputed;
+            table = table.row([
+                format!("{}: {}", comparison.source, check.quantity),
+                significant(check.printed, 5),
+                if here.is_finite() { significant(here, 5) } else { "–".into() },
+                check.unit.to_owned(),
+                if index == 0 { comparison.reason.clone() } else { "as above".into() },
+            ]);
+        }
+    }
+    table
 }
 
 /// The whole report.
 #[must_use]
 pub fn dissertation_report(chapters: &[Chapter]) -> Vec<Section> {
     let about = Section::new("What this is").paragraph(
-        "A dissertation on viscoelastic contact is the ground that palpate stands on. Every table and equation \
-         that it prints numbers in is recomputed here from its models, beside the printed number and with the \
-         difference that the precision of the text allows; its figures are redrawn in kind (the measurements \
-         behind them were not published); where the text slips, the right form is used and the slip is said. \
-         Each analysis is a subcommand for your own recordings.",
+        "A dissertation on viscoelastic contact is the ground that palpate stands on. Its printed numbers stand \
+         here beside what its models make of them. Where a number follows from others, their agreement tests \
+         the text; where only the result of a fit is printed, a recording is rebuilt from it and the fit has to \
+         find it again, which tests the method alone, for the measurements were not published. Differences \
+         count in half units of the last printed digit. Figures are redrawn in kind; where the text slips, the \
+         right form is used and the slip is said. Each analysis is a subcommand for your own recordings.",
     );
     let slips = SLIPS.map(|(place, what)| (place.to_owned(), what.to_owned())).to_vec();
     let slips = Section::new("Slips in the text").block(Block::Definitions(slips));
@@ -103,17 +206,33 @@ const LONG: usize = 20;
 #[must_use]
 pub fn comparisons_csv(chapters: &[Chapter]) -> String {
     let mut writer = csv::Writer::from_writer(Vec::new());
-    let head = ["printed_in", "quantity", "unit", "printed", "recomputed", "allowed", "agrees"];
+    let head = [
+        "printed_in",
+        "evidence",
+        "quantity",
+        "unit",
+        "printed",
+        "last_digit",
+        "recomputed",
+        "allowed",
+        "agrees",
+    ];
     // Writing to memory cannot fail.
     let _ = writer.write_record(head);
     for comparison in comparisons(chapters) {
         for check in &comparison.checks {
             let _ = writer.write_record([
                 comparison.source,
+                comparison.evidence.names().1,
                 &check.quantity,
                 check.unit,
                 &check.printed.to_string(),
-                &check.recomputed.to_string(),
+                &check.digit.to_string(),
+                &if check.recomputed.is_finite() {
+                    check.recomputed.to_string()
+                } else {
+                    String::new()
+                },
                 &check.tolerance.to_string(),
                 if check.agrees() { "yes" } else { "no" },
             ]);
@@ -128,13 +247,22 @@ pub fn comparisons_csv(chapters: &[Chapter]) -> String {
 /// The comparisons as one JSON object.
 #[must_use]
 pub fn dissertation_json(chapters: &[Chapter]) -> Value {
-    let (figures, agree) = counts(chapters);
+    let tally = |Tally { evidence, figures, exact, agree }| {
+        json!({
+            "evidence": evidence.names().1,
+            "figures": figures,
+            "within_half_of_the_last_digit": exact,
+            "agree": agree,
+            "shows": evidence.shows(),
+        })
+    };
     let check = |check: &Check| {
         json!({
             "quantity": check.quantity,
             "unit": check.unit,
             "printed": check.printed,
-            "recomputed": check.recomputed,
+            "last_digit": check.digit,
+            "recomputed": check.recomputed.is_finite().then_some(check.recomputed),
             "allowed": check.tolerance,
             "agrees": check.agrees(),
         })
@@ -142,14 +270,14 @@ pub fn dissertation_json(chapters: &[Chapter]) -> Value {
     let comparison = |comparison: &Comparison| {
         json!({
             "printed_in": comparison.source,
+            "evidence": comparison.evidence.names().1,
             "reason": comparison.reason,
             "checks": comparison.checks.iter().map(check).collect::<Vec<_>>(),
         })
     };
     json!({
         "palpate_dissertation": 1,
-        "figures": figures,
-        "agree": agree,
+        "kinds": tallies(chapters).into_iter().map(tally).collect::<Vec<_>>(),
         "comparisons": comparisons(chapters).map(comparison).collect::<Vec<_>>(),
     })
 }

@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 
 use super::{CONCISE, concise, name_of, unit_of};
 use crate::fit::exponentials::{Correlated, Fit, Parameter, Stop};
-use crate::fit::hold::{HoldFit, Spread, spreads};
+use crate::fit::hold::{HoldError, HoldFit, Spread, spreads};
 use crate::regions::numeral;
 use crate::report::number::significant;
 use crate::report::{Axis, Callout, Colour, Column, Plot, Section, Series, Table};
@@ -15,11 +15,19 @@ const MOST_DRAWN: usize = 12;
 
 /// The coefficients of every hold, their spread over repeats, and plots.
 #[must_use]
-pub fn hold_sections(fits: &[HoldFit], traces: &[Trace], signal: &str) -> Vec<Section> {
+pub fn hold_sections(
+    fits: &[HoldFit],
+    left_out: &[HoldError],
+    traces: &[Trace],
+    signal: &str,
+) -> Vec<Section> {
     let mut section =
         Section::new("Relaxation during the holds").table(coefficient_table(fits, signal));
     for warning in warnings(fits) {
         section = section.callout(Callout::Warning, "Beware", warning);
+    }
+    for text in left_out_words(left_out) {
+        section = section.callout(Callout::Warning, "Left out", text);
     }
     let spreads = spreads(fits);
     if !spreads.is_empty() {
@@ -39,7 +47,7 @@ pub fn hold_sections(fits: &[HoldFit], traces: &[Trace], signal: &str) -> Vec<Se
 
 /// Every hold as a JSON object.
 #[must_use]
-pub fn hold_json(fits: &[HoldFit], signal: &str) -> Value {
+pub fn hold_json(fits: &[HoldFit], left_out: &[HoldError], signal: &str) -> Value {
     let holds: Vec<Value> = fits.iter().map(one_json).collect();
     let spreads: Vec<Value> =
         spreads(fits).iter().map(|spread| spread_json(spread, "displacement_mm")).collect();
@@ -50,8 +58,14 @@ pub fn hold_json(fits: &[HoldFit], signal: &str) -> Value {
         "unit": unit_of(signal),
         "holds": holds,
         "spread": spreads,
+        "left_out": left_out_words(left_out),
         "warnings": warnings(fits),
     })
+}
+
+/// Why holds could not be fitted, one sentence each.
+pub(super) fn left_out_words(left_out: &[HoldError]) -> Vec<String> {
+    left_out.iter().map(ToString::to_string).collect()
 }
 
 /// One coefficient over repeats; `level` names what was held, with its unit.

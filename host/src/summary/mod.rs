@@ -43,7 +43,8 @@ pub use effects::{
     effect_figures, effect_json, effect_pages, effect_section, library_json, library_section,
 };
 pub use grasp::{
-    SurfaceSummary, growth_json, growth_sections, histories_json, history_csv, history_sections,
+    Forecast, HandPlan, SurfaceSummary, friction_json, friction_sections, growth_json,
+    growth_sections, histories_json, history_csv, history_sections, plan_json, plan_sections,
     pressure_plot, reading_json, reading_line, surface_csv,
 };
 pub use holds::{hold_json, hold_sections};

@@ -108,7 +108,7 @@ fn relaxation(trace: &Trace, press: &Press) -> Section {
             ),
         );
     }
-    for part in hold_sections(&press.force_holds, traces, FORCE) {
+    for part in hold_sections(&press.force_holds, &[], traces, FORCE) {
         section.blocks.extend(part.blocks);
     }
     section.table(gauge_table(press))

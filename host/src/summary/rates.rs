@@ -7,7 +7,7 @@ use super::{CONCISE, concise, estimate};
 use crate::analysis::geometry::{Faces, Geometry};
 use crate::analysis::rates::{Course, Group, Run, Study, Trend};
 use crate::fit::consistency::Consistency;
-use crate::report::number::significant;
+use crate::report::number::{percent, significant};
 use crate::report::{Axis, Callout, Colour, Column, Panels, Plot, Section, Series, Table};
 use crate::trace::Trace;
 
@@ -76,6 +76,8 @@ pub fn rates_json(study: &Study) -> Value {
             "slope_N_per_decade": trend.slope_n.0,
             "standard_error_N": trend.slope_n.1,
             "p_value": trend.p_value,
+            "off_line_chi_square": trend.off_line.map(|off| off.chi_square),
+            "off_line_p_value": trend.off_line.map(|off| off.p_value),
         })
     };
     let groups: Vec<Value> = study
@@ -89,6 +91,8 @@ pub fn rates_json(study: &Study) -> Value {
                 "asymptotes_chi_square": group.asymptotes.map(|test| test.chi_square),
                 "asymptotes_agree_p_value": group.asymptotes.map(|test| test.p_value),
                 "asymptote_trend": group.asymptote_trend.as_ref().map(trend),
+                "peaks_chi_square": group.peaks.map(|test| test.chi_square),
+                "peaks_agree_p_value": group.peaks.map(|test| test.p_value),
                 "peak_trend": group.peak_trend.as_ref().map(trend),
             })
         })
@@ -191,6 +195,7 @@ fn group_table(study: &Study) -> Table {
         Column::text("p that they agree"),
         Column::number("asymptote per decade", "N"),
         Column::text("p"),
+        Column::text("p that the peaks agree"),
         Column::number("peak per decade", "N"),
         Column::text("p"),
     ];
@@ -207,11 +212,12 @@ fn group_table(study: &Study) -> Table {
             group.asymptotes.map_or("–".into(), |t| chance(t.p_value)),
             slope(&group.asymptote_trend),
             p(&group.asymptote_trend),
+            group.peaks.map_or("–".into(), |t| chance(t.p_value)),
             slope(&group.peak_trend),
             p(&group.peak_trend),
         ]);
     }
-    table.note("Slopes are over the logarithm of the rate, for ten times the rate, from three different rates on; their errors are from the scatter about the line.")
+    table.note("Slopes are over the logarithm of the rate, for ten times the rate, from three different rates on; their errors are from the standard errors of the runs, and where a run has none from the scatter about the line.")
 }
 
 fn group_words(group: &Group) -> String {
@@ -235,23 +241,46 @@ fn group_words(group: &Group) -> String {
             )
         }
     };
-    let peaks = match group.peak_trend {
-        None => "Too few different rates for a trend of the peak.".to_owned(),
-        Some(trend) => {
-            let told = trend.p_value < UNLIKELY;
-            let verdict = match (told, trend.slope_n.0 > 0.0) {
-                (true, true) => "The peak stiffens with the rate",
-                (true, false) => "The peak falls with the rate",
-                (false, _) => "A trend of the peak is not shown by so few runs",
-            };
-            format!(
-                "{verdict}: {} N for ten times the rate (p {}).",
-                estimate(trend.slope_n.0, trend.slope_n.1),
-                chance(trend.p_value)
-            )
-        }
-    };
+    let peaks = peak_words(group);
     format!("At {} mm: {asymptotes} {peaks}", significant(group.displacement_mm, 4))
+}
+
+/// Whether the peak stiffens with the rate, and by how much.
+fn peak_words(group: &Group) -> String {
+    let Some(trend) = group.peak_trend else {
+        return "Too few different rates for a trend of the peak.".to_owned();
+    };
+    let mean = group.peaks.map_or(f64::NAN, |peaks| peaks.mean);
+    let part = trend.slope_n.0 / mean;
+    let slope = format!(
+        "{} N for ten times the rate{} (p {})",
+        estimate(trend.slope_n.0, trend.slope_n.1),
+        if part.is_finite() { format!(", {} of it", percent(part, 2)) } else { String::new() },
+        chance(trend.p_value)
+    );
+    let differ = group.peaks.filter(|test| test.p_value < UNLIKELY);
+    let verdict = match (trend.p_value < UNLIKELY, differ) {
+        (true, _) if trend.slope_n.0 > 0.0 => format!("The peak stiffens with the rate: {slope}."),
+        (true, _) => format!("The peak falls with the rate: {slope}."),
+        (false, Some(test)) => format!(
+            "The peaks differ by more than their standard errors (p {}), but not along the rate: {slope}.",
+            chance(test.p_value)
+        ),
+        (false, None) if group.peaks.is_some() => {
+            format!("The peaks agree within their standard errors: {slope}.")
+        }
+        (false, None) => format!("A trend of the peak is not shown by so few runs: {slope}."),
+    };
+    let off = trend.off_line.filter(|off| off.p_value < UNLIKELY).map(|off| {
+        format!(
+            " They lie off that line by more than their errors (χ² {} with {} degree{} of freedom, p {}): the change is no straight line over the logarithm of the rate, or runs differ by more than their noise.",
+            significant(off.chi_square, 3),
+            off.degrees_of_freedom,
+            if off.degrees_of_freedom == 1 { "" } else { "s" },
+            chance(off.p_value)
+        )
+    });
+    verdict + &off.unwrap_or_default()
 }
 
 /// What to beware of.

@@ -2,12 +2,14 @@
 
 use serde_json::{Value, json};
 
-use super::holds::{coefficient_table, one_json, plot, spread_json, spread_table, warnings};
+use super::holds::{
+    coefficient_table, left_out_words, one_json, plot, spread_json, spread_table, warnings,
+};
 use super::terms::{place, residual_plot, terms_json, terms_tables};
 use super::{CONCISE, concise, unit_of};
 use crate::analysis::relaxation::{Hold, Latency, StrainScale};
 use crate::fit::exponentials::{MOST_TERMS, Parameter};
-use crate::fit::hold::{HoldFit, spreads};
+use crate::fit::hold::{HoldError, HoldFit, spreads};
 use crate::fit::relaxation_form::{Form, FormFit, Forms};
 use crate::report::number::significant;
 use crate::report::{Axis, Callout, Colour, Column, Plot, Section, Series, Table};
@@ -20,11 +22,19 @@ const OVER: f64 = 0.99;
 
 /// Coefficients, repeats, latency model and number of exponentials of every hold.
 #[must_use]
-pub fn relaxation_sections(holds: &[Hold], traces: &[Trace], signal: &str) -> Vec<Section> {
+pub fn relaxation_sections(
+    holds: &[Hold],
+    left_out: &[HoldError],
+    traces: &[Trace],
+    signal: &str,
+) -> Vec<Section> {
     let fits: Vec<HoldFit> = holds.iter().map(|hold| hold.fit.clone()).collect();
     let mut first = Section::new("Relaxation function").table(coefficient_table(&fits, signal));
     for warning in warnings(&fits) {
         first = first.callout(Callout::Warning, "Beware", warning);
+    }
+    for text in left_out_words(left_out) {
+        first = first.callout(Callout::Warning, "Left out", text);
     }
     let spreads = spreads(&fits);
     if !spreads.is_empty() {
@@ -68,7 +78,7 @@ pub fn relaxation_sections(holds: &[Hold], traces: &[Trace], signal: &str) -> Ve
 
 /// Every hold as a JSON object.
 #[must_use]
-pub fn relaxation_json(holds: &[Hold], signal: &str) -> Value {
+pub fn relaxation_json(holds: &[Hold], left_out: &[HoldError], signal: &str) -> Value {
     let fits: Vec<HoldFit> = holds.iter().map(|hold| hold.fit.clone()).collect();
     let spreads: Vec<Value> =
         spreads(&fits).iter().map(|spread| spread_json(spread, "displacement_mm")).collect();
@@ -88,6 +98,7 @@ pub fn relaxation_json(holds: &[Hold], signal: &str) -> Value {
         "unit": unit_of(signal),
         "holds": holds,
         "spread": spreads,
+        "left_out": left_out_words(left_out),
         "warnings": warnings(&fits),
     })
 }

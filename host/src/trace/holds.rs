@@ -4,13 +4,14 @@ use std::iter;
 use std::ops::Range;
 
 use super::error::SignalError;
+use super::levels::levels;
 use super::segments::{Kind, segments};
 use super::{Control, DISPLACEMENT, FORCE, Trace};
 
 /// The holds of a trace, as ranges of samples, in order.
 ///
 /// The controlled quantity (`control` of the head; displacement unless it says force) is looked at for
-/// rest. Where it was not recorded the trace is the answer to one step: from the largest value of
+/// rest: a displacement is a motion with corners, a force is noisy and settles to its levels. Where it was not recorded the trace is the answer to one step: from the largest value of
 /// `signal` on when displacement was stepped, all of it when force was.
 ///
 /// # Errors
@@ -21,6 +22,7 @@ pub fn holds(trace: &Trace, signal: &str) -> Result<Vec<Range<usize>>, SignalErr
     let force_control = trace.head.control == Some(Control::Force);
     let controlled = if force_control { FORCE } else { DISPLACEMENT };
     let found: Vec<Range<usize>> = match trace.column(controlled) {
+        Some(column) if column.len() >= 2 && force_control => levels(&trace.time, column),
         Some(column) if column.len() >= 2 => segments(&trace.time, column)
             .into_iter()
             .filter(|segment| segment.kind == Kind::Hold)

@@ -13,6 +13,7 @@ mod head;
 mod holds;
 mod import;
 mod import_error;
+mod levels;
 mod lines;
 pub mod mapping;
 mod names;

@@ -3,8 +3,9 @@
 //! - `table-3.M-row-NN.csv`: the grasps of Tables 3.1–3.3, each rebuilt from its row by the protocol
 //!   of 3.3.2: 0.2 s of rest, closing at 20 mm/s with the acceleration of 3.3.4, a hold until 5.1 s,
 //!   opening at the same speed; 200 Hz. The branch forces are such that the hold follows the row's
-//!   eq. 3.4 from its first sample on, and white noise gives the row's R². The exponent q = 0.28 comes
-//!   from the mean forces of the three tables.
+//!   eq. 3.4 from its first sample on, and white noise gives the row's R². Rest, loading and unloading are
+//!   made up, and so is what a fit of the whole motion says of them (p, q, which law is best): the exponent
+//!   q = 0.28 comes from the mean forces of the three tables.
 //! - `press.csv`: a press of a fingertip with four gauges: load, hold, partial unload, hold, unload,
 //!   recovery. The gauges follow the force, and after the release what is left of the dent.
 
@@ -87,6 +88,8 @@ fn grasp(table: u32, row: &RelaxationRow, acceleration: f64) -> Trace {
     let variance = hold.iter().map(|f| (f - mean).powi(2)).sum::<f64>() / hold.len() as f64;
     let noise = (variance * (1.0 - row.r_squared) / row.r_squared).sqrt();
     let mut head = head(&format!("rebuilt from Table 3.{table} row {:02}", row.number), "sushi");
+    let made_up = "the hold follows the row; rest, loading and unloading are made up";
+    head.other.insert("note".into(), made_up.into());
     head.setup.moving_mass_g = Some(14.0);
     let stream = u64::from(100 * table + row.number);
     recording(head, &motion, vec![column("force_N", &force, noise, 1e-5, stream)])

@@ -1,7 +1,9 @@
 //! `palpate grasp`: one file for each subcommand.
 
+mod friction;
 mod growth;
 mod margin;
+mod plan;
 mod surface;
 mod watch;
 
@@ -20,6 +22,7 @@ Examples:
   palpate grasp surface --contact rectangle:42.22x26.38 --exponent 4 --friction 0.7 --force 2
   palpate grasp growth --contact block:40x25x50:0.48 --friction 0.7 --force 2 --model model.toml
   palpate grasp margin pull.csv --contact circle:5 --friction 0.7
+  palpate grasp plan hand.toml --margin 1.5 --for 60
   palpate grasp watch --contact circle:5 --friction 0.7 --normal 0.001 --tangential 0.4")]
 pub struct Args {
     #[command(subcommand)]
@@ -34,6 +37,10 @@ enum Command {
     Growth(growth::Args),
     /// The margin over a recording, and when it first slips
     Margin(margin::Args),
+    /// Friction μ and exponent k of the pressure from a recorded slide
+    Friction(friction::Args),
+    /// Several fingers on one object: least grip, margin, and when it will slip
+    Plan(plan::Args),
     /// The margin as a fingertip feels it, while it grasps
     Watch(watch::Args),
 }
@@ -44,6 +51,8 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         Command::Surface(args) => surface::run(args),
         Command::Growth(args) => growth::run(args),
         Command::Margin(args) => margin::run(args),
+        Command::Friction(args) => friction::run(args),
+        Command::Plan(args) => plan::run(args),
         Command::Watch(args) => watch::run(args),
     }
 }

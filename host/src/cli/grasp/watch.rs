@@ -12,8 +12,8 @@ use crate::cli::device::At;
 use crate::cli::{Failure, interrupt};
 use crate::decomposition::{decompose, default_relaxation, relaxation_of};
 use crate::device::watch::watch;
-use crate::grasp::Body;
-use crate::grasp::live::{Felt, Fingertip, Reading, Watch, Weights, weights};
+use crate::grasp::live::{Felt, Fingertip, Growing, Reading, Watch, Weights, weights};
+use crate::grasp::{Body, Material};
 use crate::model::Model;
 use crate::summary::{reading_json, reading_line};
 use crate::trace::{self, Trace, read_set};
@@ -23,7 +23,9 @@ use crate::trace::{self, Trace, read_set};
 #[command(after_help = "\
 Forces come from the gauges by weights, in N per µε, that a calibration against known loads gives.
 The fingertip's filter says where each gauge will settle, so every line has the margin now and the
-margin once settled. Ctrl-C ends it.
+margin once settled. How the gauges relax says when it will slip, and how much to tighten the grip so
+that it does not: of a recording by the filter's relaxation function, of a device by that of --model.
+A contact that grows follows the compression that --model makes of the force. Ctrl-C ends it.
 
 With --recording the same is said of a recording of a fingertip, or of any trace with gauges.
 
@@ -39,13 +41,14 @@ pub struct Args {
     /// Follow a recording instead of a device
     #[arg(long, value_name = "FILE", conflicts_with = "port")]
     recording: Option<PathBuf>,
-    /// Relaxation function for gauges of a recording without equilibria; without it, that of eq. 3.6
-    #[arg(long, value_name = "MODEL.toml", requires = "recording")]
+    /// How the gauges relax, and how force and compression go together; without it, a recording relaxes by
+    /// eq. 3.6
+    #[arg(long, value_name = "MODEL.toml")]
     model: Option<PathBuf>,
     /// The contact, sizes in mm: circle:5, ellipse:6x4, rectangle:42x26
     #[arg(long, value_name = "CONTACT", value_parser = body)]
     contact: Body,
-    /// Compression of a contact that grows with it, mm
+    /// Compression of a contact that grows with it, mm, where it stays; else --model tells it
     #[arg(long, value_name = "MM", value_parser = number)]
     compression: Option<f64>,
     #[command(flatten)]
@@ -113,7 +116,18 @@ struct Watcher<'a> {
 
 impl<'a> Watcher<'a> {
     fn new(args: &'a Args) -> Result<Self, Failure> {
-        let contact = contact_of(&args.contact, args.compression, args.pressing.exponent)?;
+        let model = match &args.model {
+            Some(path) => Some(Model::read(path).map_err(Failure::input)?),
+            None => None,
+        };
+        let growing = growing(args, model.as_ref())?;
+        // Any compression will do for a contact that is shaped anew at every reading.
+        let compression = args.compression.or(growing.as_ref().map(|_| 1.0));
+        let contact = contact_of(&args.contact, compression, args.pressing.exponent)?;
+        let relaxation = match &model {
+            Some(model) => Some(relaxation_of(model).map_err(Failure::input)?),
+            None => args.recording.is_some().then(default_relaxation),
+        };
         let weights = |gauges, constant| Weights { gauges, constant };
         let fingertip = Fingertip {
             contact,
@@ -123,6 +137,9 @@ impl<'a> Watcher<'a> {
             moment: weights(args.moment_gauges, args.moment),
             threshold: args.contact_above,
             zero: [0.0; GAUGES],
+            elastic_zero: [0.0; GAUGES],
+            growing,
+            relaxation,
         };
         let watch = Watch::new(fingertip, args.rest.unwrap_or_default(), args.every);
         Ok(Self { args, watch, written: Ok(()) })
@@ -153,6 +170,17 @@ impl<'a> Watcher<'a> {
     }
 }
 
+/// How the contact grows, where no compression is given.
+fn growing(args: &Args, model: Option<&Model>) -> Result<Option<Growing>, Failure> {
+    let body = args.contact;
+    let (true, None, Some(model)) = (body.grows(), args.compression, model) else {
+        return Ok(None);
+    };
+    let wrong = |what: String| Failure::Input(miette::miette!("{what}"));
+    let material = Material::of(model).map_err(wrong)?;
+    Ok(Some(Growing { body, material }))
+}
+
 /// The samples of a trace with gauges. Where their equilibria were not recorded, the filter of the device says
 /// them.
 fn felt(trace: &Trace, args: &Args) -> Result<Vec<Felt>, Failure> {
@@ -163,21 +191,24 @@ fn felt(trace: &Trace, args: &Args) -> Result<Vec<Felt>, Failure> {
         }
         None => default_relaxation(),
     };
-    let mut gauges: Vec<(Vec<f64>, Vec<f64>)> = Vec::new();
+    // Strain, equilibrium, fast part and elastic input of each gauge.
+    let mut gauges: Vec<[Vec<f64>; 4]> = Vec::new();
     for name in trace::GAUGES {
-        let recorded = name.replace("_ustrain", "_equilibrium_ustrain");
-        gauges.push(match (trace.column(name), trace.column(&recorded)) {
-            (Some(strain), Some(equilibrium)) => (strain.to_vec(), equilibrium.to_vec()),
+        let part = |part: &str| trace.column(&name.replace("_ustrain", &format!("{part}_ustrain")));
+        let recorded = [part(""), part("_equilibrium"), part("_fa"), part("_elastic")];
+        gauges.push(match recorded {
+            [Some(strain), Some(equilibrium), Some(fast), Some(elastic)] => {
+                [strain, equilibrium, fast, elastic].map(<[f64]>::to_vec)
+            }
             _ => {
                 let channel = decompose(trace, name, &relaxation, || {}).map_err(Failure::input)?;
-                (channel.input, channel.equilibrium)
+                [channel.input, channel.equilibrium, channel.fa, channel.elastic]
             }
         });
     }
-    let at = |(k, &time): (usize, &f64)| Felt {
-        time,
-        strain: std::array::from_fn(|gauge| gauges[gauge].0[k]),
-        equilibrium: std::array::from_fn(|gauge| gauges[gauge].1[k]),
+    let at = |(k, &time): (usize, &f64)| {
+        let part = |part: usize| std::array::from_fn(|gauge| gauges[gauge][part][k]);
+        Felt { time, strain: part(0), equilibrium: part(1), fast: part(2), elastic: part(3) }
     };
     Ok(trace.time.iter().enumerate().map(at).collect())
 }

@@ -89,6 +89,9 @@ impl Holding {
             moment: of("moment per strain", &self.moment_gauges, self.moment)?,
             threshold: self.contact_above.unwrap_or(0.05),
             zero: [0.0; GAUGES],
+            elastic_zero: [0.0; GAUGES],
+            growing: None,
+            relaxation: None,
         };
         Ok(Watch::new(fingertip, rest, EVERY_S))
     }

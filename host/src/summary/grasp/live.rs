@@ -25,6 +25,14 @@ pub fn reading_line(reading: &Reading) -> String {
     };
     let now = &reading.now;
     let (_, words) = state(now.margin.is_some(), reading.slips(), reading.will_slip());
+    let words = match (reading.slips_in, reading.tighten) {
+        (Some(time), Some(more)) if !reading.slips() => {
+            format!("slips in {time:.1} s, needs {more:.3} N more")
+        }
+        (Some(time), _) if !reading.slips() => format!("slips in {time:.1} s"),
+        (_, Some(more)) => format!("{words}, needs {more:.3} N more"),
+        _ => words.to_owned(),
+    };
     format!(
         "{:9.3} s  N {:7.3} N  f {:7.3} N  m {:7.3} N mm  margin {}  settled {}  {words}",
         reading.time,
@@ -55,5 +63,8 @@ pub fn reading_json(reading: &Reading) -> Value {
         "state": name,
         "now": hold(&reading.now),
         "settled": hold(&reading.settled),
+        "compression_mm": reading.compression,
+        "slips_in_s": reading.slips_in,
+        "tighten_N": reading.tighten,
     })
 }

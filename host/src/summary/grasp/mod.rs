@@ -1,13 +1,17 @@
 //! What a contact carries before it slips, in words, tables and plots.
 
+mod friction;
 mod growth;
 mod history;
 mod live;
+mod plan;
 mod surface;
 
+pub use friction::{friction_json, friction_sections};
 pub use growth::{growth_json, growth_sections};
 pub use history::{histories_json, history_csv, history_sections};
 pub use live::{reading_json, reading_line};
+pub use plan::{Forecast, HandPlan, plan_json, plan_sections};
 pub use surface::{SurfaceSummary, pressure_plot, surface_csv};
 
 use crate::grasp::Shape;

@@ -1,0 +1,123 @@
+//! `palpate grasp plan`.
+
+use std::path::PathBuf;
+
+use super::positive;
+use crate::cli::output::Output;
+use crate::cli::{Failure, progress};
+use crate::grasp::hand::Hand;
+use crate::grasp::{BalanceError, Least};
+use crate::model::Model;
+use crate::summary::{Forecast, HandPlan, plan_json, plan_sections};
+
+/// Several fingers on one object: least grip, margin, and when it will slip.
+#[derive(clap::Args)]
+#[command(after_help = "\
+The hand is a TOML file: the load on the object and, for each finger, where it touches, how it lies,
+its contact and friction, and the fitted model of what is pressed (docs/grasp.md has two).
+
+  least grip      the normal forces that hold the load with the margin asked for
+  margin          how many times the load could be, with fingers pressing as the file says (normal_N)
+  over time       with --for: how the grip goes on, when it slips, and how much to tighten it now
+
+Examples:
+  palpate grasp plan hand.toml
+  palpate grasp plan hand.toml --margin 1.5 --least largest
+  palpate grasp plan hand.toml --model tip.toml --margin 1.2 --for 60 --report hand.html
+  palpate grasp plan hand.toml --model tip.toml --for 60 --after 5      it has been held for 5 s already")]
+pub struct Args {
+    /// The hand
+    #[arg(value_name = "HAND.toml")]
+    hand: PathBuf,
+    /// How many times the load must be held
+    #[arg(long, default_value = "1", value_parser = positive)]
+    margin: f64,
+    /// What to make least: the sum of the normal forces, or the largest of them
+    #[arg(long, default_value = "sum", value_parser = ["sum", "largest"])]
+    least: String,
+    /// Look so many seconds ahead
+    #[arg(long = "for", value_name = "S", value_parser = positive)]
+    lasts: Option<f64>,
+    /// The object has been held for so many seconds
+    #[arg(long, value_name = "S", default_value = "0", value_parser = not_negative, requires = "lasts")]
+    after: f64,
+    /// What is pressed, for fingers whose entry names no model
+    #[arg(long, value_name = "MODEL.toml")]
+    model: Option<PathBuf>,
+    #[command(flatten)]
+    result: Output,
+}
+
+fn not_negative(text: &str) -> Result<f64, String> {
+    let value = text.parse().ok().filter(|value: &f64| *value >= 0.0 && value.is_finite());
+    value.ok_or_else(|| "give a number of 0 or more".into())
+}
+
+/// Times at which a forecast is looked at.
+const INSTANTS: u32 = 24;
+
+/// Plans and prints.
+pub fn run(args: &Args) -> Result<(), Failure> {
+    let mut hand = Hand::read(&args.hand).map_err(Failure::input)?;
+    if let Some(path) = &args.model {
+        let model = Model::read(path).map_err(Failure::input)?;
+        let name = path.display().to_string();
+        let wrong = |what: String| Failure::Input(miette::miette!("{}: {what}", path.display()));
+        hand.made_of(&model, name).map_err(wrong)?;
+    }
+    for model in &hand.without_effects {
+        eprintln!("! the effects of {model} are left out: only its base law is followed");
+    }
+    let wait = progress::spinner("looking for forces");
+    let plan = plan(args, &hand);
+    wait.finish_and_clear();
+    let plan = plan?;
+    let inputs = vec![args.hand.display().to_string()];
+    args.result
+        .give("A grasp", "", inputs, &plan_sections(&hand, &plan), || plan_json(&hand, &plan))
+}
+
+fn plan(args: &Args, hand: &Hand) -> Result<HandPlan, Failure> {
+    let wrong = |what: String| Failure::Input(miette::miette!("{}: {what}", args.hand.display()));
+    let least = if args.least == "sum" { Least::Sum } else { Least::Largest };
+    let closure = hand.closure().map_err(wrong)?;
+    let grip = hand.least_grip(args.margin, least).map_err(wrong)?;
+    let now = match hand.now() {
+        None => None,
+        Some(normals) => Some((hand.margin(&normals).map_err(wrong)?, normals)),
+    };
+    let forecast = match args.lasts {
+        None => None,
+        Some(lasts) => {
+            // What the file says, else what holds with the margin asked for.
+            let planned = grip
+                .as_ref()
+                .ok()
+                .map(|grip| grip.shares.iter().map(|share| share.normal).collect::<Vec<f64>>());
+            let given = now.as_ref().map(|(_, normals)| normals.clone());
+            match given.or(planned) {
+                None => None,
+                Some(normals) => Some(forecast(args, hand, &normals, lasts).map_err(wrong)?),
+            }
+        }
+    };
+    if let Err(error @ BalanceError::Unfinished(_)) = &grip {
+        return Err(Failure::Work(miette::miette!("{error}")));
+    }
+    Ok(HandPlan { closure, margin: args.margin, least, grip, now, forecast })
+}
+
+fn forecast(args: &Args, hand: &Hand, normals: &[f64], lasts: f64) -> Result<Forecast, String> {
+    // Close together at first: relaxation is fast then.
+    let at = |k: u32| lasts * (f64::from(k) / f64::from(INSTANTS)).powi(2);
+    let times: Vec<f64> = (0..=INSTANTS).map(|k| args.after + at(k)).collect();
+    let course = hand.course(normals, &times, None)?;
+    Ok(Forecast {
+        slips: hand.falls_to(normals, 1.0, &course)?,
+        below_margin: hand.falls_to(normals, args.margin, &course)?,
+        tighten: hand.regrip(normals, args.margin, args.after, lasts)?,
+        from: args.after,
+        lasts,
+        course,
+    })
+}
