@@ -37,14 +37,15 @@ pub use decomposition::{
 };
 pub use diagnosis::{DiagnosisSummary, NextCommand};
 pub use dissertation::{
-    comparisons_csv, dissertation_json, dissertation_overview, dissertation_report,
+    COMPARISONS_HEADER, comparisons_csv, dissertation_json, dissertation_overview,
+    dissertation_report,
 };
 pub use effects::{
     effect_figures, effect_json, effect_pages, effect_section, library_json, library_section,
 };
 pub use grasp::{
-    SurfaceSummary, growth_json, growth_sections, histories_json, history_csv, history_sections,
-    pressure_plot, reading_json, reading_line, surface_csv,
+    HISTORY_HEADER, SURFACE_HEADER, SurfaceSummary, growth_json, growth_sections, histories_json,
+    history_csv, history_sections, pressure_plot, reading_json, reading_line, surface_csv,
 };
 pub use holds::{hold_json, hold_sections};
 pub use ladder::ladder;
