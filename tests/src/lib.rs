@@ -5,6 +5,7 @@ pub mod browser;
 pub mod device;
 #[cfg(unix)]
 pub mod emulator;
+pub mod fuzz;
 pub mod hidden;
 #[cfg(unix)]
 pub mod server;

@@ -3,7 +3,7 @@
 use std::fs::File;
 use std::path::Path;
 
-use palpate::cli::{Failure, import};
+use palpate::cli::{Failure, Force, import};
 use palpate::trace::{self, Mapping};
 
 /// Bytes of a file and the error they get; `press.csv` stands for its path.
@@ -372,11 +372,11 @@ fn an_import_writes_over_nothing_unasked_and_leaves_nothing_half_written() {
         every: None,
         preview: false,
         suggest: false,
-        force: false,
+        over: Force { force: false },
     };
     assert!(matches!(import::run(&args), Err(Failure::Input(_))));
     assert_eq!(std::fs::read(at("out.csv")).unwrap(), b"precious");
-    args.force = true;
+    args.over.force = true;
     std::fs::write(at("odd.txt"), "0,1\n1,2,3\n").unwrap();
     assert!(matches!(import::run(&args), Err(Failure::Input(_))));
     assert_eq!(std::fs::read(at("out.csv")).unwrap(), b"precious");

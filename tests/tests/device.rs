@@ -330,7 +330,7 @@ fn a_recording_has_every_row_and_tells_programs_how_it_goes() {
     assert_eq!((&summary["gaps"], &summary["drops"]), (&0.into(), &0.into()));
     let (status, _, error) = simulated.call(&["record", "-o", "take.palpate", "--duration", "1"]);
     assert_eq!(status, 2);
-    assert!(error.contains("take.palpate is there already; give --force"), "{error}");
+    assert!(error.contains("take.palpate: exists already") && error.contains("--force"), "{error}");
 }
 
 /// A recording as a process.

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use palpate::decomposition::{decompose, default_relaxation};
 use palpate::recording::{Entry, Gap, Note, Opened, Reader, Writer};
 use palpate::trace::recordable::{settings_of, write_recording};
+use palpate::trace::recorded::{Options, to_traces};
 use palpate::trace::{GAUGES, Trace, read};
 use palpate_tests::{bundled, palpate, workspace};
 use serde_json::Value;
@@ -86,6 +87,41 @@ fn a_recording_cut_at_any_byte_reads_up_to_its_last_whole_frame() {
         assert!(all.starts_with(&seen), "cut at {cut}");
         assert_eq!(truncated, cut == 0 || bytes[cut - 1] != 0, "cut at {cut}");
     }
+}
+
+#[test]
+fn the_rows_of_a_cut_recording_are_those_of_the_whole_one_but_for_regions_said_to_be_provisional() {
+    let bytes = recording_of(&press_of(900));
+    let traces = |bytes: &[u8]| {
+        let reader = Reader::new(bytes).unwrap();
+        to_traces(Path::new("take.palpate"), reader, &Options::default())
+    };
+    let whole = traces(&bytes).unwrap().traces.remove(0);
+    // What ends within a frame reads up to its last whole one: cuts between frames are all there are.
+    let cuts = (0..bytes.len()).filter(|cut| bytes[*cut] == 0).map(|end| end + 1);
+    let (mut seen, mut corrected) = (0, 0);
+    for cut in cuts {
+        let Ok(mut found) = traces(&bytes[..cut]) else { continue };
+        let part = found.traces.remove(0);
+        let rows = part.len();
+        let provisional = part.head.other["recording"]["region_provisional_rows"].as_integer();
+        let firm = rows - usize::try_from(provisional.unwrap()).unwrap();
+        assert_eq!(part.time, whole.time[..rows], "cut at {cut}");
+        for (column, full) in part.columns.iter().zip(&whole.columns) {
+            let known = if column.name.ends_with("_region") { firm } else { rows };
+            assert_eq!(column.name, full.name);
+            assert_eq!(
+                column.values[..known],
+                full.values[..known],
+                "{}, cut at {cut}",
+                column.name
+            );
+            corrected += usize::from(column.values != full.values[..rows]);
+        }
+        seen += 1;
+    }
+    // Enough cuts, and some in which a boundary was yet to be found.
+    assert!(seen > 40 && corrected > 0, "{seen} cuts, {corrected} corrected");
 }
 
 /// Takes so many bytes and no more.
@@ -240,12 +276,12 @@ fn an_existing_file_is_written_over_only_with_force_and_the_input_never() {
     let call = |arguments: &[&str]| run(folder.path(), arguments);
     let (status, _, said) = call(&["convert", "take.palpate", "-o", "take.csv"]);
     assert_eq!(status, 2);
-    insta::assert_snapshot!(said, @"error: take.csv: exists already. Choose another -o, or write over it with --force.");
+    insta::assert_snapshot!(said, @"error: take.csv: exists already. Choose another name, or write over it with --force.");
     assert_eq!(call(&["convert", "take.palpate", "-o", "take.csv", "--force"]).0, 0);
     let before = std::fs::read(&path).unwrap();
     let (status, _, said) = call(&["convert", "take.palpate", "-o", "take.palpate", "--force"]);
     assert_eq!(status, 2);
-    insta::assert_snapshot!(said, @"error: take.palpate: is what is converted. Choose another -o.");
+    insta::assert_snapshot!(said, @"error: take.palpate: is read by this call. Choose another name for the result.");
     assert_eq!(std::fs::read(&path).unwrap(), before);
 }
 

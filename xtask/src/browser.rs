@@ -7,5 +7,6 @@ use crate::packages;
 pub fn run(steady_s: u32) -> miette::Result<()> {
     let why = "to see the local page as its user does";
     packages::set_up("chromedriver", &["chromium", "chromium-driver"], why)?;
-    set_up_tests("page in a browser", "browser", steady_s)
+    set_up_tests("page in a browser", "browser", steady_s)?;
+    set_up_tests("page among what it should not trust", "hostile_page", steady_s)
 }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 use std::process::Command;
-use std::time::Instant;
+use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
 use miette::{IntoDiagnostic, bail};
 
@@ -10,6 +10,9 @@ use crate::{browser, emulate, firmware, modelled};
 
 /// How long a device streams in the whole check, to the emulator's host and to a browser, s.
 const STEADY_S: u32 = 60;
+
+/// Courses of a line that are tried for each second that a target has, about as many as take that long.
+const LINES_A_SECOND: u64 = 3_000;
 
 /// The top of the workspace.
 pub fn workspace() -> &'static Path {
@@ -63,6 +66,21 @@ pub fn rustup(kind: &str, name: &str, why: &str) -> miette::Result<()> {
 
 fn step(name: &str, arguments: &[&str], environment: &[(&str, &str)]) -> miette::Result<()> {
     rust(name, workspace(), arguments, environment)
+}
+
+/// Tries every target with hostile bytes for so many seconds, and the line with as many more losses.
+pub fn fuzz(seconds: u32, seed: Option<u64>) -> miette::Result<()> {
+    let clock = SystemTime::now().duration_since(UNIX_EPOCH).into_diagnostic()?;
+    let seed = seed.unwrap_or(clock.as_secs()).to_string();
+    let tests = ["test", "--workspace", "--test", "fuzz", "--test", "line", "--", "--nocapture"];
+    let environment = [
+        ("PALPATE_FUZZ_S", seconds.to_string()),
+        ("PALPATE_FUZZ_SEED", seed.clone()),
+        ("PROPTEST_RNG_SEED", seed),
+        ("PROPTEST_CASES", (u64::from(seconds) * LINES_A_SECOND).to_string()),
+    ];
+    let environment = environment.each_ref().map(|(name, value)| (*name, value.as_str()));
+    step("hostile bytes", &tests, &environment)
 }
 
 /// Runs the tests of a file that need what was set up for them, one after the other, with a stream of so many seconds.

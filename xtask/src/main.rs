@@ -7,6 +7,7 @@ mod firmware;
 mod golden;
 mod modelled;
 mod packages;
+mod supply;
 
 use std::process::ExitCode;
 
@@ -50,6 +51,19 @@ enum Task {
         #[arg(long, default_value_t = 3_600)]
         steady: u32,
     },
+    /// Give every parser and the device hostile bytes, and the line losses; each for so many seconds.
+    Fuzz {
+        /// Seconds for each target.
+        #[arg(long, default_value_t = 60)]
+        seconds: u32,
+        /// Seed of what is tried [default: another one each time; it is printed]
+        #[arg(long)]
+        seed: Option<u64>,
+    },
+    /// Check licences, sources, versions and known faults of all crates.
+    Supply,
+    /// Write the bill of materials of the program to target/palpate.cdx.json (CycloneDX).
+    Sbom,
     /// Write the bundled recordings of tests/traces/ anew; the same bytes on every run.
     Traces,
     /// Write the pages of docs/effects/ anew, from the library's own declarations.
@@ -71,6 +85,9 @@ fn main() -> ExitCode {
         }
         Task::Model { kills } => firmware::build().and_then(|_| modelled::run(kills)),
         Task::Browser { steady } => browser::run(steady),
+        Task::Fuzz { seconds, seed } => check::fuzz(seconds, seed),
+        Task::Supply => supply::run(),
+        Task::Sbom => generate("sbom"),
         Task::Effects => generate("effects"),
         Task::Traces => generate("traces"),
     };

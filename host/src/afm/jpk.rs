@@ -71,7 +71,7 @@ pub fn parse(name: &str, text: &str) -> Result<ForceCurve, AfmError> {
             "segment" => block.kind = value.into(),
             "columns" => (block.columns, block.line) = (words(), number),
             "units" => block.units = words(),
-            "springConstant" => block.spring = value.parse().ok(),
+            "springConstant" => block.spring = value.parse().ok().filter(|k: &f64| k.is_finite()),
             _ => {}
         }
     }

@@ -89,6 +89,7 @@ impl Practice {
         let mut head = Head {
             version: Some(1),
             name: Some("a simulated force curve".into()),
+            computed_by: Some("palpate afm simulate".into()),
             control: Some(Control::Displacement),
             ..Head::default()
         };

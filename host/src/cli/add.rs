@@ -7,6 +7,7 @@ use super::preparation::Prepare;
 use super::{Failure, progress};
 use crate::criticism::change::{self, Change, ChangeError};
 use crate::criticism::compare::compare;
+use crate::files::plan::MODEL;
 use crate::model::Model;
 use crate::summary::{change_json, change_report, change_sections};
 use crate::trace::Trace;
@@ -46,6 +47,10 @@ pub struct Args {
 
 /// Adds, refits and prints.
 pub fn run(args: &Args) -> Result<(), Failure> {
+    let mut files = args.result.files(args.traces.iter().chain([&args.model]))?;
+    if let Some(path) = &args.output {
+        files.writes(path, &MODEL)?;
+    }
     let model = Model::read(&args.model).map_err(Failure::input)?;
     let (traces, _) = args.prepare.read(&args.traces, &model.base.signal)?;
     let wait = progress::spinner("refitting");

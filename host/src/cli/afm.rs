@@ -6,13 +6,14 @@ use clap::{Subcommand, ValueEnum};
 use miette::miette;
 
 use super::convert::Form;
-use super::output::{Output, print_json, print_sections, write_report};
+use super::output::{Force, Output, print_json, print_sections, write_report};
 use super::{Failure, progress};
 use crate::afm::curve::ForceCurve;
 use crate::afm::fit::{Options, fit};
 use crate::afm::rough::Rough;
 use crate::afm::simulate::Practice;
 use crate::contact::{Elastic, Tip};
+use crate::files::plan::{COMPUTED_OR_RECORDING, Plan};
 use crate::grasp::PressureLaw;
 use crate::model::Relaxation;
 use crate::summary::{FittedCurve, afm_json, afm_sections, rough_json, rough_sections};
@@ -160,6 +161,8 @@ struct SimulateArgs {
     /// The curve to write: .csv or .parquet
     #[arg(short, long, value_name = "CURVE")]
     output: PathBuf,
+    #[command(flatten)]
+    over: Force,
 }
 
 impl TipArgs {
@@ -200,6 +203,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
 }
 
 fn analyse(args: &CurveArgs) -> Result<(), Failure> {
+    args.result.files(&args.curves)?;
     let pressure = PressureLaw::new(args.pressure_exponent).map_err(Failure::input)?;
     let options = Options { tip: args.tip.tip(None)?, poisson_ratio: args.poisson, pressure };
     let read = |path: &PathBuf| {
@@ -235,6 +239,7 @@ fn analyse(args: &CurveArgs) -> Result<(), Failure> {
 }
 
 fn rough(args: &RoughArgs) -> Result<(), Failure> {
+    args.result.files([""; 0])?;
     let rough = Rough {
         specimen: Elastic { modulus_pa: args.modulus_kpa * 1e3, poisson_ratio: args.poisson },
         radius_m: args.tip_radius_nm * 1e-9,
@@ -259,6 +264,7 @@ fn rough(args: &RoughArgs) -> Result<(), Failure> {
 }
 
 fn simulate(args: &SimulateArgs) -> Result<(), Failure> {
+    Plan::reading([""; 0], args.over.into()).writes(&args.output, &COMPUTED_OR_RECORDING)?;
     let form = Form::of(&args.output)?;
     let practice = Practice {
         specimen: Elastic { modulus_pa: args.modulus_kpa * 1e3, poisson_ratio: args.poisson },

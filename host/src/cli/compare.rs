@@ -34,6 +34,7 @@ pub struct Args {
 
 /// Compares and prints.
 pub fn run(args: &Args) -> Result<(), Failure> {
+    args.result.files(args.traces.iter().chain([&args.model]))?;
     let model = Model::read(&args.model).map_err(Failure::input)?;
     let (traces, preparation) = args.prepare.read(&args.traces, &model.base.signal)?;
     let wait = progress::spinner("comparing");

@@ -1,6 +1,7 @@
 //! `palpate completions`.
 
 use super::Failure;
+use super::output::print;
 use clap::CommandFactory;
 
 /// Print completions for a shell.
@@ -17,6 +18,7 @@ pub struct Args {
 
 /// Prints the completions of the whole command line.
 pub fn run<Whole: CommandFactory>(args: &Args) -> Result<(), Failure> {
-    clap_complete::generate(args.shell, &mut Whole::command(), "palpate", &mut std::io::stdout());
-    Ok(())
+    let mut text = Vec::new();
+    clap_complete::generate(args.shell, &mut Whole::command(), "palpate", &mut text);
+    print(&String::from_utf8_lossy(&text))
 }

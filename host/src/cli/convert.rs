@@ -7,7 +7,8 @@ use miette::miette;
 use serde_json::{Value, json};
 
 use super::Failure;
-use super::output::{cannot_write, print_json};
+use super::output::{Force, cannot_write, print_json};
+use crate::files::plan::{Plan, TRACE_OR_RECORDING};
 use crate::files::write_whole;
 use crate::recording;
 use crate::trace::recordable::{RecordableError, settings_of, write_recording};
@@ -50,9 +51,8 @@ pub struct Args {
     /// Print one JSON object that says what was written
     #[arg(long)]
     json: bool,
-    /// Write over existing files
-    #[arg(long)]
-    force: bool,
+    #[command(flatten)]
+    over: Force,
 }
 
 /// Converts, and says what was written.
@@ -63,7 +63,10 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let form = Form::of(&args.output)?;
     let read = read_all(args)?;
     let files = file_names(&args.output, read.traces.len());
-    check_files(args, &files)?;
+    let mut plan = Plan::reading(&args.inputs, args.over.into());
+    for file in &files {
+        plan.writes(file, &TRACE_OR_RECORDING)?;
+    }
     for (trace, file) in read.traces.iter().zip(&files) {
         form.write(file, trace)?;
         if !args.json {
@@ -142,26 +145,6 @@ fn file_names(output: &Path, count: usize) -> Vec<PathBuf> {
     let stem = output.file_stem().unwrap_or_default().to_string_lossy();
     let ending = output.extension().unwrap_or_default().to_string_lossy();
     (1..=count).map(|number| output.with_file_name(format!("{stem}-{number}.{ending}"))).collect()
-}
-
-/// Refuses to write over anything that was not offered for it, before anything is written.
-fn check_files(args: &Args, files: &[PathBuf]) -> Result<(), Failure> {
-    let real = |path: &PathBuf| path.canonicalize().ok();
-    let inputs: Vec<PathBuf> = args.inputs.iter().filter_map(real).collect();
-    for file in files {
-        let what = file.display();
-        if real(file).is_some_and(|file| inputs.iter().any(|input| file.starts_with(input))) {
-            return Err(Failure::Input(miette!(
-                "{what}: is what is converted. Choose another -o."
-            )));
-        }
-        if file.exists() && !args.force {
-            return Err(Failure::Input(miette!(
-                "{what}: exists already. Choose another -o, or write over it with --force."
-            )));
-        }
-    }
-    Ok(())
 }
 
 fn summary(trace: &Trace) -> String {

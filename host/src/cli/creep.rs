@@ -52,6 +52,7 @@ pub struct Args {
 
 /// Fits and prints.
 pub fn run(args: &Args) -> Result<(), Failure> {
+    args.result.files(&args.traces)?;
     let mut traces = read_set(&args.traces).map_err(Failure::input)?;
     let mut conditioning = None;
     if let Some(filter) = filter(args) {

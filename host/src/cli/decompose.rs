@@ -7,6 +7,7 @@ use shared::adaptation::Relaxation;
 use super::output::{Output, cannot_write, print_json, print_sections, write_report};
 use super::{Failure, progress};
 use crate::decomposition::{Channel, decompose, default_relaxation, relaxation_of, signals};
+use crate::files::plan::COMPUTED;
 use crate::model::Model;
 use crate::regions::{Regions, regions};
 use crate::summary::{decomposed_trace, decomposition_json, decomposition_sections};
@@ -50,7 +51,14 @@ pub struct Args {
 
 /// Decomposes, prints the regions, writes what was asked for.
 pub fn run(args: &Args) -> Result<(), Failure> {
+    let read = args.traces.iter().chain(&args.model);
+    let mut files = args.result.files(read)?;
     let traces = read_set(&args.traces).map_err(Failure::input)?;
+    if let Some(folder) = &args.output {
+        for trace in &traces {
+            files.writes(&folder.join(file_name(trace)), &COMPUTED)?;
+        }
+    }
     let relaxation = match &args.model {
         Some(path) => {
             let model = Model::read(path).map_err(Failure::input)?;
@@ -119,12 +127,6 @@ fn write_all(folder: &Path, parts: &[(&Trace, Vec<(Channel, Regions)>)]) -> Resu
     std::fs::create_dir_all(folder).map_err(|source| cannot_write(folder, source))?;
     for (trace, channels) in parts {
         let path = folder.join(file_name(trace));
-        if trace.path.as_deref().is_some_and(|from| same_file(from, &path)) {
-            return Err(Failure::Input(miette::miette!(
-                "{} would overwrite the recording itself: give another folder to -o",
-                path.display()
-            )));
-        }
         write(&path, &decomposed_trace(trace, channels)).map_err(Failure::work)?;
     }
     eprintln!("{} trace(s) in {}", parts.len(), folder.display());
@@ -136,12 +138,5 @@ fn file_name(trace: &Trace) -> String {
     match trace.path {
         Some(_) => trace.label(),
         None => trace.label() + ".csv",
-    }
-}
-
-fn same_file(a: &Path, b: &Path) -> bool {
-    match (a.canonicalize(), b.canonicalize()) {
-        (Ok(a), Ok(b)) => a == b,
-        _ => false,
     }
 }

@@ -2,8 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use super::output::{print, print_sections, terminal, write_report};
+use super::output::{Force, print, print_sections, terminal, write_report};
 use super::{Failure, progress};
+use crate::files::plan::{Kind, Plan, REPORT};
 use crate::press::{Press, analyse};
 use crate::report::Section;
 use crate::summary::{name_of, press_sections};
@@ -11,6 +12,12 @@ use crate::trace::{Trace, parse};
 
 /// A made-up recording, part of the program so that the demo runs anywhere.
 const RECORDING: &[u8] = include_bytes!("../../../tests/traces/press.csv");
+
+/// That recording, known by its name.
+const TRACE: Kind = Kind {
+    endings: &["csv"],
+    marks: &["\n# name = \"made-up press of a fingertip with four gauges\"\n"],
+};
 
 /// Replay a bundled press through the device's filter, fit it, write a report.
 #[derive(clap::Args)]
@@ -26,10 +33,17 @@ pub struct Args {
     /// Also write the recording itself
     #[arg(long, value_name = "FILE.csv")]
     trace: Option<PathBuf>,
+    #[command(flatten)]
+    over: Force,
 }
 
 /// Runs the demo.
 pub fn run(args: &Args) -> Result<(), Failure> {
+    let mut files = Plan::reading([""; 0], args.over.into());
+    files.writes(&args.report, &REPORT)?;
+    if let Some(path) = &args.trace {
+        files.writes(path, &TRACE)?;
+    }
     let trace = parse(Path::new("press.csv"), RECORDING).map_err(Failure::work)?;
     if let Some(path) = &args.trace {
         super::output::write_file(path, RECORDING)?;

@@ -36,6 +36,7 @@ pub struct Args {
 
 /// Diagnoses and prints.
 pub fn run(args: &Args) -> Result<(), Failure> {
+    args.result.files(args.traces.iter().chain([&args.model]))?;
     let model = Model::read(&args.model).map_err(Failure::input)?;
     let (traces, preparation) = args.prepare.read(&args.traces, &model.base.signal)?;
     let wait = progress::spinner("looking for what is missing");

@@ -2,11 +2,13 @@
 
 use std::path::PathBuf;
 
-use super::output::{print_json, print_sections, write_file, write_report};
+use super::output::{Force, print_json, print_sections, write_file, write_report};
 use super::{Failure, progress};
 use crate::dissertation::{Comparison, chapters};
+use crate::files::plan::{Plan, REPORT, table};
 use crate::summary::{
-    comparisons_csv, dissertation_json, dissertation_overview, dissertation_report,
+    COMPARISONS_HEADER, comparisons_csv, dissertation_json, dissertation_overview,
+    dissertation_report,
 };
 
 /// Recompute every printed table, equation and figure of the dissertation.
@@ -28,19 +30,26 @@ pub struct Args {
     /// Print one JSON object instead of tables
     #[arg(long)]
     json: bool,
+    #[command(flatten)]
+    over: Force,
 }
 
 /// Computes, writes, prints.
 pub fn run(args: &Args) -> Result<(), Failure> {
+    let (comparisons, report) =
+        (args.output.join("comparisons.csv"), args.output.join("report.html"));
+    let mut files = Plan::reading([""; 0], args.over.into());
+    files.writes(&comparisons, &table(&[COMPARISONS_HEADER]))?;
+    files.writes(&report, &REPORT)?;
     std::fs::create_dir_all(&args.output)
         .map_err(|source| super::output::cannot_write(&args.output, source))?;
     let wait = progress::spinner("recomputing every chapter");
     let chapters = chapters();
     wait.finish_and_clear();
     let chapters = chapters.map_err(Failure::work)?;
-    write_file(&args.output.join("comparisons.csv"), comparisons_csv(&chapters).as_bytes())?;
+    write_file(&comparisons, comparisons_csv(&chapters).as_bytes())?;
     write_report(
-        &args.output.join("report.html"),
+        &report,
         "A dissertation recomputed",
         "Chia-Hung Dylan Tsai, Nonlinear Modeling on Viscoelastic Contact Interface",
         Vec::new(),

@@ -7,6 +7,7 @@ use super::output::Output;
 use super::preparation::Prepare;
 use super::{Failure, progress};
 use crate::criticism::change;
+use crate::files::plan::MODEL;
 use crate::model::Model;
 
 /// Take an effect out of a model, refit, and see the error rise.
@@ -36,6 +37,10 @@ pub struct Args {
 
 /// Takes the effect out, refits and prints.
 pub fn run(args: &Args) -> Result<(), Failure> {
+    let mut files = args.result.files(args.traces.iter().chain([&args.model]))?;
+    if let Some(path) = &args.output {
+        files.writes(path, &MODEL)?;
+    }
     let model = Model::read(&args.model).map_err(Failure::input)?;
     let (traces, _) = args.prepare.read(&args.traces, &model.base.signal)?;
     let wait = progress::spinner("refitting");

@@ -23,6 +23,7 @@ pub struct Args {
 
 /// Prints the library, or one effect.
 pub fn run(args: &Args) -> Result<(), Failure> {
+    args.result.files([""; 0])?;
     let Some(name) = &args.name else { return all(&args.result) };
     let effect = find(name).ok_or_else(|| Failure::input(EffectError::Unknown(name.clone())))?;
     let signature = signature(effect).map_err(Failure::work)?;

@@ -11,6 +11,7 @@ use super::{Failure, progress};
 use crate::criticism::change::{Worse, worse};
 use crate::criticism::diagnose::{Diagnosis, diagnose};
 use crate::criticism::explore::{explored, rungs};
+use crate::files::plan::MODEL;
 use crate::fit::data::Data;
 use crate::model::Model;
 use crate::summary::{DiagnosisSummary, unit_of};
@@ -43,6 +44,10 @@ pub struct Args {
 
 /// Explores and prints.
 pub fn run(args: &Args) -> Result<(), Failure> {
+    let mut files = args.result.files(args.traces.iter().chain([&args.model]))?;
+    if let Some(path) = &args.output {
+        files.writes(path, &MODEL)?;
+    }
     let model = Model::read(&args.model).map_err(Failure::input)?;
     let (traces, preparation) = args.prepare.read(&args.traces, &model.base.signal)?;
     let wait = progress::spinner("climbing the ladder");

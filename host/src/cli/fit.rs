@@ -8,6 +8,7 @@ use super::output::Output;
 use super::preparation::Prepare;
 use super::{Failure, progress};
 use crate::criticism::noise::noise_of;
+use crate::files::plan::MODEL;
 use crate::fit::choice::{Choice, Exponent};
 use crate::fit::data::Data;
 use crate::fit::hold::{self, HoldFit};
@@ -148,11 +149,16 @@ fn parse_kernel(text: &str) -> Result<Kernel, String> {
 
 /// Fits and prints.
 pub fn run(args: &Args) -> Result<(), Failure> {
+    let traces = if args.all { &args.names[..] } else { &args.names[1..] };
+    let mut files = args.result.files(traces)?;
+    if let Some(path) = &args.output {
+        files.writes(path, &MODEL)?;
+    }
     if args.all {
         let (traces, preparation) = args.prepare.read(&args.names, &args.signal)?;
         return all(args, &traces, &preparation);
     }
-    let (family, traces) = (family(&args.names[0])?, &args.names[1..]);
+    let family = family(&args.names[0])?;
     let wrong = |problem: String| Err(Failure::Input(miette::miette!("{problem}")));
     if traces.is_empty() {
         return wrong("name traces, or folders of traces, after the law".into());

@@ -55,6 +55,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
 }
 
 fn make(args: &Args, folder: &Path) -> Result<(), Failure> {
+    args.result.files([""; 0])?;
     check_empty(folder).map_err(Failure::input)?;
     let choice = match (args.any, args.effects.is_empty()) {
         (Some(count), _) => Choice::Any(count.into()),
@@ -86,6 +87,7 @@ fn make(args: &Args, folder: &Path) -> Result<(), Failure> {
 }
 
 fn reveal(folder: &Path, result: &Output) -> Result<(), Failure> {
+    result.files([folder])?;
     let truth = open(folder).map_err(Failure::input)?;
     let sections = truth_sections(&truth);
     if let Some(path) = &result.report {

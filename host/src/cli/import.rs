@@ -1,11 +1,12 @@
 //! `palpate import`: a foreign recording becomes a trace.
 
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use miette::{Report, miette};
 
 use super::Failure;
+use super::output::{Force, print};
+use crate::files::plan::{Plan, TRACE};
 use crate::trace::{self, Error, ImportError, Imported, Mapping};
 
 /// Samples that `--preview` shows.
@@ -42,9 +43,9 @@ pub struct Args {
     /// Print a proposed mapping for the file, to be checked by you
     #[arg(long, conflicts_with_all = ["map", "output", "every", "preview", "force"])]
     pub suggest: bool,
-    /// Write over an existing file
-    #[arg(long)]
-    pub force: bool,
+    /// Leave to write over files
+    #[command(flatten)]
+    pub over: Force,
 }
 
 /// Runs the command.
@@ -54,7 +55,7 @@ pub struct Args {
 /// trace cannot be written.
 pub fn run(args: &Args) -> Result<(), Failure> {
     let Some(map) = args.map.as_ref().filter(|_| !args.suggest) else {
-        return show(&trace::suggest(first(args)).map_err(|error| input(&error))?);
+        return print(&trace::suggest(first(args)).map_err(|error| input(&error))?);
     };
     let mut mapping = Mapping::read(map).map_err(|error| input(&error))?;
     if let Some(every) = args.every {
@@ -62,11 +63,12 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     }
     let output = args.output.clone().unwrap_or_else(|| default_output(first(args)));
     if !args.preview {
-        check_output(args, &output)?;
+        let read = args.map.iter().chain(&args.files);
+        Plan::reading(read, args.over.into()).writes(&output, &TRACE)?;
     }
     let imported = trace::import_parts(&args.files, &mapping).map_err(|error| input(&error))?;
     if args.preview {
-        return show(&preview(&imported));
+        return print(&preview(&imported));
     }
     trace::write(&output, &imported.trace).map_err(|error| Failure::Work(report(&error)))?;
     eprintln!("{}", summary(&imported, &output));
@@ -78,40 +80,11 @@ fn first(args: &Args) -> &Path {
     args.files.first().map_or_else(|| Path::new(""), PathBuf::as_path)
 }
 
-/// Prints a result; a reader that has seen enough (`| head`) is no failure.
-fn show(text: &str) -> Result<(), Failure> {
-    match std::io::stdout().write_all(text.as_bytes()) {
-        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
-            Err(Failure::Work(miette!("standard output: {error}")))
-        }
-        _ => Ok(()),
-    }
-}
-
 /// `pull.csv` becomes `pull.trace.csv` in the current folder.
 fn default_output(file: &Path) -> PathBuf {
     let mut name = file.file_stem().unwrap_or_default().to_os_string();
     name.push(".trace.csv");
     name.into()
-}
-
-/// Refuses to write over anything that was not offered for it.
-fn check_output(args: &Args, output: &Path) -> Result<(), Failure> {
-    let same = |path: &Path| match (path.canonicalize(), output.canonicalize()) {
-        (Ok(a), Ok(b)) => a == b,
-        _ => false,
-    };
-    if args.files.iter().any(|file| same(file)) || args.map.as_deref().is_some_and(same) {
-        let what = output.display();
-        return Err(Failure::Input(miette!("{what}: is read by this import. Choose another -o.")));
-    }
-    if output.exists() && !args.force {
-        let what = output.display();
-        return Err(Failure::Input(miette!(
-            "{what}: exists already. Choose another -o, or write over it with --force."
-        )));
-    }
-    Ok(())
 }
 
 /// What was made, in one or a few lines.

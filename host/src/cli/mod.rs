@@ -43,7 +43,7 @@ use clap::{Parser, Subcommand};
 use miette::{Diagnostic, Report};
 use tracing_subscriber::filter::LevelFilter;
 
-pub use output::Output;
+pub use output::{Force, Output};
 
 /// Fit contact models to recordings of touch, and see where they fail.
 #[derive(Parser)]
@@ -166,6 +166,7 @@ impl Diagnostic for Wrapped {}
 pub fn run() -> ExitCode {
     let arguments = Arguments::parse();
     start_log(arguments.verbose);
+    interrupt::prepare();
     let outcome = match &arguments.command {
         Command::Demo(args) => demo::run(args),
         Command::Decompose(args) => decompose::run(args),

@@ -1,24 +1,73 @@
-//! How results reach standard output, and reports a file.
+//! How results reach standard output, and files.
 
 use std::io::{self, IsTerminal, Write};
 use std::path::Path;
 
 use super::Failure;
+use crate::files::plan::{Overwrite, Plan, REPORT, Refused};
 use crate::files::{quoted, write_whole};
 use crate::report::{Block, Callout, Origin, Page, Section, Table, Terminal};
 
 /// How a subcommand gives its result.
 #[derive(Clone, Debug, Default, clap::Args)]
-pub struct Output {
+pub struct Output<O: clap::Args = Force> {
     /// Print one JSON object instead of tables
     #[arg(long)]
     pub json: bool,
     /// Also write a report with plots: one HTML file
     #[arg(long, value_name = "FILE.html")]
     pub report: Option<std::path::PathBuf>,
+    #[command(flatten)]
+    over: O,
 }
 
-impl Output {
+/// Leave to write over files.
+#[derive(Clone, Copy, Debug, Default, clap::Args)]
+pub struct Force {
+    /// Write over existing files that palpate did not write, and over traces and recordings that may be measured
+    #[arg(long, visible_alias = "overwrite")]
+    pub force: bool,
+}
+
+/// The same where `--force` is a force.
+#[derive(Clone, Copy, Debug, Default, clap::Args)]
+pub struct OverwriteOnly {
+    /// Write over existing files that palpate did not write, and over traces and recordings that may be measured
+    #[arg(long)]
+    pub overwrite: bool,
+}
+
+impl From<Force> for Overwrite {
+    fn from(given: Force) -> Self {
+        Self { allowed: given.force, option: "--force" }
+    }
+}
+
+impl From<OverwriteOnly> for Overwrite {
+    fn from(given: OverwriteOnly) -> Self {
+        Self { allowed: given.overwrite, option: "--overwrite" }
+    }
+}
+
+impl From<Refused> for Failure {
+    fn from(refused: Refused) -> Self {
+        Self::input(refused)
+    }
+}
+
+impl<O: clap::Args + Copy + Into<Overwrite>> Output<O> {
+    /// The files of a call that reads these and writes the report, if one is asked for.
+    pub fn files<P: AsRef<Path>>(
+        &self,
+        read: impl IntoIterator<Item = P>,
+    ) -> Result<Plan, Failure> {
+        let mut files = Plan::reading(read, self.over.into());
+        if let Some(report) = &self.report {
+            files.writes(report, &REPORT)?;
+        }
+        Ok(files)
+    }
+
     /// Gives a result: a report where one is asked for, then the tables or the JSON object.
     pub fn give(
         &self,

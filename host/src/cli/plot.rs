@@ -3,10 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use super::Failure;
-use super::output::{print, terminal, write_file, write_report};
+use super::output::{Force, print, terminal, write_file, write_report};
+use crate::files::plan::{DRAWING, Plan, REPORT};
 use crate::report::{Figure, Section};
 use crate::summary::{loops, overview, trace_panels};
-use crate::trace::{Trace, read_set};
+use crate::trace::{Trace, has_extension, read_set};
 
 /// Draw traces.
 #[derive(clap::Args)]
@@ -22,21 +23,21 @@ pub struct Args {
     /// Where to draw: .html for any number of traces, .svg for one
     #[arg(short, long, value_name = "FILE.html|FILE.svg")]
     output: Option<PathBuf>,
+    #[command(flatten)]
+    over: Force,
 }
 
 /// Draws the traces and prints what they hold.
 pub fn run(args: &Args) -> Result<(), Failure> {
     let traces = read_set(&args.traces).map_err(Failure::input)?;
     let path = args.output.clone().unwrap_or_else(|| default_path(&traces));
-    match path.extension().and_then(|extension| extension.to_str()) {
-        Some("svg") => svg(&path, &traces)?,
-        Some("html") => html(&path, &traces)?,
-        _ => {
-            return Err(Failure::Input(miette::miette!(
-                "{}: the name must end in .html or .svg",
-                path.display()
-            )));
-        }
+    let mut files = Plan::reading(&args.traces, args.over.into());
+    if has_extension(&path, "svg") {
+        files.writes(&path, &DRAWING)?;
+        svg(&path, &traces)?;
+    } else {
+        files.writes(&path, &REPORT)?;
+        html(&path, &traces)?;
     }
     print(&terminal().table(&overview(&traces)))
 }

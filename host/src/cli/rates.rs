@@ -37,6 +37,7 @@ pub struct Args {
 
 /// Compares and prints.
 pub fn run(args: &Args) -> Result<(), Failure> {
+    args.result.files(&args.traces)?;
     let mut traces = read_set(&args.traces).map_err(Failure::input)?;
     args.specimen.apply(&mut traces);
     let study =

@@ -8,10 +8,11 @@ use serde_json::json;
 use shared::wire::{Columns, Source, Start};
 
 use super::device::At;
-use super::output::print;
+use super::output::{Force, print};
 use super::{Failure, interrupt};
 use crate::device::describe::{live_line, view_json};
 use crate::device::record::{Beside, Plan, RecordError, View, overload, record};
+use crate::files::plan::{self, RECORDING};
 
 /// Record a device into a file.
 #[derive(clap::Args)]
@@ -45,9 +46,8 @@ pub struct Args {
     /// Print one JSON object a second on standard output, and a summary at the end
     #[arg(long)]
     json: bool,
-    /// Write over an existing file
-    #[arg(long)]
-    force: bool,
+    #[command(flatten)]
+    over: Force,
 }
 
 fn parse_duration(text: &str) -> Result<Duration, String> {
@@ -84,6 +84,7 @@ impl Beside for Screen {
 
 /// Records until told to end.
 pub fn run(args: &Args) -> Result<(), Failure> {
+    plan::Plan::reading([""; 0], args.over.into()).writes(&args.output, &RECORDING)?;
     let ended = interrupt::handle()?;
     let (port, session) = args.at.open()?;
     let columns = if args.all { Columns::All } else { Columns::Parts };
@@ -94,7 +95,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let plan = Plan { port, start, duration: args.duration };
     let live = !args.quiet && !args.json && std::io::stderr().is_terminal();
     let mut screen = Screen { live, json: args.json, shown_s: 0, ended };
-    let outcome = record(session, &plan, &args.output, args.force, &mut screen);
+    let outcome = record(session, &plan, &args.output, args.over.force, &mut screen);
     if live {
         eprintln!();
     }
@@ -120,7 +121,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
 
 fn failed(error: RecordError) -> Failure {
     match error {
-        RecordError::Exists(_) => Failure::input(error),
+        RecordError::Exists(_) | RecordError::Busy(_) => Failure::input(error),
         _ => Failure::work(error),
     }
 }

@@ -43,6 +43,7 @@ pub struct Args {
 
 /// Fits and prints.
 pub fn run(args: &Args) -> Result<(), Failure> {
+    args.result.files(&args.traces)?;
     let traces = read_set(&args.traces).map_err(Failure::input)?;
     let wait = progress::bar(traces.len(), "fitting holds");
     let (mut holds, mut left_out) = (Vec::new(), Vec::new());

@@ -34,6 +34,7 @@ pub struct Args {
 
 /// Segments and prints.
 pub fn run(args: &Args) -> Result<(), Failure> {
+    args.result.files(&args.traces)?;
     let traces = read_set(&args.traces).map_err(Failure::input)?;
     let found = traces
         .iter()

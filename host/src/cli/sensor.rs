@@ -7,7 +7,8 @@ use serde_json::Value;
 
 use super::Failure;
 use super::convert::Form;
-use super::output::{Output, print_json, print_sections, write_report};
+use super::output::{Output, OverwriteOnly, print_json, print_sections, write_report};
+use crate::files::plan::COMPUTED_OR_RECORDING;
 use crate::report::Section;
 use crate::sensor::{
     Composition, Fingertip, Indenter, Press, Ridges, Silicone, Slide, Tones, Touch,
@@ -76,7 +77,7 @@ struct FingertipArgs {
     #[arg(short, long, value_name = "OUT")]
     output: Option<PathBuf>,
     #[command(flatten)]
-    result: Output,
+    result: Output<OverwriteOnly>,
 }
 
 #[derive(clap::Args)]
@@ -245,8 +246,11 @@ fn slide(args: &SlideArgs) -> Result<(), Failure> {
 
 impl FingertipArgs {
     fn make(&self) -> Result<Fingertip, Failure> {
-        // Before anything is computed: a wrong name is told at once.
-        self.output.as_deref().map(Form::of).transpose()?;
+        // Before anything is computed: a name that will not do is told at once.
+        let mut files = self.result.files([""; 0])?;
+        if let Some(path) = &self.output {
+            files.writes(path, &COMPUTED_OR_RECORDING)?;
+        }
         let silicone = Silicone::of(self.composition);
         let mut fingertip = Fingertip::new(silicone, self.thickness).map_err(Failure::input)?;
         let set = |value: &mut f64, given: Option<f64>| *value = given.unwrap_or(*value);

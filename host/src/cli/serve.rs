@@ -124,8 +124,12 @@ impl Args {
     /// The folder that was named, with its model.
     fn lab(&self) -> Result<Option<Session>, Failure> {
         let folder = if self.demo { Some(self.demo_folder()?) } else { self.folder.clone() };
-        let open = |folder: PathBuf| Session::open(&folder, self.model.as_deref());
-        folder.map(open).transpose().map_err(Failure::input)
+        let Some(folder) = folder else { return Ok(None) };
+        let session = Session::open(&folder, self.model.as_deref()).map_err(Failure::input)?;
+        for (name, why) in session.left_out() {
+            eprintln!("! {name} is left out: {why}");
+        }
+        Ok(Some(session))
     }
 
     /// The practice set of the demo: that of an earlier start, or a new one.

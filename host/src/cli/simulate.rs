@@ -7,12 +7,15 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
 
 use super::Failure;
-use super::output::{print, write_file};
+use super::output::{OverwriteOnly, print};
 use crate::effects::chain_of;
+use crate::files::plan::{COMPUTED, Plan};
 use crate::fit::data::Data;
 use crate::fit::whole_motion::predict;
 use crate::model::{Equilibrium, Family, ForceProfile, Model, Profile, Segments};
-use crate::trace::{Column, Control, DISPLACEMENT, Head, TEMPERATURE, Trace, read, write_to};
+use crate::trace::{
+    Column, Control, DISPLACEMENT, Head, TEMPERATURE, Trace, read, write, write_to,
+};
 
 /// Predict the force of a motion, or the motion under a controlled force.
 #[derive(clap::Args)]
@@ -69,6 +72,8 @@ pub struct Args {
     /// Write the trace here instead of standard output
     #[arg(short, long, value_name = "TRACE")]
     output: Option<PathBuf>,
+    #[command(flatten)]
+    over: OverwriteOnly,
 }
 
 fn parse_noise(text: &str) -> Result<f64, String> {
@@ -80,6 +85,10 @@ fn parse_noise(text: &str) -> Result<f64, String> {
 
 /// Simulates and writes the trace.
 pub fn run(args: &Args) -> Result<(), Failure> {
+    if let Some(path) = &args.output {
+        let read = args.motion.iter().chain(&args.force).chain([&args.model]);
+        Plan::reading(read, args.over.into()).writes(path, &COMPUTED)?;
+    }
     let model = Model::read(&args.model).map_err(Failure::input)?;
     let signal = &model.base.signal;
     let (mut trace, mut force) = match (&args.motion, &args.force) {
@@ -96,11 +105,13 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     if args.nodes {
         add_nodes(&model, &mut trace)?;
     }
-    let mut bytes = Vec::new();
-    write_to(&mut bytes, &trace).map_err(Failure::work)?;
     match &args.output {
-        Some(path) => write_file(path, &bytes),
-        None => print(&String::from_utf8_lossy(&bytes)),
+        Some(path) => write(path, &trace).map_err(Failure::work),
+        None => {
+            let mut bytes = Vec::new();
+            write_to(&mut bytes, &trace).map_err(Failure::work)?;
+            print(&String::from_utf8_lossy(&bytes))
+        }
     }
 }
 
@@ -180,6 +191,7 @@ fn simulated(path: &Path) -> Head {
     Head {
         version: Some(1),
         name: Some(format!("simulated over {}", path.display())),
+        computed_by: Some("palpate simulate".into()),
         ..Head::default()
     }
 }

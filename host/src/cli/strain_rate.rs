@@ -48,6 +48,7 @@ fn parse_order(text: &str) -> Result<Order, String> {
 
 /// Fits and prints.
 pub fn run(args: &Args) -> Result<(), Failure> {
+    args.result.files(&args.traces)?;
     let mut traces = read_set(&args.traces).map_err(Failure::input)?;
     args.specimen.apply(&mut traces);
     let study = strain_rate(&traces, args.modulus, args.order, args.specimen.faces())

@@ -64,6 +64,8 @@ pub struct Plan {
 pub enum RecordError {
     #[error("{} is there already; give --force to write over it", .0.display())]
     Exists(PathBuf),
+    #[error("{}: another recording is being written to it", .0.display())]
+    Busy(PathBuf),
     #[error("{}: {source}", path.display())]
     File { path: PathBuf, source: io::Error },
     #[error(transparent)]
@@ -124,7 +126,7 @@ pub fn record(
     let failed = |source| RecordError::File { path: file.into(), source };
     let port = plan.port.to_string_lossy();
     let began = Instant::now();
-    if !overwrite && file.exists() {
+    if !overwrite && file.is_file() {
         return Err(RecordError::Exists(file.into()));
     }
     // A device that refuses leaves no file, and an older one as it is.
@@ -135,6 +137,7 @@ pub fn record(
             let _ = session.command(&ToDevice::Stop);
             return Err(match error.kind() {
                 io::ErrorKind::AlreadyExists => RecordError::Exists(file.into()),
+                io::ErrorKind::ResourceBusy => RecordError::Busy(file.into()),
                 _ => failed(error),
             });
         }

@@ -85,17 +85,13 @@ impl MotionFit {
 /// Fits the law to the data, from starts of its own.
 ///
 /// # Errors
-/// When there are fewer samples than parameters, or no stretch of the data holds the specimen.
+/// When there are fewer samples than parameters, no stretch of the data holds the specimen, or its squares are no numbers.
 pub fn fit(law: BaseLaw, data: &Data) -> Result<MotionFit, DataError> {
     let law = law.over(data.span());
     let chain = Chain::new(law);
     check_size(&chain, data)?;
-    let not_finite = || {
-        let (law, hint) = (law.in_words(), data.outlier().unwrap_or_default());
-        DataError::NotFinite { law, hint }
-    };
     if !scatter(data).is_finite() {
-        return Err(not_finite());
+        return Err(not_finite(&law, data));
     }
     let white = Whitening::none();
     let problem = Problem::new(&chain, data, &white, None);
@@ -119,9 +115,8 @@ pub fn fit(law: BaseLaw, data: &Data) -> Result<MotionFit, DataError> {
         .min_by(|a, b| a.normal.cost.total_cmp(&b.normal.cost))
         .ok_or(DataError::NothingLeft)?;
     let mut fit = describe(&problem, data, &best);
-    let finite = fit.cost.is_finite() && fit.values.iter().all(|value| value.is_finite());
-    if !finite || !fit.r_squared.is_finite() {
-        return Err(not_finite());
+    if !is_finite(&fit) {
+        return Err(not_finite(&law, data));
     }
     // By the information criterion: a single sample that outweighs all others leaves R² just above 0.
     let samples = fit.samples as f64;
@@ -135,13 +130,24 @@ pub fn fit(law: BaseLaw, data: &Data) -> Result<MotionFit, DataError> {
 /// Fits a chain to the data from these parameters.
 ///
 /// # Errors
-/// When there are fewer samples than parameters.
+/// When there are fewer samples than parameters, or the squares of the data are no numbers.
 pub fn refit(chain: &Chain, from: &[f64], data: &Data) -> Result<MotionFit, DataError> {
     check_size(chain, data)?;
     let white = Whitening::none();
     let problem = Problem::new(chain, data, &white, None);
     let found = minimise(&problem, &problem.point(from));
-    Ok(describe(&problem, data, &found))
+    let fit = describe(&problem, data, &found);
+    if is_finite(&fit) { Ok(fit) } else { Err(not_finite(&chain.base, data)) }
+}
+
+fn is_finite(fit: &MotionFit) -> bool {
+    let numbers = [fit.cost, fit.r_squared];
+    numbers.iter().chain(&fit.values).all(|number| number.is_finite())
+}
+
+/// Squares of the data, or of what the law makes of them, that no number can hold.
+fn not_finite(law: &BaseLaw, data: &Data) -> DataError {
+    DataError::NotFinite { law: law.in_words(), hint: data.outlier().unwrap_or_default() }
 }
 
 /// Root mean square error on each trace when it is left out of the fit, the specimen's history kept.

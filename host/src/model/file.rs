@@ -5,6 +5,8 @@ use std::path::{Path, PathBuf};
 
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
 
 use super::{
     BaseLaw, Deformation, Elastic, Family, Gauge, Hyperelastic, Kernel, POWER, Parameter,
@@ -14,6 +16,8 @@ use crate::files::write_whole;
 
 /// Major version of the model file that this program reads and writes.
 pub const VERSION: i64 = 1;
+/// Largest model file that is read, bytes.
+const MAX_BYTES: u64 = 4 << 20;
 
 /// A base law with its parameters, how it was fitted, and the ladder of errors.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -235,18 +239,51 @@ pub enum FileError {
     Content { path: PathBuf, problem: String },
 }
 
+/// Refuses a TOML text with a number that is not finite, by its line.
+fn check_finite(text: &str) -> Result<(), String> {
+    let Ok(table) = DeTable::parse(text) else { return Ok(()) };
+    let Some(at) = table.get_ref().values().find_map(not_finite) else { return Ok(()) };
+    let number = 1 + text[..at].matches('\n').count();
+    let line = text.lines().nth(number - 1).unwrap_or_default().trim();
+    Err(format!("line {number}: `{line}` is not a finite number"))
+}
+
+/// Where the first number stands that is not finite.
+fn not_finite(value: &Spanned<DeValue<'_>>) -> Option<usize> {
+    match value.get_ref() {
+        DeValue::Float(float) => {
+            let finite = float.as_str().parse().is_ok_and(f64::is_finite);
+            (!finite).then(|| value.span().start)
+        }
+        DeValue::Array(values) => values.iter().find_map(not_finite),
+        DeValue::Table(table) => table.values().find_map(not_finite),
+        _ => None,
+    }
+}
+
 impl Model {
     /// Reads a model file.
     ///
     /// # Errors
     /// When the file cannot be read, is of a newer version, or does not describe a model.
     pub fn read(path: &Path) -> Result<Self, FileError> {
-        let text = std::fs::read_to_string(path)
-            .map_err(|source| FileError::Io { path: path.into(), source })?;
+        let failed = |source| FileError::Io { path: path.into(), source };
+        if std::fs::metadata(path).map_err(failed)?.len() > MAX_BYTES {
+            let problem = format!("larger than {} MiB: not a model file", MAX_BYTES >> 20);
+            return Err(FileError::Content { path: path.into(), problem });
+        }
+        Self::parse(path, &std::fs::read_to_string(path).map_err(failed)?)
+    }
+
+    /// Reads a model from the text of a file; `path` is what errors call it.
+    ///
+    /// # Errors
+    /// As [`Model::read`], but for those of the file system.
+    pub fn parse(path: &Path, text: &str) -> Result<Self, FileError> {
         let not_toml = |source| FileError::Toml { path: path.into(), source: Box::new(source) };
         let content = |problem: String| FileError::Content { path: path.into(), problem };
         // The version first: a newer file may hold keys that this program would call wrong.
-        let table: toml::Table = toml::from_str(&text).map_err(not_toml)?;
+        let table: toml::Table = toml::from_str(text).map_err(not_toml)?;
         match table.get("palpate-model").and_then(toml::Value::as_integer) {
             Some(VERSION) => {}
             Some(found) if found > VERSION => {
@@ -258,10 +295,8 @@ impl Model {
                 )));
             }
         }
-        let model: Self = toml::from_str(&text).map_err(not_toml)?;
-        if let Some(what) = model.not_finite() {
-            return Err(content(format!("{what} is not a finite number")));
-        }
+        check_finite(text).map_err(content)?;
+        let model: Self = toml::from_str(text).map_err(not_toml)?;
         model.law().map_err(content)?;
         Ok(model)
     }
@@ -271,40 +306,11 @@ impl Model {
     /// # Errors
     /// When the file cannot be written, or a number of the model is not finite.
     pub fn write(&self, path: &Path) -> Result<(), FileError> {
-        if let Some(what) = self.not_finite() {
-            let problem = format!("{what} is not a finite number: the model is not written");
-            return Err(FileError::Content { path: path.into(), problem });
-        }
-        let text = toml::to_string(self).map_err(|error| FileError::Content {
-            path: path.into(),
-            problem: error.to_string(),
-        })?;
+        let content = |problem: String| FileError::Content { path: path.into(), problem };
+        let text = toml::to_string(self).map_err(|error| content(error.to_string()))?;
+        check_finite(&text).map_err(|problem| content(format!("not written: {problem}")))?;
         write_whole(path, |file| file.write_all(text.as_bytes()))
             .map_err(|source| FileError::Io { path: path.into(), source })
-    }
-
-    /// The first number that is not finite, by its name.
-    fn not_finite(&self) -> Option<String> {
-        let own = |(name, stored): (&String, &StoredParameter)| {
-            let numbers = [Some(stored.value), stored.standard_error, stored.lower, stored.upper];
-            numbers.into_iter().flatten().any(|number| !number.is_finite()).then(|| name.clone())
-        };
-        let effects = self.effects.iter().chain(&self.candidates);
-        let parameters =
-            self.base.parameters.iter().chain(effects.flat_map(|effect| &effect.parameters));
-        let fit = self.fit.iter().flat_map(|fit| {
-            [
-                ("residual_rms", Some(fit.residual_rms)),
-                ("noise_rms", fit.noise_rms),
-                ("r_squared", Some(fit.r_squared)),
-            ]
-        });
-        let ladder = self.ladder.iter().flat_map(|rung| {
-            [("fitted_rms", Some(rung.fitted_rms)), ("heldout_rms", rung.heldout_rms)]
-        });
-        let bad = |(_, number): &(&str, Option<f64>)| number.is_some_and(|n| !n.is_finite());
-        let number = fit.chain(ladder).find(bad).map(|(name, _)| name.to_owned());
-        parameters.filter_map(own).next().or(number)
     }
 
     /// A model of the law with these values, in the order of [`BaseLaw::parameters`].
@@ -399,24 +405,6 @@ mod tests {
     }
 
     #[test]
-    fn a_number_that_is_not_finite_is_never_written() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("model.toml");
-        for spoil in [
-            (|model: &mut Model| model.base.parameters["p"].value = f64::INFINITY)
-                as fn(&mut Model),
-            |model| model.base.parameters["q"].standard_error = Some(f64::NAN),
-            |model| model.ladder[0].fitted_rms = f64::NAN,
-        ] {
-            let mut model = example();
-            spoil(&mut model);
-            let error = model.write(&path).unwrap_err().to_string();
-            assert!(error.contains("not a finite number"), "{error}");
-            assert!(!path.exists());
-        }
-    }
-
-    #[test]
     fn elastic_response_and_relaxation_come_back_as_they_were_written() {
         let gauge = Gauge { length_mm: 33.0, deformation: Deformation::Tension };
         let elastic = Elastic::Stretch(Hyperelastic::Gent, gauge);
@@ -436,6 +424,40 @@ mod tests {
         assert!(refusal("gauge_length_mm = 33.0\n", "").contains("needs gauge_length_mm"));
         assert!(refusal("\"gent\"", "\"gant\"").contains("unknown elastic response `gant`"));
         assert!(refusal("\"stretched\"", "\"bent\"").contains("unknown relaxation `bent`"));
+    }
+
+    #[test]
+    fn a_number_that_is_not_finite_is_neither_written_nor_read_and_its_line_is_told() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("model.toml");
+        for (wrong, shown) in [(f64::NAN, "nan"), (f64::INFINITY, "inf"), (-f64::INFINITY, "-inf")]
+        {
+            let mut model = example();
+            model.ladder[0].fitted_rms = wrong;
+            let error = model.write(&path).unwrap_err().to_string();
+            assert!(error.contains("not written") && error.contains(shown), "{error}");
+            assert!(!path.exists());
+            let text = toml::to_string(&model).unwrap();
+            let line = 1 + text.lines().position(|line| line.contains("fitted_rms")).unwrap();
+            std::fs::write(&path, &text).unwrap();
+            let error = Model::read(&path).unwrap_err().to_string();
+            assert!(error.contains(&format!("line {line}: `fitted_rms = {shown}`")), "{error}");
+            std::fs::remove_file(&path).unwrap();
+        }
+        let written = toml::to_string(&example()).unwrap();
+        std::fs::write(&path, written.replace("value = 0.07", "value = 7e999")).unwrap();
+        assert!(Model::read(&path).unwrap_err().to_string().contains("7e999"));
+        std::fs::write(&path, written.replace("value = 0.07", "value = 1_0.0_7")).unwrap();
+        Model::read(&path).unwrap();
+    }
+
+    #[test]
+    fn a_file_too_large_for_a_model_is_not_read() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("model.toml");
+        std::fs::File::create(&path).unwrap().set_len(MAX_BYTES + 1).unwrap();
+        let error = Model::read(&path).unwrap_err().to_string();
+        assert!(error.contains("larger than 4 MiB"), "{error}");
     }
 
     #[test]

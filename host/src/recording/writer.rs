@@ -1,6 +1,6 @@
 //! Appending to a recording.
 
-use std::fs::File;
+use std::fs::{File, TryLockError};
 use std::io::{self, Write};
 use std::path::Path;
 
@@ -37,14 +37,25 @@ pub struct Writer<W: Write> {
 }
 
 impl Writer<File> {
-    /// Begins a recording in a new file; an existing one is replaced only if `overwrite` says so.
+    /// Begins a recording in a new file; an existing one is replaced only if `overwrite` says so. No other recording is
+    /// written to it meanwhile. What is no regular file (a device, a pipe) is written into.
     ///
     /// # Errors
-    /// [`io::ErrorKind::AlreadyExists`], or whatever else the file system answers.
+    /// [`io::ErrorKind::AlreadyExists`], [`io::ErrorKind::ResourceBusy`] while another recording is written to it, or
+    /// whatever else the file system answers.
     pub fn create(path: &Path, overwrite: bool, opened: &Opened<'_>) -> io::Result<Self> {
+        let regular = !std::fs::metadata(path).is_ok_and(|about| !about.is_file());
+        if !regular {
+            return Self::begin(File::options().write(true).open(path)?, keep, opened);
+        }
         let mut options = File::options();
-        options.write(true).create(true).truncate(true);
+        options.write(true).create(true).truncate(false);
         let file = if overwrite { options.open(path) } else { File::create_new(path) }?;
+        // A file system without locks cannot tell; there one recording could lose another, as before.
+        if let Err(TryLockError::WouldBlock) = file.try_lock() {
+            return Err(io::ErrorKind::ResourceBusy.into());
+        }
+        file.set_len(0)?;
         Self::begin(file, keep, opened)
     }
 }
@@ -257,6 +268,20 @@ mod tests {
         assert_eq!(std::fs::read(&path).unwrap(), b"precious");
         Writer::create(&path, true, &Opened::timeless("")).unwrap().close(0).unwrap();
         assert!(std::fs::read(&path).unwrap().starts_with(BEGINNING));
+    }
+
+    #[test]
+    fn two_recordings_are_not_written_to_one_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("take.palpate");
+        let mut first = Writer::create(&path, false, &Opened::timeless("first")).unwrap();
+        first.flush().unwrap();
+        let begun = std::fs::read(&path).unwrap();
+        let refused = Writer::create(&path, true, &Opened::timeless("second")).unwrap_err();
+        assert_eq!(refused.kind(), io::ErrorKind::ResourceBusy);
+        assert_eq!(std::fs::read(&path).unwrap(), begun);
+        first.close(0).unwrap();
+        Writer::create(&path, true, &Opened::timeless("second")).unwrap();
     }
 
     #[test]

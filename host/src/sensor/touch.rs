@@ -146,6 +146,7 @@ fn head(fingertip: &Fingertip, indenter: Indenter, name: &str, seed: u64) -> Hea
     let mut head = Head {
         version: Some(1),
         name: Some(name.into()),
+        computed_by: Some("palpate sensor".into()),
         control: Some(Control::Displacement),
         ..Head::default()
     };

@@ -14,6 +14,7 @@ use std::fmt::Write as _;
 use std::net::{IpAddr, SocketAddr};
 use std::sync::Arc;
 
+use axum::body::{Body, to_bytes};
 use axum::extract::{Request, State};
 use axum::http::header::{self, HeaderMap, HeaderName, HeaderValue};
 use axum::http::uri::Authority;
@@ -21,6 +22,7 @@ use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 
 use super::Problem;
+use super::connections::BODY_TIME;
 
 /// Header of a request that carries the token.
 pub const TOKEN_HEADER: &str = "x-palpate-token";
@@ -112,6 +114,9 @@ impl Guard {
     /// Whether a host is this computer by number or `localhost`, at our port.
     fn is_here(&self, host: &str) -> bool {
         let Ok(authority) = host.parse::<Authority>() else { return false };
+        if authority.as_str().contains('@') {
+            return false;
+        }
         let name = authority.host().trim_start_matches('[').trim_end_matches(']');
         let here = match name.parse::<IpAddr>() {
             Ok(ip) => ip.is_loopback() || !self.at.ip().is_loopback(),
@@ -145,13 +150,26 @@ fn token(headers: &HeaderMap) -> Option<&str> {
 /// Checks a request, and tells the browser what the answer may do.
 pub async fn guard(State(guard): State<Arc<Guard>>, request: Request, next: Next) -> Response {
     let mut response = match guard.check(request.uri().path(), request.headers()) {
-        Ok(()) => next.run(request).await,
+        Ok(()) => match whole(request).await {
+            Ok(request) => next.run(request).await,
+            Err(problem) => problem.into_response(),
+        },
         Err(problem) => problem.into_response(),
     };
     for (name, value) in TOLD {
         response.headers_mut().insert(name, HeaderValue::from_static(value));
     }
     response
+}
+
+/// The request with its body, once all of it is there.
+async fn whole(request: Request) -> Result<Request, Problem> {
+    let (head, body) = request.into_parts();
+    match tokio::time::timeout(BODY_TIME, to_bytes(body, BODY_LIMIT)).await {
+        Ok(Ok(bytes)) => Ok(Request::from_parts(head, Body::from(bytes))),
+        Ok(Err(_)) => Err(Problem::too_large(format!("a body has at most {BODY_LIMIT} bytes"))),
+        Err(_) => Err(Problem::too_slow("the body of the request did not come in time")),
+    }
 }
 
 #[cfg(test)]
@@ -168,8 +186,15 @@ mod tests {
         for host in ["127.0.0.1:8000", "localhost:8000", "LOCALHOST:8000", "[::1]:8000"] {
             assert!(guard.is_here(host), "{host}");
         }
-        for host in ["127.0.0.1", "127.0.0.1:8001", "evil.example:8000", "10.0.0.1:8000", "", "a b"]
-        {
+        for host in [
+            "127.0.0.1",
+            "127.0.0.1:8001",
+            "evil.example:8000",
+            "10.0.0.1:8000",
+            "",
+            "a b",
+            "evil@localhost:8000",
+        ] {
             assert!(!guard.is_here(host), "{host}");
         }
         let open = guard_at("0.0.0.0:8000");

@@ -6,6 +6,7 @@
 //! ```
 //!
 //! - [`guard`]: who may ask, and what a page may do.
+//! - [`connections`]: how many, and for how long.
 //! - [`assets`]: the files of the page.
 //! - [`live`]: a fingertip, while it feels.
 //! - [`lab`]: a model beside recordings, and putting it right.
@@ -14,6 +15,7 @@
 //! A room is mounted only where it has something to show.
 
 pub mod assets;
+pub mod connections;
 pub mod device;
 pub mod guard;
 pub mod lab;
@@ -29,13 +31,12 @@ use std::time::Duration;
 
 use axum::Json;
 use axum::Router;
-use axum::extract::DefaultBodyLimit;
 use axum::middleware::from_fn_with_state;
 use axum::routing::get;
 use serde_json::json;
 use tokio::net::TcpListener;
 
-use self::guard::{BODY_LIMIT, Guard, TokenError};
+use self::guard::{Guard, TokenError};
 use self::lab::Session;
 use self::live::Live;
 
@@ -91,7 +92,7 @@ pub fn run(
         };
         // A browser keeps its connections open, so the server does not wait for them.
         tokio::select! {
-            served = axum::serve(listener, router) => Ok(served?),
+            served = connections::serve(listener, router) => Ok(served?),
             () = end => Ok(()),
         }
     })
@@ -122,6 +123,5 @@ fn router(live: Option<Live>, lab: Option<Session>, guard: Arc<Guard>) -> Router
     Router::new()
         .nest("/api", api)
         .fallback(get(assets::serve))
-        .layer(DefaultBodyLimit::max(BODY_LIMIT))
         .layer(from_fn_with_state(guard, guard::guard))
 }

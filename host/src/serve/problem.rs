@@ -35,6 +35,24 @@ impl Problem {
         Self::new(StatusCode::NOT_FOUND, message)
     }
 
+    /// The request took too long to come: 408.
+    #[must_use]
+    pub fn too_slow(message: impl Into<String>) -> Self {
+        Self::new(StatusCode::REQUEST_TIMEOUT, message)
+    }
+
+    /// The request is too large: 413.
+    #[must_use]
+    pub fn too_large(message: impl Into<String>) -> Self {
+        Self::new(StatusCode::PAYLOAD_TOO_LARGE, message)
+    }
+
+    /// There are too many of them: 503.
+    #[must_use]
+    pub fn too_many(message: impl Into<String>) -> Self {
+        Self::new(StatusCode::SERVICE_UNAVAILABLE, message)
+    }
+
     /// It cannot be done as things are: 409.
     #[must_use]
     pub fn conflict(message: impl Into<String>) -> Self {

@@ -127,6 +127,7 @@ pub fn shaded(mut plot: Plot, spans: &[(f64, f64, &'static str)], named: bool) -
 #[must_use]
 pub fn decomposed_trace(trace: &Trace, channels: &[(Channel, Regions)]) -> Trace {
     let mut result = trace.clone();
+    result.head.computed_by = Some("palpate decompose".into());
     for (channel, regions) in channels {
         let (stem, unit) = match channel.signal.rsplit_once('_') {
             Some((stem, unit)) => (stem, format!("_{unit}")),

@@ -202,23 +202,15 @@ fn chapter_section(chapter: &Chapter) -> Section {
 /// Comparisons with more figures are folded away.
 const LONG: usize = 20;
 
+/// Header row of [`comparisons_csv`].
+pub const COMPARISONS_HEADER: &str = "printed_in,evidence,quantity,unit,printed,last_digit,recomputed,allowed,agrees";
+
 /// Every printed figure with its recomputed one, as CSV.
 #[must_use]
 pub fn comparisons_csv(chapters: &[Chapter]) -> String {
     let mut writer = csv::Writer::from_writer(Vec::new());
-    let head = [
-        "printed_in",
-        "evidence",
-        "quantity",
-        "unit",
-        "printed",
-        "last_digit",
-        "recomputed",
-        "allowed",
-        "agrees",
-    ];
     // Writing to memory cannot fail.
-    let _ = writer.write_record(head);
+    let _ = writer.write_record(COMPARISONS_HEADER.split(','));
     for comparison in comparisons(chapters) {
         for check in &comparison.checks {
             let _ = writer.write_record([

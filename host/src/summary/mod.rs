@@ -37,15 +37,16 @@ pub use decomposition::{
 };
 pub use diagnosis::{DiagnosisSummary, NextCommand};
 pub use dissertation::{
-    comparisons_csv, dissertation_json, dissertation_overview, dissertation_report,
+    COMPARISONS_HEADER, comparisons_csv, dissertation_json, dissertation_overview,
+    dissertation_report,
 };
 pub use effects::{
     effect_figures, effect_json, effect_pages, effect_section, library_json, library_section,
 };
 pub use grasp::{
-    Forecast, HandPlan, SurfaceSummary, friction_json, friction_sections, growth_json,
-    growth_sections, histories_json, history_csv, history_sections, plan_json, plan_sections,
-    pressure_plot, reading_json, reading_line, surface_csv,
+    Forecast, HISTORY_HEADER, HandPlan, SURFACE_HEADER, SurfaceSummary, friction_json,
+    friction_sections, growth_json, growth_sections, histories_json, history_csv, history_sections,
+    plan_json, plan_sections, pressure_plot, reading_json, reading_line, surface_csv,
 };
 pub use holds::{hold_json, hold_sections};
 pub use ladder::ladder;

@@ -22,7 +22,7 @@ pub struct Place {
 impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}, line {}, column {}", self.path.display(), self.line, self.column)?;
-        if self.name.is_empty() { Ok(()) } else { write!(f, " ({})", self.name) }
+        if self.name.is_empty() { Ok(()) } else { write!(f, " ({})", shortened(&self.name)) }
     }
 }
 
@@ -123,6 +123,16 @@ pub enum Error {
         /// Newest version read here.
         supported: i64,
     },
+    /// More than any recording has.
+    #[error("{}, line {line}: {what}. Is this a trace? `palpate import` takes a part of a foreign recording.", path.display())]
+    Beyond {
+        /// The file.
+        path: PathBuf,
+        /// Line in the file.
+        line: usize,
+        /// Of what there is too much.
+        what: String,
+    },
     /// Columns are not separated by commas.
     #[error(
         "{}, line {line}, column 1: columns seem to be separated by {found}, a trace uses commas. \
@@ -150,7 +160,7 @@ pub enum Error {
     #[error(
         "{}, line {line}: no column `time_s`; there are {}. Name the column of time `time_s` if it is in \
          seconds, else use `palpate import`.",
-        path.display(), columns.join(", ")
+        path.display(), listed(columns)
     )]
     NoTime {
         /// The file.
@@ -308,22 +318,32 @@ pub enum Error {
 
 /// Text from a file, short and printable.
 pub(super) fn quoted(text: &str) -> String {
-    const LONGEST: usize = 40;
-    if text.is_empty() {
-        return "an empty cell".into();
-    }
-    let mut shown: String = text.chars().take(LONGEST).flat_map(char::escape_debug).collect();
-    if text.chars().nth(LONGEST).is_some() {
+    if text.is_empty() { "an empty cell".into() } else { format!("`{}`", shortened(text)) }
+}
+
+/// The beginning of a text from a file, printable.
+fn shortened(text: &str) -> String {
+    const MAX_CHARS: usize = 40;
+    let mut shown: String = text.chars().take(MAX_CHARS).flat_map(char::escape_debug).collect();
+    if text.chars().nth(MAX_CHARS).is_some() {
         shown.push('…');
     }
-    format!("`{shown}`")
+    shown
+}
+
+/// The first names of a file.
+pub(super) fn listed(names: &[String]) -> String {
+    const MAX_NAMES: usize = 20;
+    let shown: Vec<String> = names.iter().take(MAX_NAMES).map(|name| shortened(name)).collect();
+    let more = names.len().saturating_sub(MAX_NAMES);
+    shown.join(", ") + &if more > 0 { format!(" and {more} more") } else { String::new() }
 }
 
 /// Why a signal cannot be cut into segments or judged for its noise.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SignalError {
     /// The trace has no such column.
-    #[error("{trace}: no column `{column}`; there are {}.", present.join(", "))]
+    #[error("{trace}: no column `{column}`; there are {}.", listed(present))]
     NoColumn {
         /// The trace's label.
         trace: String,

@@ -18,6 +18,9 @@ pub struct Head {
     /// Name of the recording.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
+    /// The command of palpate that computed it, `palpate simulate`; none where it was measured.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub computed_by: Option<String>,
     /// Which quantity the machine controlled.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub control: Option<Control>,

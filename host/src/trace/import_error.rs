@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::error::{Error, Place, quoted};
+use super::error::{Error, Place, listed, quoted};
 
 /// Why a foreign recording cannot be brought in. The message is whole: it names place and remedy.
 #[derive(Debug, thiserror::Error)]
@@ -73,7 +73,7 @@ pub enum ImportError {
         what: String,
     },
     /// A column that the mapping names is not in the file.
-    #[error("{}, line {line}: no column {wanted}; there are {}. Correct `from` in the mapping.", path.display(), present.join(", "))]
+    #[error("{}, line {line}: no column {wanted}; there are {}. Correct `from` in the mapping.", path.display(), listed(present))]
     NoColumn {
         /// The recording.
         path: PathBuf,

@@ -8,9 +8,8 @@ use encoding_rs::{Decoder, DecoderResult, Encoding};
 
 use super::error::Error;
 use super::import_error::ImportError;
+use super::read::MAX_LINE;
 
-/// Longest line, bytes of UTF-8.
-const LONGEST: usize = 1 << 20;
 /// Bytes read at a time.
 const CHUNK: usize = 1 << 16;
 
@@ -75,9 +74,9 @@ impl<R: Read> Lines<R> {
                 self.number += usize::from(!line.is_empty());
                 return Ok(!line.is_empty());
             }
-            if self.text.len() - self.taken > LONGEST {
+            if self.text.len() - self.taken > MAX_LINE {
                 let (path, line) = (self.path.clone(), self.number + 1);
-                return Err(ImportError::LongLine { path, line, limit: LONGEST });
+                return Err(ImportError::LongLine { path, line, limit: MAX_LINE });
             }
             self.text.drain(..self.taken);
             self.taken = 0;

@@ -50,7 +50,7 @@ pub use read::{SIZE_LIMIT, parse, read};
 pub use sampling::{Sampling, sampling};
 pub use scatter::scatter;
 pub use segments::{Kind, Segment, segments};
-pub use set::read_set;
+pub use set::{order, read_set};
 pub use suggest::suggest;
 pub use tare::{resting_value, tare};
 pub use write::{shortest, write, write_to};
@@ -72,7 +72,8 @@ pub const GAUGES: [&str; 4] =
     ["gauge1_ustrain", "gauge2_ustrain", "gauge3_ustrain", "gauge4_ustrain"];
 
 /// Whether a file's name ends in `.extension`, in large or small letters.
-fn has_extension(path: &Path, extension: &str) -> bool {
+#[must_use]
+pub fn has_extension(path: &Path, extension: &str) -> bool {
     path.extension().is_some_and(|found| found.eq_ignore_ascii_case(extension))
 }
 

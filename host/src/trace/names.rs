@@ -1,5 +1,8 @@
 //! Which names a header row may have.
 
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
+
 use super::units::{self, Quantity};
 use super::{DISPLACEMENT, FORCE, GAUGES, TANGENTIAL, TEMPERATURE, TIME};
 
@@ -29,14 +32,16 @@ pub(super) enum Fault {
 
 /// Checks all names of a header row.
 pub(super) fn check<S: AsRef<str>>(names: &[S]) -> Result<(), Fault> {
+    let mut seen = HashMap::with_capacity(names.len());
     for (index, name) in names.iter().enumerate() {
         let name = name.as_ref();
         if name.trim().is_empty() || name.trim() != name || name.chars().any(char::is_control) {
             return Err(Fault::Unnamed(index));
         }
-        if let Some(first) = names[..index].iter().position(|earlier| earlier.as_ref() == name) {
-            return Err(Fault::Duplicate { index, first });
-        }
+        match seen.entry(name) {
+            Entry::Occupied(first) => return Err(Fault::Duplicate { index, first: *first.get() }),
+            Entry::Vacant(place) => place.insert(index),
+        };
         if let Some(expected) = expected(name) {
             return Err(Fault::Unit { index, expected });
         }

@@ -19,6 +19,7 @@ use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::{ColumnDescriptor, Type};
 
 use super::caught::caught;
+use super::read::MAX_COLUMNS;
 use super::write::{check, checked};
 use super::{Column, Error, Head, SIZE_LIMIT, TIME, Trace, head};
 
@@ -110,6 +111,9 @@ fn head_of(path: &Path, reader: &SerializedFileReader<File>) -> Result<Head, Err
 
 fn columns_of(reader: &SerializedFileReader<File>) -> Result<Vec<Column>, String> {
     let schema = reader.metadata().file_metadata().schema_descr();
+    if schema.num_columns() > MAX_COLUMNS {
+        return Err(format!("it has {} columns, more than {MAX_COLUMNS}", schema.num_columns()));
+    }
     let mut columns = Vec::new();
     for descriptor in schema.columns() {
         let name = descriptor.path().string();

@@ -12,6 +12,12 @@ use super::{Column, Head, TIME, Trace, has_extension, head, parquet};
 
 /// Largest file that is read whole, bytes.
 pub const SIZE_LIMIT: u64 = 1 << 30;
+/// Longest line, bytes of UTF-8.
+pub(super) const MAX_LINE: usize = 1 << 20;
+/// Most lines of a head.
+const MAX_HEAD_LINES: usize = 2_000;
+/// Most columns.
+pub(super) const MAX_COLUMNS: usize = 10_000;
 /// Bytes that one thread reads at a time.
 const STRETCH: usize = 4 << 20;
 
@@ -50,6 +56,7 @@ pub fn parse(path: &Path, bytes: &[u8]) -> Result<Trace, Error> {
 /// The same, so many bytes to a thread; the outcome does not depend on how many.
 fn parse_by(path: &Path, bytes: &[u8], stretch: usize) -> Result<Trace, Error> {
     check_text(path, bytes)?;
+    check_lines(path, bytes)?;
     let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
     let file = File { path, bytes };
     let (head, body) = file.head()?;
@@ -126,6 +133,23 @@ fn check_text(path: &Path, bytes: &[u8]) -> Result<(), Error> {
     }
 }
 
+/// Refuses a line that no table of numbers has, before it is taken apart.
+fn check_lines(path: &Path, bytes: &[u8]) -> Result<(), Error> {
+    let mut from = 0;
+    while bytes.len() - from > MAX_LINE {
+        // The last end of a line within reach: no byte is looked at twice.
+        let reach = &bytes[from..=from + MAX_LINE];
+        match reach.iter().rposition(|&byte| byte == b'\n' || byte == b'\r') {
+            Some(end) => from += end + 1,
+            None => {
+                let what = format!("longer than {} MiB", MAX_LINE >> 20);
+                return Err(Error::Beyond { path: path.into(), line: line_of(bytes, from), what });
+            }
+        }
+    }
+    Ok(())
+}
+
 /// Line of a byte, from 1; ends of line are `\n`, `\r\n` and `\r`.
 pub(super) fn line_of(bytes: &[u8], at: usize) -> usize {
     let ends = |index: usize| {
@@ -170,6 +194,10 @@ impl File<'_> {
             at += text.len() + usize::from(end.is_some());
             let text = std::str::from_utf8(text).expect("checked by the caller");
             lines.push(text);
+            if lines.len() > MAX_HEAD_LINES {
+                let what = format!("the head has more than {MAX_HEAD_LINES} lines");
+                return Err(Error::Beyond { path: self.path.into(), line: lines.len(), what });
+            }
         }
         Ok((head::parse(self.path, &lines)?, at))
     }
@@ -198,6 +226,10 @@ impl File<'_> {
             if let Some((_, found)) = found.into_iter().find(|(mark, _)| only.contains(*mark)) {
                 return Err(Error::Delimiter { path: self.path.into(), line, found });
             }
+        }
+        if names.len() > MAX_COLUMNS {
+            let what = format!("{} columns, more than {MAX_COLUMNS}", names.len());
+            return Err(Error::Beyond { path: self.path.into(), line, what });
         }
         if record.iter().all(|cell| number(cell).is_some()) {
             return Err(Error::NoHeader { place: place(0) });
@@ -330,6 +362,36 @@ mod tests {
         let trace = parse_text(text).unwrap();
         assert_eq!(trace.head.name.as_deref(), Some("take 3"));
         assert_eq!(trace.force().unwrap(), [1.0, 2.0]);
+    }
+
+    /// The error of a text that is no trace; short, whatever is in the text.
+    fn refusal(text: &str) -> String {
+        let error = parse_text(text).unwrap_err().to_string();
+        assert!(error.len() < 1000, "{} bytes of error", error.len());
+        error
+    }
+
+    #[test]
+    fn what_no_recording_has_so_much_of_is_refused_in_a_few_words() {
+        let long = "x".repeat(2 * MAX_LINE);
+        assert!(refusal(&long).contains("line 1: longer than 1 MiB"));
+        assert!(refusal(&format!("time_s,force_N\n0,1\n{long}\n")).contains("line 3: longer"));
+        assert!(refusal(&format!("# name = \"{long}\"\n")).contains("line 1: longer"));
+        let head = "# a = 1\n".repeat(MAX_HEAD_LINES + 1);
+        assert!(refusal(&head).contains("the head has more than 2000 lines"));
+        let columns: Vec<String> = (0..=MAX_COLUMNS).map(|k| format!("c{k}")).collect();
+        assert!(refusal(&columns.join(",")).contains("10001 columns, more than 10000"));
+    }
+
+    #[test]
+    fn an_error_repeats_no_more_of_a_file_than_a_person_would_read() {
+        let name = "n".repeat(100_000);
+        assert!(refusal(&format!("time_s,{name},{name}\n0,1,2\n")).contains("has the same name"));
+        let names: Vec<String> = (0..2_000).map(|k| format!("column{k}")).collect();
+        let error = refusal(&format!("{}\n", names.join(",")));
+        assert!(error.contains("column19 and 1980 more"), "{error}");
+        let unclosed = format!("time_s,\"{}", "line\n".repeat(100_000));
+        refusal(&unclosed);
     }
 
     #[test]

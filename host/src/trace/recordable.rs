@@ -17,6 +17,8 @@ use shared::wire::{
 use super::{GAUGES as NAMES, TEMPERATURE, Trace, recorded, sampling};
 use crate::recording::{Opened, Writer};
 
+/// What stands where a recording of a device names its port, if palpate computed it; the command follows.
+pub const COMPUTED: &str = "computed by ";
 /// Board of the device that a trace is taken to come from.
 pub const BOARD: &str = "trace";
 /// Time between two messages of status, µs.
@@ -188,6 +190,12 @@ fn row_numbers(trace: &Trace, interval_s: f64) -> Result<Vec<u64>, RecordableErr
     Ok(numbers)
 }
 
+/// What stands for the port: the trace, or what computed it.
+fn origin(trace: &Trace) -> String {
+    let computed = trace.head.computed_by.as_ref().map(|command| format!("{COMPUTED}{command}"));
+    computed.unwrap_or_else(|| trace.label())
+}
+
 /// A device on its way through a trace.
 struct Device<W: Write> {
     writer: Writer<W>,
@@ -210,7 +218,7 @@ impl<W: Write> Device<W> {
         source: Source,
     ) -> Result<Self, RecordableError> {
         let mut device = Self {
-            writer: Writer::new(out, &Opened::timeless(&trace.label()))?,
+            writer: Writer::new(out, &Opened::timeless(&origin(trace)))?,
             sequence: 0,
             pipeline: Pipeline::new(config),
             source,

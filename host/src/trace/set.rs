@@ -73,7 +73,10 @@ fn folder(path: &Path) -> Result<Vec<PathBuf>, Error> {
 }
 
 /// Puts a set into the order in which it was recorded, if its heads say it.
-fn order(traces: &mut [Trace]) -> Result<(), Error> {
+///
+/// # Errors
+/// [`Error::SameOrder`].
+pub fn order(traces: &mut [Trace]) -> Result<(), Error> {
     let sequence = |trace: &Trace| trace.head.setup.sequence;
     let start = |trace: &Trace| trace.head.setup.start_s;
     let key = if traces.iter().all(|trace| sequence(trace).is_some()) {

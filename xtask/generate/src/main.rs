@@ -1,6 +1,7 @@
-//! Generated recordings and pages; called by `cargo xtask traces` and `cargo xtask effects`.
+//! Generated recordings and pages; called by `cargo xtask traces`, `effects` and `sbom`.
 
 mod effects;
+mod sbom;
 mod traces;
 
 use std::path::Path;
@@ -14,6 +15,8 @@ enum Task {
     Traces,
     /// The pages of docs/effects/, from the library's own declarations.
     Effects,
+    /// The bill of materials of the program.
+    Sbom,
 }
 
 /// The top of the workspace.
@@ -26,5 +29,6 @@ fn main() -> miette::Result<()> {
     match Task::parse() {
         Task::Traces => traces::write_all(),
         Task::Effects => effects::write_all(),
+        Task::Sbom => sbom::write(),
     }
 }

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use super::{Pressing, body, number, positive};
 use crate::cli::Failure;
-use crate::cli::output::Output;
+use crate::cli::output::{Output, OverwriteOnly};
 use crate::grasp::growth::{creep, growth, relaxation};
 use crate::grasp::{Body, Held, Material};
 use crate::model::{Model, Relaxation};
@@ -56,11 +56,12 @@ pub struct Args {
     #[arg(long, default_value_t = 101, value_parser = clap::value_parser!(u16).range(2..))]
     points: u16,
     #[command(flatten)]
-    result: Output,
+    result: Output<OverwriteOnly>,
 }
 
 /// Computes and prints.
 pub fn run(args: &Args) -> Result<(), Failure> {
+    args.result.files(&args.model)?;
     let course = course(args)?;
     let Pressing { friction, exponent } = args.pressing;
     let grown = growth(&args.contact, exponent, friction, &course);

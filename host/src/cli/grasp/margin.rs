@@ -6,10 +6,11 @@ use super::{Pressing, body, number};
 use crate::cli::Failure;
 use crate::cli::output::{Output, write_file};
 use crate::decomposition::{decompose, relaxation_of};
+use crate::files::plan::table;
 use crate::grasp::history::{MOMENT, history};
 use crate::grasp::{Body, Grip, History, Source, Sources};
 use crate::model::Model;
-use crate::summary::{histories_json, history_csv, history_sections};
+use crate::summary::{HISTORY_HEADER, histories_json, history_csv, history_sections};
 use crate::trace::{FORCE, TANGENTIAL, Trace, read_set};
 
 /// The margin over a recording, and when it first slips.
@@ -71,6 +72,10 @@ fn source(text: &str) -> Result<Source, String> {
 
 /// Follows the margin and prints it.
 pub fn run(args: &Args) -> Result<(), Failure> {
+    let mut files = args.result.files(args.traces.iter().chain(&args.model))?;
+    if let Some(path) = &args.output {
+        files.writes(path, &table(&[HISTORY_HEADER]))?;
+    }
     let traces = read_set(&args.traces).map_err(Failure::input)?;
     if args.output.is_some() && traces.len() > 1 {
         return Err(Failure::Input(miette::miette!(

@@ -4,9 +4,10 @@ use std::path::PathBuf;
 
 use super::{Pressing, body, contact_of, number, positive};
 use crate::cli::Failure;
-use crate::cli::output::{Output, write_file};
+use crate::cli::output::{Output, OverwriteOnly, write_file};
+use crate::files::plan::table;
 use crate::grasp::{Body, Load, limit_surface, margin};
-use crate::summary::{SurfaceSummary, surface_csv};
+use crate::summary::{SURFACE_HEADER, SurfaceSummary, surface_csv};
 
 /// The limit surface of a contact, and the margin of a load.
 #[derive(clap::Args)]
@@ -50,11 +51,15 @@ pub struct Args {
     #[arg(short, long, value_name = "FILE.csv")]
     output: Option<PathBuf>,
     #[command(flatten)]
-    result: Output,
+    result: Output<OverwriteOnly>,
 }
 
 /// Scans and prints.
 pub fn run(args: &Args) -> Result<(), Failure> {
+    let mut files = args.result.files([""; 0])?;
+    if let Some(path) = &args.output {
+        files.writes(path, &table(&[SURFACE_HEADER]))?;
+    }
     let contact = contact_of(&args.contact, args.compression, args.pressing.exponent)?;
     let limit = args.pressing.friction * args.force;
     let surface = limit_surface(&contact, limit, args.directions.into(), args.steps.into());

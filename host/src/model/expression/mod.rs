@@ -21,6 +21,9 @@ pub const VARIABLES: [(&str, &str); 10] = [
     ("F", "force, N; at the stages of contact and sensor"),
 ];
 
+/// Longest expression, characters.
+pub const MAX_LAW_CHARS: usize = 2000;
+
 /// An expression with its parameters, ready to be evaluated.
 #[derive(Clone, Debug)]
 pub struct Expression {
@@ -77,6 +80,11 @@ impl Expression {
     /// # Errors
     /// When it does not parse or speaks of something unknown, with the place.
     pub fn parse(text: &str, parameters: &[&str]) -> Result<Self, ExpressionError> {
+        if text.chars().nth(MAX_LAW_CHARS).is_some() {
+            let shown: String = text.chars().take(40).collect();
+            let message = format!("longer than {MAX_LAW_CHARS} characters");
+            return Err(ExpressionError { text: shown + "…", at: 0, length: 40, message });
+        }
         let program = parser::parse(text, parameters).map_err(|fault| ExpressionError {
             text: text.into(),
             at: fault.at,
@@ -275,12 +283,13 @@ mod tests {
 
     #[test]
     fn a_long_nest_is_refused_not_overflown() {
-        let nest = format!("{}x{}", "(".repeat(100_000), ")".repeat(100_000));
+        let nest = format!("{}x{}", "(".repeat(900), ")".repeat(900));
         assert!(fault(&nest).message.contains("nested too deeply"));
-        let signs = format!("{}x", "-".repeat(100_000));
+        let signs = format!("{}x", "-".repeat(1_900));
         assert!(fault(&signs).message.contains("nested too deeply"));
-        let sum = vec!["x"; 10_000].join(" + ");
-        assert_eq!(value(&sum), 30_000.0);
+        let sum = vec!["x"; 500].join(" + ");
+        assert_eq!(value(&sum), 1_500.0);
+        assert!(fault(&vec!["x"; 501].join(" + ")).message.contains("longer than 2000 characters"));
     }
 
     #[test]

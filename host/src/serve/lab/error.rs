@@ -17,6 +17,10 @@ use crate::trace;
 pub enum LabError {
     #[error("`{0}` is not in the folder that was opened")]
     Outside(String),
+    #[error("the same file as `{0}`")]
+    Same(String),
+    #[error("`{0}` is there, and is no model that palpate wrote: choose another name")]
+    Foreign(String),
     #[error("{path}: {source}")]
     Io { path: PathBuf, source: std::io::Error },
     #[error("no folder was opened: `palpate serve traces/` opens one")]

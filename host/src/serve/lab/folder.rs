@@ -3,7 +3,7 @@
 use std::path::{Component, Path, PathBuf};
 
 use super::error::LabError;
-use crate::files::quoted;
+use crate::files::{followed, quoted};
 
 /// A folder with the name under which it was opened.
 #[derive(Clone, Debug)]
@@ -44,21 +44,32 @@ impl Folder {
         if real.starts_with(&self.root) { Ok(real) } else { Err(LabError::Outside(name.into())) }
     }
 
+    /// Where a file of this name lies, whether it is there or not.
+    #[must_use]
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.root.join(name)
+    }
+
     /// Where a file of this name is to be written, in a folder that is there.
     ///
     /// # Errors
-    /// When the name leads outside or names nothing.
+    /// When the name leads outside, also by a link, or names nothing.
     pub fn to_write(&self, name: &str) -> Result<PathBuf, LabError> {
         let path = self.plain(name)?;
         let outside = || LabError::Outside(name.into());
         let (parent, file) = path.parent().zip(path.file_name()).ok_or_else(outside)?;
         let failed = |source| LabError::Io { path: parent.into(), source };
         let parent = parent.canonicalize().map_err(failed)?;
-        if parent.starts_with(&self.root) && path != self.root {
-            Ok(parent.join(file))
-        } else {
-            Err(outside())
-        }
+        let path = parent.join(file);
+        let inside = |path: &Path| path.starts_with(&self.root) && path != self.root;
+        // A link that is there leads to where it is written.
+        let target =
+            followed(&path).map_err(|source| LabError::Io { path: path.clone(), source })?;
+        let target = match (target.parent().map(Path::canonicalize), target.file_name()) {
+            (Some(Ok(folder)), Some(name)) => folder.join(name),
+            _ => return Err(outside()),
+        };
+        if inside(&path) && inside(&target) { Ok(target) } else { Err(outside()) }
     }
 
     /// A name as a command takes it.

@@ -5,6 +5,7 @@
 //! own and can be cancelled.
 //!
 //! - `folder`: the folder that was opened, and nothing outside it.
+//! - `set`: a data set, and what was left out of it.
 //! - `task`: what can be asked for, and the command that does the same.
 //! - `work`: doing it.
 //! - `job`: a task at work.
@@ -26,6 +27,7 @@ mod job;
 mod own_law;
 mod routes;
 mod session;
+mod set;
 mod spans;
 mod task;
 #[cfg(test)]

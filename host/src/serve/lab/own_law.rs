@@ -43,9 +43,6 @@ pub struct OwnParameter {
     pub upper: Option<f64>,
 }
 
-/// Longest expression, characters.
-const LONGEST: usize = 2000;
-
 impl OwnLaw {
     /// The law as it stands in a model file.
     #[must_use]
@@ -77,9 +74,6 @@ impl OwnLaw {
         let words = |message: String| Some(json!({"message": message}));
         if self.name.is_empty() {
             return words("give the law a name".into());
-        }
-        if self.expression.chars().count() > LONGEST {
-            return words(format!("longer than {LONGEST} characters"));
         }
         if self.parameters.iter().any(|own| VARIABLES.iter().any(|(name, _)| own.name == *name)) {
             return words("a parameter has the name of a quantity that is known here".into());

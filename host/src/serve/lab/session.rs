@@ -14,16 +14,21 @@ use super::folder::Folder;
 use super::forecast::Forecast;
 use super::job::Job;
 use super::own_law::OwnLaw;
+use super::set::Set;
 use super::spans::Spans;
 use super::task::{Names, Other, Task};
 use super::work::{Bench, Beside, Compared, Outcome};
 use crate::criticism::diagnose::Diagnosis;
 use crate::decomposition::relaxation_of;
+use crate::files::plan::MODEL;
 use crate::files::quoted;
 use crate::model::Model;
 use crate::practice::seed_from_clock;
 use crate::summary::NextCommand;
-use crate::trace::{DISPLACEMENT, FORCE, Trace, read_set};
+use crate::trace::{DISPLACEMENT, FORCE, Trace};
+
+/// Models that a session keeps, to go back to.
+const MAX_VERSIONS: usize = 100;
 
 /// A model with how it came about.
 struct Version {
@@ -63,6 +68,8 @@ pub struct Session {
     set: String,
     /// Every trace of the data set, in order of recording.
     traces: Arc<Vec<Trace>>,
+    /// Files of it that were left out, each with why.
+    left_out: Vec<(String, String)>,
     /// Which of them are taken.
     chosen: Vec<bool>,
     /// Those that are taken, and their regions.
@@ -84,22 +91,30 @@ impl Session {
         Self { signal: FORCE.into(), ..Self::default() }
     }
 
-    /// Opens a folder, its traces if it has any, and a model file, which may lie elsewhere.
+    /// Opens a folder, its traces if it has any, and a model file, which may lie elsewhere. Traces that cannot be read are
+    /// left out, and [`Session::left_out`] tells them.
     ///
     /// # Errors
-    /// When the folder is not there, a trace or the model cannot be read.
+    /// When the folder is not there, or the model cannot be read.
     pub fn open(folder: &Path, model: Option<&Path>) -> Result<Self, LabError> {
         let mut session = Self { folder: Some(Folder::open(folder)?), ..Self::empty() };
         let sets = session.folder()?.sets()?;
-        if let Some(set) = sets.into_iter().next() {
-            let traces = read_set(&[session.folder()?.existing(&set)?])?;
-            session.take_set(set, traces);
+        if let Some(set) = sets.first() {
+            let set = Set::read(session.folder()?, set)?;
+            session.take_set(set);
         }
         if let Some(path) = model {
             session.take_model(Model::read(path)?, quoted(&path.display().to_string()), None);
             session.look()?;
         }
         Ok(session)
+    }
+
+    /// Puts a model on top of the others; the oldest beyond [`MAX_VERSIONS`] is forgotten.
+    fn remember(&mut self, version: Version) {
+        self.versions.push(version);
+        let beyond = self.versions.len().saturating_sub(MAX_VERSIONS);
+        self.versions.drain(..beyond);
     }
 
     fn folder(&self) -> Result<&Folder, LabError> {
@@ -120,12 +135,19 @@ impl Session {
         self.start(Task::Open(set.into()))
     }
 
-    fn take_set(&mut self, set: String, traces: Vec<Trace>) {
-        self.chosen = vec![true; traces.len()];
-        self.traces = Arc::new(traces);
+    /// Files of the data set that were left out, each with why.
+    #[must_use]
+    pub fn left_out(&self) -> &[(String, String)] {
+        &self.left_out
+    }
+
+    fn take_set(&mut self, set: Set) {
+        self.chosen = vec![true; set.traces.len()];
+        self.traces = Arc::new(set.traces);
+        self.left_out = set.left_out;
         self.taken = self.traces.clone();
         self.spans = Spans::of_set(&self.taken);
-        self.set = set;
+        self.set = set.name;
         if !self.signals().contains(&self.signal) {
             self.signal = self.signals().into_iter().next().unwrap_or_else(|| FORCE.into());
         }
@@ -188,7 +210,7 @@ impl Session {
         let said = format!("opened {file}");
         self.signal.clone_from(&model.base.signal);
         let model = Arc::new(model);
-        self.versions.push(Version { model, file, name, saved: true, command: None, said });
+        self.remember(Version { model, file, name, saved: true, command: None, said });
         self.forget();
     }
 
@@ -303,7 +325,7 @@ impl Session {
     /// The traces taken, as a command takes them: the folder where it is all of them.
     fn traces_named(&self) -> Result<String, LabError> {
         let folder = self.folder()?;
-        if self.chosen.iter().all(|chosen| *chosen) {
+        if self.left_out.is_empty() && self.chosen.iter().all(|chosen| *chosen) {
             return Ok(folder.shown(&self.set));
         }
         let file = |trace: &Trace| match self.set.as_str() {
@@ -359,8 +381,8 @@ impl Session {
         written: String,
         outcome: Outcome,
     ) -> Result<(), LabError> {
-        if let Some((set, traces)) = outcome.set {
-            self.take_set(set, traces);
+        if let Some(set) = outcome.set {
+            self.take_set(set);
             self.versions.clear();
             return Ok(());
         }
@@ -377,7 +399,7 @@ impl Session {
                 _ => "explored".into(),
             };
             let (model, command) = (Arc::new(model), Some(command));
-            self.versions.push(Version { model, file, name, saved: false, command, said });
+            self.remember(Version { model, file, name, saved: false, command, said });
             self.known = Known::default();
         }
         if outcome.compared.is_some() {
@@ -432,7 +454,7 @@ impl Session {
         self.known.diagnosis = None;
         self.known.forecast = None;
         self.known.answers.clear();
-        self.versions.push(Version { model, file, name, saved: false, command: None, said });
+        self.remember(Version { model, file, name, saved: false, command: None, said });
         Ok(())
     }
 
@@ -467,6 +489,9 @@ impl Session {
             return Err(LabError::Law(format!("`{fresh}`: the name must end in .toml")));
         }
         let (path, shown) = (folder.to_write(&fresh)?, folder.shown(&fresh));
+        if path.exists() && !MODEL.may_replace(&path) {
+            return Err(LabError::Foreign(fresh));
+        }
         self.model()?.write(&path)?;
         if let Some(version) = self.versions.last_mut() {
             (version.file, version.name, version.saved) = (shown.clone(), Some(fresh), true);

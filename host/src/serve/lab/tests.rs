@@ -210,3 +210,75 @@ fn a_practice_set_is_made_below_the_folder_and_its_command_names_the_seed() {
     let command = session.command(&task(json!({"fit": {"law": "fung"}}))).unwrap();
     assert!(command.contains(".csv") && command.ends_with("model-1.toml"), "{command}");
 }
+
+/// Two traces that are none, beside one that is.
+fn spoiled() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    std::fs::write(at("a.csv"), "time_s,displacement_mm,force_N\n0,0,0\n1,1,1\n2,2,3\n").unwrap();
+    std::fs::write(at("b.csv"), "zeit;kraft\n0;1\n").unwrap();
+    std::fs::write(at("c.csv"), "").unwrap();
+    folder
+}
+
+#[test]
+fn what_cannot_be_read_is_left_out_with_its_reason_and_the_rest_opens() {
+    let folder = spoiled();
+    let mut session = Session::open(folder.path(), None).unwrap();
+    let state = session.state();
+    assert_eq!(state["traces"].as_array().unwrap().len(), 1);
+    let left_out = state["left_out"].as_array().unwrap();
+    assert_eq!((&left_out[0]["name"], &left_out[1]["name"]), (&json!("b.csv"), &json!("c.csv")));
+    assert!(left_out[0]["why"].as_str().unwrap().contains("semicolons"), "{left_out:?}");
+    assert!(left_out[1]["why"].as_str().unwrap().contains("no samples"), "{left_out:?}");
+    // A command that named the folder would not read it.
+    let command = session.command(&task(json!({"fit": {"law": "fung"}}))).unwrap();
+    assert!(command.contains("a.csv"), "{command}");
+}
+
+#[test]
+fn two_traces_that_claim_one_place_are_not_both_taken() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["a.csv", "b.csv"] {
+        let text = "# [setup]\n# sequence = 2\ntime_s,displacement_mm,force_N\n0,0,0\n1,1,1\n";
+        std::fs::write(folder.path().join(name), text).unwrap();
+    }
+    let session = Session::open(folder.path(), None).unwrap();
+    let [(name, why)] = session.left_out() else { panic!("{:?}", session.left_out()) };
+    assert!(name == "b.csv" && why.contains("sequence = 2"), "{name}: {why}");
+}
+
+#[cfg(unix)]
+#[test]
+fn no_link_leads_out_of_the_folder_to_read_or_to_write() {
+    use std::os::unix::fs::symlink;
+
+    let outside = tempfile::tempdir().unwrap();
+    let secret = outside.path().join("secret.csv");
+    std::fs::write(&secret, "a secret first line\n").unwrap();
+    let folder = spoiled();
+    let at = |name: &str| folder.path().join(name);
+    symlink(&secret, at("d.csv")).unwrap();
+    symlink("a.csv", at("e.csv")).unwrap();
+    symlink(outside.path().join("model.toml"), at("new.toml")).unwrap();
+    let mut session = Session::open(folder.path(), None).unwrap();
+    let state = session.state().to_string();
+    assert!(!state.contains("secret first"), "{state}");
+    let why = |file: &str| {
+        let found = session.left_out().iter().find(|(name, _)| name == file);
+        found.map(|(_, why)| why.as_str()).unwrap_or_default()
+    };
+    assert!(why("d.csv").contains("not in the folder"), "{state}");
+    assert!(why("e.csv").contains("same file as `a.csv`"), "{state}");
+
+    let text = "palpate-model = 1\n[base]\nlaw = \"maxwell\"\nsignal = \"force_N\"\n\
+                [base.parameters]\nk = { value = 1.0 }\neta = { value = 1.0 }\n";
+    std::fs::write(at("model.toml"), text).unwrap();
+    std::fs::write(at("notes.toml"), "mine = true\n").unwrap();
+    session.open_model("model.toml").unwrap();
+    assert!(matches!(session.save(Some("new.toml")), Err(LabError::Outside(_))));
+    assert!(!outside.path().join("model.toml").exists());
+    assert!(matches!(session.save(Some("notes.toml")), Err(LabError::Foreign(_))));
+    assert_eq!(std::fs::read(at("notes.toml")).unwrap(), b"mine = true\n");
+    session.save(Some("model.toml")).unwrap();
+}

@@ -8,6 +8,7 @@ use super::drawing::Drawing;
 use super::error::LabError;
 use super::folder::Folder;
 use super::forecast::candidates;
+use super::set::Set;
 use super::task::{FitTask, HideTask, Task};
 use crate::criticism::change::{self, Change};
 use crate::criticism::compare::{Comparison, compare};
@@ -23,7 +24,7 @@ use crate::summary::{
     DiagnosisSummary, FitSummary, NextCommand, Preparation, Refit, change_json, change_report,
     compare_json, compare_sections, practice_json, unit_of,
 };
-use crate::trace::{Trace, read_set};
+use crate::trace::Trace;
 
 /// All that a piece of work needs, by itself.
 #[derive(Clone)]
@@ -64,7 +65,7 @@ pub struct Outcome {
     /// What the model lacks, with the candidates.
     pub diagnosis: Option<(Diagnosis, Value)>,
     /// The traces of a folder, by its name.
-    pub set: Option<(String, Vec<Trace>)>,
+    pub set: Option<Set>,
 }
 
 /// A model beside the traces, as it is told and drawn.
@@ -191,8 +192,7 @@ impl Bench {
     /// The traces of a folder.
     fn open(&self, set: &str) -> Result<Outcome, LabError> {
         let opened = self.folder.as_ref().ok_or(LabError::NoFolder)?;
-        let traces = read_set(&[opened.existing(set)?])?;
-        Ok(Outcome { set: Some((set.into(), traces)), ..Outcome::default() })
+        Ok(Outcome { set: Some(Set::read(opened, set)?), ..Outcome::default() })
     }
 
     /// What the model lacks; with everything found added, where asked.
@@ -249,7 +249,7 @@ impl Bench {
         write_set(&folder, &practice)?;
         Ok(Outcome {
             answer: practice_json(&practice, &opened.shown(name)),
-            set: Some((name.clone(), read_set(&[folder])?)),
+            set: Some(Set::read(opened, name)?),
             ..Outcome::default()
         })
     }

@@ -33,12 +33,12 @@ use std::thread::JoinHandle;
 use std::time::Instant;
 
 use axum::extract::{Query, State, WebSocketUpgrade};
-use axum::response::Response;
+use axum::response::{IntoResponse, Response};
 use axum::routing::{get, post};
 use axum::{Json, Router};
 use serde::Deserialize;
 use serde_json::{Value, json};
-use tokio::sync::oneshot;
+use tokio::sync::{Semaphore, oneshot};
 
 use self::counts::Counts;
 use self::feed::Feed;
@@ -59,6 +59,8 @@ use crate::device::stream::Stream;
 use crate::trace::Trace;
 use crate::trace::recordable::{RecordableError, Samples, samples};
 
+/// Pages that are sent rows at once.
+pub const MAX_PAGES: usize = 32;
 /// Most bins of a view.
 const BINS: usize = 5_000;
 
@@ -106,6 +108,7 @@ pub struct Live {
     pub(super) port: PathBuf,
     requests: Sender<Request>,
     about: Value,
+    pages: Arc<Semaphore>,
     ended: Arc<AtomicBool>,
     threads: Vec<JoinHandle<()>>,
 }
@@ -156,7 +159,8 @@ impl Live {
         };
         // The device's end goes last, so that the stream is ended in order.
         threads.insert(0, std::thread::spawn(move || feed.run(session)));
-        Ok(Self { store, port, requests, about, ended, threads })
+        let pages = Arc::new(Semaphore::new(MAX_PAGES));
+        Ok(Self { store, port, requests, about, pages, ended, threads })
     }
 }
 
@@ -210,11 +214,18 @@ async fn about(State(live): State<Arc<Live>>) -> Json<Value> {
 
 async fn stream(State(live): State<Arc<Live>>, upgrade: WebSocketUpgrade) -> Response {
     let store = Arc::clone(&live.store);
+    let Ok(place) = Arc::clone(&live.pages).try_acquire_owned() else {
+        let problem = format!("{MAX_PAGES} pages show this fingertip already: close one");
+        return Problem::too_many(problem).into_response();
+    };
     upgrade
         .protocols([PROTOCOL])
         .max_message_size(MESSAGE_LIMIT)
         .max_frame_size(MESSAGE_LIMIT)
-        .on_upgrade(|socket| push::push(socket, store))
+        .on_upgrade(async |socket| {
+            push::push(socket, store).await;
+            drop(place);
+        })
 }
 
 /// A stretch of the session.

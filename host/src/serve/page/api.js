@@ -45,8 +45,8 @@ export const api = {
       headers: { "content-type": "application/json" },
       body: JSON.stringify(json),
     })).json(),
-  /** Opens a websocket, again whenever it ends. `onMessage(data, send)` gets text or an ArrayBuffer; `onState(open)` is
-   *  told whether it is there. Returns a function that closes it. */
+  /** Opens a websocket, again whenever it ends. `onMessage(data, send)` gets text or an ArrayBuffer; `onState(open, why)` is
+   *  told whether it is there, and if not, why. Returns a function that closes it. */
   socket(path, onMessage, onState = () => {}) {
     let socket, timer, closed = false;
     const open = () => {
@@ -54,9 +54,12 @@ export const api = {
       socket.binaryType = "arraybuffer";
       socket.onopen = () => onState(true);
       socket.onmessage = (event) => onMessage(event.data, (text) => socket.send(text));
-      socket.onclose = () => {
+      socket.onclose = async () => {
         if (closed) return;
-        onState(false);
+        // A websocket does not say why it was refused; a question does.
+        const why = await ask("/rooms").then(() => "the stream is not there; waiting for it", (error) => error.message);
+        if (closed) return;
+        onState(false, why);
         timer = setTimeout(open, 500);
       };
     };

@@ -45,8 +45,8 @@ export function open(root, api) {
       say(told, about);
       panels.forEach((panel) => panel.show(told));
     };
-    close = api.socket("/device/watch", (data) => show(JSON.parse(data)), (isOpen) => {
-      if (!isOpen && last) show({ ...last, linked: false, streaming: false, trouble: "palpate does not answer; waiting for it" });
+    close = api.socket("/device/watch", (data) => show(JSON.parse(data)), (isOpen, why) => {
+      if (!isOpen && last) show({ ...last, linked: false, streaming: false, trouble: why });
     });
   }
 

@@ -100,11 +100,11 @@ export function open(root, api) {
     rowsDropped = rows.rowsDropped;
     now.take(rows);
     measured.arrivedMs = rows.arrivedMs;
-  }, (isOpen) => {
+  }, (isOpen, why) => {
     room.classList.toggle("away", !isOpen);
     rowsDropped = 0;
     if (isOpen) refill();
-    else where.textContent = "palpate does not answer; waiting for it";
+    else where.textContent = why;
   });
 
   function told(message) {

@@ -150,10 +150,13 @@ fn slip_json(slip: &Slip) -> Value {
     json!({"from_s": slip.from, "to_s": slip.to, "from_touch": slip.from_touch})
 }
 
+/// Beginning of the header row of [`history_csv`].
+pub const HISTORY_HEADER: &str = "time_s,used";
+
 /// Time and share used of every sample as CSV; empty where there is no contact.
 #[must_use]
 pub fn history_csv(trace: &Trace, history: &History) -> String {
-    let mut text = String::from("time_s,used");
+    let mut text = String::from(HISTORY_HEADER);
     if history.settled.is_some() {
         text += ",used_once_settled";
     }

@@ -9,10 +9,10 @@ mod surface;
 
 pub use friction::{friction_json, friction_sections};
 pub use growth::{growth_json, growth_sections};
-pub use history::{histories_json, history_csv, history_sections};
+pub use history::{HISTORY_HEADER, histories_json, history_csv, history_sections};
 pub use live::{reading_json, reading_line};
 pub use plan::{Forecast, HandPlan, plan_json, plan_sections};
-pub use surface::{SurfaceSummary, pressure_plot, surface_csv};
+pub use surface::{SURFACE_HEADER, SurfaceSummary, pressure_plot, surface_csv};
 
 use crate::grasp::Shape;
 use crate::report::number::significant;

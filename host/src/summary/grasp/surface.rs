@@ -219,12 +219,13 @@ fn point_json(point: &SurfacePoint) -> Value {
     })
 }
 
+/// Header row of [`surface_csv`].
+pub const SURFACE_HEADER: &str = "velocity_x_mm_per_s,velocity_y_mm_per_s,turn_rad_per_s,centre_x_mm,centre_y_mm,force_x_N,force_y_N,moment_Nmm";
+
 /// The surface as CSV; the centre of a pure translation is left empty.
 #[must_use]
 pub fn surface_csv(surface: &[SurfacePoint]) -> String {
-    let mut text = String::from(
-        "velocity_x_mm_per_s,velocity_y_mm_per_s,turn_rad_per_s,centre_x_mm,centre_y_mm,force_x_N,force_y_N,moment_Nmm\n",
-    );
+    let mut text = format!("{SURFACE_HEADER}\n");
     for SurfacePoint { motion, load } in surface {
         let [x, y] = motion.velocity;
         let centre = motion.centre().map_or(",".into(), |[x, y]| format!("{x},{y}"));

@@ -45,6 +45,8 @@ struct Gauge {
     region: Vec<f64>,
     relaxation: Vec<f64>,
     flags: Vec<f64>,
+    /// The row at which the present region was entered. A boundary that is found later never lies before it.
+    entered: usize,
 }
 
 impl Stretch {
@@ -109,6 +111,8 @@ impl Stretch {
         let mut recording = Table::new();
         let lost = i64::try_from(self.rows_lost).unwrap_or(i64::MAX);
         recording.insert("rows_lost".into(), lost.into());
+        let provisional = i64::try_from(self.provisional_rows()).unwrap_or(i64::MAX);
+        recording.insert("region_provisional_rows".into(), provisional.into());
         if let Some(clock) = clock.filter(|clock| clock.standard_error_ppm.is_finite()) {
             let thousandths = |ppm: f64| Value::Float((ppm * 1e3).round() / 1e3);
             recording.insert("clock_ppm".into(), thousandths(clock.ppm()));
@@ -140,6 +144,12 @@ impl Stretch {
         table
     }
 
+    /// Rows at the end whose regions might have been corrected had the recording gone on: those since the last boundary.
+    fn provisional_rows(&self) -> usize {
+        let entered = self.gauges.iter().map(|gauge| gauge.entered).min();
+        self.len() - entered.unwrap_or_default()
+    }
+
     /// Rows in a second of the device, lost ones too.
     fn rate_hz(&self) -> f64 {
         let span = |values: &[u64]| match values {
@@ -165,7 +175,9 @@ impl Gauge {
         let region = f64::from(state.region as u8);
         self.region.push(region);
         if let Some(late) = since.and_then(|since| self.region.get_mut(since..)) {
+            let late_rows = late.len();
             late.fill(region);
+            self.entered = self.region.len() - late_rows;
         }
         self.relaxation.push(f64::from(state.relaxation as u8));
         self.flags.push(f64::from(state.flags.bits()));

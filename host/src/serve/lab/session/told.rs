@@ -30,6 +30,7 @@ impl Session {
                 "chosen": chosen,
             })
         };
+        let left_out = |(name, why): &(String, String)| json!({ "name": name, "why": why });
         let version = |version: &Version| {
             json!({
                 "file": version.file,
@@ -56,6 +57,7 @@ impl Session {
             "set": self.set,
             "models": models,
             "traces": self.traces.iter().zip(&self.chosen).map(trace).collect::<Vec<_>>(),
+            "left_out": self.left_out.iter().map(left_out).collect::<Vec<_>>(),
             "signals": self.signals(),
             "signal": self.signal,
             "unit": unit_of(&self.signal),

@@ -26,8 +26,14 @@ function data(state, act) {
           h("button", { class: "lab-take", onclick: pick }, "Take these"),
         )
       : h("p", {}, "No traces in this folder. Hide an effect below, and find it."),
+    state.left_out.length ? leftOut(state.left_out) : null,
     state.models.length ? choice("Model file", [["", "open …"], ...state.models], "", (model) => model && act.choose({ model })) : null,
   );
+}
+
+function leftOut(files) {
+  const count = files.length === 1 ? "1 file is left out" : `${files.length} files are left out`;
+  return fold("left out", count, h("ul", {}, files.map(({ name, why }) => h("li", {}, `${name}: ${why}`))));
 }
 
 function traces(...children) {
