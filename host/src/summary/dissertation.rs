@@ -203,7 +203,8 @@ fn chapter_section(chapter: &Chapter) -> Section {
 const LONG: usize = 20;
 
 /// Header row of [`comparisons_csv`].
-pub const COMPARISONS_HEADER: &str = "printed_in,evidence,quantity,unit,printed,last_digit,recomputed,allowed,agrees";
+pub const COMPARISONS_HEADER: &str =
+    "printed_in,evidence,quantity,unit,printed,last_digit,recomputed,allowed,agrees";
 
 /// Every printed figure with its recomputed one, as CSV.
 #[must_use]

@@ -1,8 +1,7 @@
 //! A device on a desk: its program with made-up hardware.
 
-use device::{Blocks, Board, Device, Identity, Restart, begin_with};
-use shared::pipeline::GAUGES;
-use shared::wire::{ClockSource, ConverterFault, Oversampling, ResetCause, StoreFault};
+use device::{Blocks, Board, Device, Identity, Lost, Restart, Setting, begin_with};
+use shared::wire::{ClockSource, ConverterFault, ResetCause, StoreFault};
 
 /// Clock of its converter, Hz.
 pub const CONVERTER_CLOCK_HZ: u32 = 8_000_000;
@@ -26,12 +25,13 @@ pub struct Desk {
 }
 
 impl Board for Desk {
-    fn configure(&mut self, _: Oversampling, _: [u8; GAUGES]) -> Result<(), ConverterFault> {
+    fn configure(&mut self, _: Setting) -> Result<(), ConverterFault> {
         Ok(())
     }
 
-    fn listen(&mut self, to_converter: bool) {
+    fn listen(&mut self, to_converter: bool) -> Lost {
         self.listening = to_converter;
+        Lost::default()
     }
 
     fn store(&mut self, _: &[u8]) -> Result<(), StoreFault> {

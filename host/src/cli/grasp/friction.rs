@@ -59,6 +59,7 @@ pub struct Args {
 
 /// Identifies and prints.
 pub fn run(args: &Args) -> Result<(), Failure> {
+    args.result.files([&args.trace])?;
     let trace = read(&args.trace).map_err(Failure::input)?;
     let body = match args.contact {
         Some(body) => body,

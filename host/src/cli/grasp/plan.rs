@@ -58,6 +58,7 @@ const INSTANTS: u32 = 24;
 
 /// Plans and prints.
 pub fn run(args: &Args) -> Result<(), Failure> {
+    args.result.files([&args.hand].into_iter().chain(&args.model))?;
     let mut hand = Hand::read(&args.hand).map_err(Failure::input)?;
     if let Some(path) = &args.model {
         let model = Model::read(path).map_err(Failure::input)?;
