@@ -17,6 +17,8 @@ use crate::trace;
 pub enum LabError {
     #[error("`{0}` is not in the folder that was opened")]
     Outside(String),
+    #[error("no trace of it can be read; {file}: {why}")]
+    Unread { file: String, why: String },
     #[error("the same file as `{0}`")]
     Same(String),
     #[error("`{0}` is there, and is no model that palpate wrote: choose another name")]

@@ -192,7 +192,14 @@ impl Bench {
     /// The traces of a folder.
     fn open(&self, set: &str) -> Result<Outcome, LabError> {
         let opened = self.folder.as_ref().ok_or(LabError::NoFolder)?;
-        Ok(Outcome { set: Some(Set::read(opened, set)?), ..Outcome::default() })
+        let set = Set::read(opened, set)?;
+        // Without a single trace the set that is open is of more use.
+        match set.left_out.first() {
+            Some((file, why)) if set.traces.is_empty() => {
+                Err(LabError::Unread { file: file.clone(), why: why.clone() })
+            }
+            _ => Ok(Outcome { set: Some(set), ..Outcome::default() }),
+        }
     }
 
     /// What the model lacks; with everything found added, where asked.
