@@ -178,10 +178,12 @@ impl Life<'_, '_> {
         // What was cut on the line ends here.
         self.host.hear(&[0]);
         self.hear_all();
-        for command in [ToDevice::Stop, ToDevice::Status] {
-            self.say(&command);
-            self.hear_all();
-        }
+        self.say(&ToDevice::Stop);
+        // Every sample that was let through is there: the stream may end.
+        self.device.drained();
+        self.hear_all();
+        self.say(&ToDevice::Status);
+        self.hear_all();
         let (tally, made) = (self.host.stream.tally(), self.host.rows_made);
         // Rows that were lost behind the last that came are known by the status alone.
         let behind = made.saturating_sub(self.host.stream.next_row());
