@@ -1,11 +1,14 @@
 //! No bytes from outside break anything: every known input of `tests/corpus/`, and changed ones without number.
 //!
-//! `cargo xtask fuzz` goes on for a minute with each target. What breaks something is written to its folder.
+//! `cargo xtask fuzz` goes on for a minute with each target. What breaks something is written to its folder. Where the process
+//! itself ends, or never comes to an end, what was tried last lies in `target/fuzz/`.
 
 use std::panic::catch_unwind;
+use std::path::Path;
 use std::time::{Duration, Instant};
 
 use palpate_tests::fuzz::{Mutator, TARGETS, Target};
+use palpate_tests::workspace;
 use shared::wire::{
     Columns, FRAME_MAX, Head, HelloToDevice, INJECT_ROWS, Inject, Oversampling, SCHEMA, Source,
     Start, ToDevice, encode, pack,
@@ -15,10 +18,11 @@ use shared::wire::{
 const CASES: u64 = 400;
 const SEED: u64 = 1;
 
-/// How long each target is tried, and with which seed: `PALPATE_FUZZ_S`, `PALPATE_FUZZ_SEED`.
+/// How long each target is tried, with which seed, and which alone: `PALPATE_FUZZ_S`, `PALPATE_FUZZ_SEED`, `PALPATE_FUZZ_TARGET`.
 struct Wanted {
     time: Option<Duration>,
     seed: u64,
+    target: Option<String>,
 }
 
 impl Wanted {
@@ -27,12 +31,14 @@ impl Wanted {
         Self {
             time: number("PALPATE_FUZZ_S").map(Duration::from_secs),
             seed: number("PALPATE_FUZZ_SEED").unwrap_or(SEED),
+            target: std::env::var("PALPATE_FUZZ_TARGET").ok(),
         }
     }
 }
 
 /// Fails with the input, once it is kept, if the target panics.
-fn attempt(target: &Target, input: &[u8]) {
+fn attempt(target: &Target, input: &[u8], last: &Path) {
+    std::fs::write(last, input).unwrap();
     if catch_unwind(|| (target.run)(input)).is_ok() {
         return;
     }
@@ -46,16 +52,19 @@ fn attempt(target: &Target, input: &[u8]) {
 fn run(target: &Target, wanted: &Wanted) {
     let corpus = target.corpus();
     assert!(!corpus.is_empty(), "{} has no inputs", target.name);
-    corpus.iter().for_each(|input| attempt(target, input));
+    let last = workspace().join("target/fuzz").join(target.name);
+    std::fs::create_dir_all(last.parent().unwrap()).unwrap();
+    corpus.iter().for_each(|input| attempt(target, input, &last));
     let mut mutator = Mutator::new(wanted.seed, &corpus, target.words);
     let (begun, mut cases, mut slowest) = (Instant::now(), 0, Duration::ZERO);
     while wanted.time.map_or(cases < CASES, |time| begun.elapsed() < time) {
         let input = mutator.next_input();
         let tried = Instant::now();
-        attempt(target, &input);
+        attempt(target, &input, &last);
         slowest = slowest.max(tried.elapsed());
         cases += 1;
     }
+    std::fs::remove_file(last).unwrap();
     println!(
         "{}: {} known inputs, {cases} changed ones with seed {} in {:.0} s, the slowest {:.0} ms",
         target.name,
@@ -69,7 +78,11 @@ fn run(target: &Target, wanted: &Wanted) {
 #[test]
 fn no_bytes_from_outside_make_anything_panic() {
     let wanted = Wanted::read();
-    for target in &TARGETS {
+    let is_wanted =
+        |target: &&Target| wanted.target.as_ref().is_none_or(|name| name == target.name);
+    let targets: Vec<&Target> = TARGETS.iter().filter(is_wanted).collect();
+    assert!(!targets.is_empty(), "no target is called {:?}", wanted.target);
+    for target in targets {
         run(target, &wanted);
     }
 }

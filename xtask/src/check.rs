@@ -68,18 +68,21 @@ fn step(name: &str, arguments: &[&str], environment: &[(&str, &str)]) -> miette:
     rust(name, workspace(), arguments, environment)
 }
 
-/// Tries every target with hostile bytes for so many seconds, and the line with as many more losses.
-pub fn fuzz(seconds: u32, seed: Option<u64>) -> miette::Result<()> {
+/// Tries every target with hostile bytes for so many seconds, and the line with as many more losses; or one target alone.
+pub fn fuzz(seconds: u32, seed: Option<u64>, target: Option<&str>) -> miette::Result<()> {
     let clock = SystemTime::now().duration_since(UNIX_EPOCH).into_diagnostic()?;
     let seed = seed.unwrap_or(clock.as_secs()).to_string();
-    let tests = ["test", "--workspace", "--test", "fuzz", "--test", "line", "--", "--nocapture"];
-    let environment = [
-        ("PALPATE_FUZZ_S", seconds.to_string()),
-        ("PALPATE_FUZZ_SEED", seed.clone()),
-        ("PROPTEST_RNG_SEED", seed),
-        ("PROPTEST_CASES", (u64::from(seconds) * LINES_A_SECOND).to_string()),
+    let line = ["--test", "line"];
+    let more = if target.is_none() { &line[..] } else { &[] };
+    let tests = [&["test", "--workspace", "--test", "fuzz"], more, &["--", "--nocapture"]].concat();
+    let (time, lines) = (seconds.to_string(), (u64::from(seconds) * LINES_A_SECOND).to_string());
+    let mut environment = vec![
+        ("PALPATE_FUZZ_S", time.as_str()),
+        ("PALPATE_FUZZ_SEED", &seed),
+        ("PROPTEST_RNG_SEED", &seed),
+        ("PROPTEST_CASES", &lines),
     ];
-    let environment = environment.each_ref().map(|(name, value)| (*name, value.as_str()));
+    environment.extend(target.map(|name| ("PALPATE_FUZZ_TARGET", name)));
     step("hostile bytes", &tests, &environment)
 }
 

@@ -59,6 +59,9 @@ enum Task {
         /// Seed of what is tried [default: another one each time; it is printed]
         #[arg(long)]
         seed: Option<u64>,
+        /// One target alone [default: all of them, and the line]
+        #[arg(long)]
+        target: Option<String>,
     },
     /// Check licences, sources, versions and known faults of all crates.
     Supply,
@@ -85,7 +88,7 @@ fn main() -> ExitCode {
         }
         Task::Model { kills } => firmware::build().and_then(|_| modelled::run(kills)),
         Task::Browser { steady } => browser::run(steady),
-        Task::Fuzz { seconds, seed } => check::fuzz(seconds, seed),
+        Task::Fuzz { seconds, seed, target } => check::fuzz(seconds, seed, target.as_deref()),
         Task::Supply => supply::run(),
         Task::Sbom => generate("sbom"),
         Task::Effects => generate("effects"),

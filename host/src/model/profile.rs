@@ -11,7 +11,9 @@ use super::Motion;
 const VERSION: i64 = 1;
 
 /// Most samples one profile may ask for.
-const MAX_SAMPLES: f64 = 1e8;
+const MAX_SAMPLES: f64 = 1e7;
+/// Most steps of one profile, those of all runs together.
+const MAX_STEPS: u64 = 1_000_000;
 
 /// A programme of motion, as a TOML file holds it.
 ///
@@ -158,14 +160,24 @@ impl Profile {
                 }
             }
         }
-        let samples = self.pieces().iter().map(|piece| piece.duration).sum::<f64>() * self.rate_hz;
+        let steps = self.steps.len() as u64 * u64::from(self.repeat);
+        if steps > MAX_STEPS {
+            return Err(format!("{steps} steps, `repeat` counted; at most {MAX_STEPS}"));
+        }
+        let samples = self.samples();
         if samples < 1.0 {
             return Err("the steps last less than one sample".into());
         }
-        if samples > MAX_SAMPLES {
+        if samples.is_nan() || samples > MAX_SAMPLES {
             return Err(format!("the steps last {samples:.3e} samples; at most {MAX_SAMPLES:.0e}"));
         }
         Ok(())
+    }
+
+    /// How many samples the motion has, about.
+    #[must_use]
+    pub fn samples(&self) -> f64 {
+        self.pieces().iter().map(|piece| piece.duration).sum::<f64>() * self.rate_hz
     }
 
     /// The motion, sampled from the start of the first step to the end of the last.
@@ -319,5 +331,8 @@ mod tests {
         assert!(refusal(&format!("{head}rate_hz = 200.0\nstep = []")).contains("less than one"));
         let endless = format!("{head}rate_hz = 200.0\n[[step]]\nhold_s = 1e9");
         assert!(refusal(&endless).contains("at most"));
+        // Refused before it is laid out.
+        let again = format!("{head}rate_hz = 1.0\nrepeat = 4000000000\n[[step]]\nhold_s = 1e-9");
+        assert!(refusal(&again).contains("4000000000 steps"));
     }
 }
