@@ -35,6 +35,7 @@ pub mod files;
 pub mod fit;
 pub mod grasp;
 pub mod latency;
+mod meant;
 pub mod model;
 pub mod practice;
 pub mod press;
