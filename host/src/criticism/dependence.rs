@@ -96,7 +96,8 @@ pub fn dependence(stretches: &[Stretch], covariate: Covariate) -> Option<Depende
 /// Mean residuals in bins of a quantity; none where it does not vary.
 pub(super) fn binned(residuals: &[Vec<f64>], values: &[&[f64]]) -> Option<Vec<Bin>> {
     let edges = edges(values)?;
-    Some(bins(residuals, values, &places(values, &edges), edges.len() + 1))
+    let mut random = ChaCha8Rng::seed_from_u64(SEED);
+    Some(bins(residuals, values, &places(values, &edges), edges.len() + 1, &mut random))
 }
 
 /// The bin of every value.

@@ -5,9 +5,6 @@ use palpate_tests::server::Server;
 
 use crate::{HEIGHT, WIDTH, opened};
 
-/// Times are printed, not tested; `cargo xtask browser` goes on for an hour.
-#[cfg(target_os = "linux")]
-
 /// Text against what is behind it, as WCAG 2.1 counts (1.4.3, level AA); the worst that falls short.
 const CONTRAST: &str = r"
   const channel = (c) => ((c /= 255) <= 0.03928 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4);
