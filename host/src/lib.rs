@@ -12,6 +12,7 @@
 //! - [`analysis`]: regions, relaxation, creep, loading rates and strain rates of any recording.
 //! - [`criticism`]: where a model fails, which effect is missing, how sure that is.
 //! - [`contact`]: a round tip on an elastic body, and the stress below it.
+//! - [`events`]: touch, release and incipient slip, as a device finds them.
 //! - [`sensor`]: a simulated fingertip.
 //! - [`afm`]: force curves of a tip.
 //! - [`grasp`]: what a soft contact can hold before it slips.
@@ -31,6 +32,7 @@ pub mod decomposition;
 pub mod device;
 pub mod dissertation;
 pub mod effects;
+pub mod events;
 pub mod files;
 pub mod fit;
 pub mod grasp;

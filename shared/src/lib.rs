@@ -13,6 +13,7 @@
 //! - [`flags`]: warnings that travel with a sample.
 //! - [`adaptation`]: the dual-exponential filter that splits strain into a fast and a slow adapting part.
 //! - [`phase`]: the six regions of a grasp, found while streaming, and the type of relaxation.
+//! - [`events`]: touch, release and incipient slip, found in FA.
 //! - [`pipeline`]: the order in which one sample passes through the three above.
 //! - [`wire`]: every message between fingertip and host, and the frames they travel in.
 //! - [`latency`]: the latency model of the dissertation, linear and power law, as exact steps in `f64` and in fixed point.
@@ -38,6 +39,7 @@
 
 pub mod adaptation;
 pub mod calibration;
+pub mod events;
 pub mod fixed;
 pub mod flags;
 pub mod latency;

@@ -16,6 +16,7 @@ mod diagnose;
 mod dissertation;
 mod drop;
 mod effects;
+mod events;
 mod explore;
 mod fit;
 mod grasp;
@@ -81,6 +82,8 @@ enum Command {
     Decompose(decompose::Args),
     /// Fit a contact model
     Fit(fit::Args),
+    /// Touch, release and incipient slip, found in FA as a device finds them
+    Events(events::Args),
     /// Cut grasps into their six regions, cycle by cycle: points, forces, work, dissipation
     Segment(segment::Args),
     /// What holds of a displacement show: eq. 3.4, repeats, number of exponentials, latency model
@@ -171,6 +174,7 @@ pub fn run() -> ExitCode {
         Command::Demo(args) => demo::run(args),
         Command::Decompose(args) => decompose::run(args),
         Command::Fit(args) => fit::run(args),
+        Command::Events(args) => events::run(args),
         Command::Segment(args) => segment::run(args),
         Command::Relaxation(args) => relaxation::run(args),
         Command::Creep(args) => creep::run(args),

@@ -11,10 +11,11 @@ use super::output::{Output, OverwriteOnly, print_json, print_sections, write_rep
 use crate::files::plan::COMPUTED_OR_RECORDING;
 use crate::report::Section;
 use crate::sensor::{
-    Composition, Fingertip, Indenter, Press, Ridges, Silicone, Slide, Tones, Touch,
+    Composition, Fingertip, Indenter, Press, Ridges, Shake, Silicone, Slide, Slip, Tones, Touch,
 };
 use crate::summary::{
-    sensor_press_json, sensor_press_sections, sensor_slide_json, sensor_slide_sections,
+    sensor_press_json, sensor_press_sections, sensor_shake_json, sensor_shake_sections,
+    sensor_slide_json, sensor_slide_sections, sensor_slip_json, sensor_slip_sections,
     sensor_tones_json, sensor_tones_sections,
 };
 
@@ -30,7 +31,9 @@ Examples:
   palpate sensor press --indenter blunt -o blunt.csv  a blunt one of the same force does not
   palpate sensor press --composition 5:5 --thickness 8 -o press.palpate
   palpate sensor frequency --report tones.html        gain and phase of FA and SA, 0.1 to 400 Hz
-  palpate sensor slide --speed 30 --ridges 0.4        the hum of a fingerprint")]
+  palpate sensor slide --speed 30 --ridges 0.4        the hum of a fingerprint
+  palpate sensor slip -o pull.csv                     pulled until it slides, for `palpate events`
+  palpate sensor shake --part 0.05 -o shake.csv       held by a hand that shakes")]
 pub struct Args {
     #[command(subcommand)]
     stimulus: Stimulus,
@@ -44,6 +47,10 @@ enum Stimulus {
     Frequency(FrequencyArgs),
     /// Slide over a fingerprint
     Slide(SlideArgs),
+    /// Press, then pull sideways until it slides: the rim of the contact slips first
+    Slip(SlipArgs),
+    /// Press, then shake as a hand does
+    Shake(ShakeArgs),
 }
 
 /// The fingertip and where its readings go.
@@ -161,6 +168,72 @@ struct SlideArgs {
     fingertip: FingertipArgs,
 }
 
+#[derive(clap::Args)]
+struct SlipArgs {
+    /// sharp (0.5 mm), blunt (5 mm), or the radius of the tip, mm
+    #[arg(long, default_value = "blunt", value_name = "TIP", value_parser = parse_indenter)]
+    indenter: Indenter,
+    /// Depth that is held, mm
+    #[arg(long, default_value_t = 0.3, value_name = "MM")]
+    depth: f64,
+    /// Where, mm; 2.5 mm before the first gauge by default
+    #[arg(long, value_name = "X,Y", value_parser = parse_place, allow_hyphen_values = true)]
+    at: Option<[f64; 2]>,
+    /// From nub to nub of the surface, mm
+    #[arg(long, default_value_t = 0.5, value_name = "MM")]
+    nubs: f64,
+    /// Friction coefficient of sticking
+    #[arg(long, default_value_t = 0.7)]
+    friction: f64,
+    /// Part of its friction that a nub loses when it lets go
+    #[arg(long, default_value_t = 0.15, value_name = "SHARE")]
+    lost: f64,
+    /// Time from the press to the pull, s
+    #[arg(long, default_value_t = 2.0, value_name = "S")]
+    hold: f64,
+    /// Time in which the pull grows until it slides, s
+    #[arg(long, default_value_t = 1.0, value_name = "S")]
+    pull: f64,
+    /// Speed of the slide, mm/s
+    #[arg(long, default_value_t = 10.0, value_name = "MM/S")]
+    speed: f64,
+    /// How far it slides, mm
+    #[arg(long, default_value_t = 4.0, value_name = "MM")]
+    distance: f64,
+    /// Samples per second
+    #[arg(long, default_value_t = 1000.0, value_name = "HZ")]
+    rate: f64,
+    #[command(flatten)]
+    fingertip: FingertipArgs,
+}
+
+#[derive(clap::Args)]
+struct ShakeArgs {
+    /// sharp (0.5 mm), blunt (5 mm), or the radius of the tip, mm
+    #[arg(long, default_value = "blunt", value_name = "TIP", value_parser = parse_indenter)]
+    indenter: Indenter,
+    /// Depth about which it shakes, mm
+    #[arg(long, default_value_t = 0.3, value_name = "MM")]
+    depth: f64,
+    /// Root mean square of the shaking, as a part of the depth
+    #[arg(long, default_value_t = 0.05, value_name = "SHARE")]
+    part: f64,
+    /// Slowest of the shaking, Hz
+    #[arg(long, default_value_t = 1.0, value_name = "HZ")]
+    from: f64,
+    /// Fastest of the shaking, Hz
+    #[arg(long, default_value_t = 12.0, value_name = "HZ")]
+    to: f64,
+    /// How long it shakes, s
+    #[arg(long, default_value_t = 20.0, value_name = "S")]
+    duration: f64,
+    /// Samples per second
+    #[arg(long, default_value_t = 1000.0, value_name = "HZ")]
+    rate: f64,
+    #[command(flatten)]
+    fingertip: FingertipArgs,
+}
+
 fn parse_indenter(text: &str) -> Result<Indenter, String> {
     match text {
         "sharp" => Ok(Indenter::SHARP),
@@ -187,6 +260,8 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         Stimulus::Press(args) => press(args),
         Stimulus::Frequency(args) => frequency(args),
         Stimulus::Slide(args) => slide(args),
+        Stimulus::Slip(args) => slip(args),
+        Stimulus::Shake(args) => shake(args),
     }
 }
 
@@ -242,6 +317,47 @@ fn slide(args: &SlideArgs) -> Result<(), Failure> {
     let sections = sensor_slide_sections(&fingertip, args.indenter, &result);
     let json = sensor_slide_json(&fingertip, args.indenter, &result, seed);
     args.fingertip.give("A slide over a simulated fingertip", &result.touch, sections, &json)
+}
+
+fn slip(args: &SlipArgs) -> Result<(), Failure> {
+    let fingertip = args.fingertip.make()?;
+    let standard = Slip::beside_first_gauge(&fingertip);
+    let slip = Slip {
+        indenter: args.indenter,
+        depth_mm: args.depth,
+        place_mm: args.at.unwrap_or(standard.place_mm),
+        period_mm: args.nubs,
+        friction: args.friction,
+        lost: args.lost,
+        hold_s: args.hold,
+        pull_s: args.pull,
+        speed_mm_per_s: args.speed,
+        distance_mm: args.distance,
+        rate_hz: args.rate,
+    };
+    let seed = args.fingertip.seed;
+    let result = slip.run(&fingertip, seed).map_err(Failure::input)?;
+    let sections = sensor_slip_sections(&fingertip, args.indenter, &result);
+    let json = sensor_slip_json(&fingertip, args.indenter, &result, seed);
+    args.fingertip.give("A pull on a simulated fingertip", &result.touch, sections, &json)
+}
+
+fn shake(args: &ShakeArgs) -> Result<(), Failure> {
+    let fingertip = args.fingertip.make()?;
+    let shake = Shake {
+        indenter: args.indenter,
+        depth_mm: args.depth,
+        part: args.part,
+        band_hz: [args.from, args.to],
+        duration_s: args.duration,
+        rate_hz: args.rate,
+        ..Shake::above_first_gauge(&fingertip)
+    };
+    let seed = args.fingertip.seed;
+    let touch = shake.run(&fingertip, seed).map_err(Failure::input)?;
+    let sections = sensor_shake_sections(&fingertip, args.indenter, &touch);
+    let json = sensor_shake_json(&fingertip, args.indenter, &touch, seed);
+    args.fingertip.give("A simulated fingertip that shakes", &touch, sections, &json)
 }
 
 impl FingertipArgs {

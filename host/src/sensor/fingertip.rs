@@ -147,6 +147,21 @@ impl Fingertip {
         })
     }
 
+    /// What a force along x, N, at a place of the surface adds to each gauge's reading at once, µε: Cerruti's solution for a
+    /// point force on a half space that keeps its volume.
+    #[must_use]
+    pub fn readings_of_pull(&self, pull_n: f64, place_mm: [f64; 2]) -> [f64; GAUGES] {
+        let modulus = self.silicone.elastic.modulus_pa;
+        self.gauges_mm.map(|[x, y]| {
+            let [dx, dy, z] = [x - place_mm[0], y - place_mm[1], self.cover_mm].map(|d| 1e-3 * d);
+            let r2 = dx * dx + dy * dy + z * z;
+            // σ = −3 Q x (r ⊗ r) / (2π R⁵); Hooke's law along x with ν = 1/2.
+            let along = dx * dx - 0.5 * (dy * dy + z * z);
+            let strain = -3.0 * pull_n * dx * along / (2.0 * PI * modulus * r2.powf(2.5));
+            1e6 * self.transfer * strain
+        })
+    }
+
     /// Checks what a caller may have set.
     ///
     /// # Errors

@@ -19,8 +19,10 @@
 mod channels;
 mod fingertip;
 mod press;
+mod shake;
 mod silicone;
 mod slide;
+mod slip;
 mod spectrum;
 mod tones;
 mod touch;
@@ -28,11 +30,13 @@ mod touch;
 pub use channels::{Channels, channels};
 pub use fingertip::{Fingertip, Indenter};
 pub use press::{Felt, Press, PressResult};
+pub use shake::Shake;
 pub use silicone::{Composition, Silicone, TABLE_8_2};
 pub use slide::{Ridges, Slide, SlideResult};
+pub use slip::{Slip, SlipResult};
 pub use spectrum::{Spectrum, spectrum};
 pub use tones::{Response, Tone, Tones, TonesResult};
-pub use touch::{Stroke, Touch, feel};
+pub use touch::{HAPPENED, Stroke, Touch, feel};
 
 use shared::wire::SettingsError;
 

@@ -99,6 +99,7 @@ impl Press {
             place_mm: vec![self.place_mm; motion.time.len()],
             time: motion.time.into_owned(),
             depth_mm: motion.displacement.into_owned(),
+            pull_n: Vec::new(),
         };
         self.felt(fingertip, depth_mm, &stroke, seed)
     }

@@ -92,6 +92,7 @@ impl Slide {
             depth_mm: time.iter().map(|t| self.depth_mm + wave(*t)).collect(),
             place_mm: time.iter().map(|t| [x(*t), self.y_mm]).collect(),
             time,
+            pull_n: Vec::new(),
         };
         let name = format!("a slide at {} mm/s over ridges of {period_mm} mm", self.speed_mm_per_s);
         let touch = feel(fingertip, self.indenter, &stroke, &name, seed)?;

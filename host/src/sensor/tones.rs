@@ -114,6 +114,7 @@ impl Tones {
             depth_mm: time.iter().map(|t| depth(*t)).collect(),
             place_mm: vec![fingertip.gauges_mm[0]; time.len()],
             time,
+            pull_n: Vec::new(),
         };
         let name = format!("{} tones from {} Hz to {} Hz", self.count, self.from_hz, self.to_hz);
         let touch = feel(fingertip, self.indenter, &stroke, &name, seed)?;

@@ -21,6 +21,8 @@ pub struct Stroke {
     pub depth_mm: Vec<f64>,
     /// Place x and y, mm.
     pub place_mm: Vec<[f64; 2]>,
+    /// Force along x, N; empty where nothing pulls sideways.
+    pub pull_n: Vec<f64>,
 }
 
 /// What the fingertip felt of it.
@@ -34,6 +36,22 @@ pub struct Touch {
     pub saturated_from_s: [Option<f64>; GAUGES],
     /// When the indenter left the fingertip for the first time, s; none if it never did.
     pub left_at_s: Option<f64>,
+}
+
+/// The key of a head's `[setup]` under which a simulation says what happened when.
+pub const HAPPENED: &str = "happened";
+
+impl Touch {
+    /// Notes in the head that something happened at a time, s, so that what is found in the readings can be judged.
+    pub(super) fn happened(&mut self, kind: &str, time_s: f64) {
+        let other = &mut self.trace.head.setup.other;
+        let list = other.entry(HAPPENED).or_insert_with(|| toml::Value::Array(Vec::new()));
+        if let toml::Value::Array(list) = list {
+            let entry = [("kind", kind.into()), ("time_s", time_s.into())];
+            let entry = entry.map(|(key, value): (&str, toml::Value)| (key.to_owned(), value));
+            list.push(Table::from_iter(entry).into());
+        }
+    }
 }
 
 /// Lets a fingertip feel a stroke, with the noise of a seed.
@@ -63,6 +81,7 @@ pub fn feel(
     let mut felt: [Vec<f64>; GAUGES] = std::array::from_fn(|_| Vec::new());
     let mut saturated_from_s = [None; GAUGES];
     let mut left_at_s = None;
+    let mut changes = Vec::new();
     let mut force = Vec::with_capacity(stroke.time.len());
     for (k, &time) in stroke.time.iter().enumerate() {
         let interval = if k == 0 { 0.0 } else { time - stroke.time[k - 1] };
@@ -72,7 +91,15 @@ pub fn feel(
         if was_touched && !surface.touched {
             left_at_s.get_or_insert(time);
         }
-        let at_once = fingertip.elastic_readings(indenter, depth, stroke.place_mm[k]);
+        if was_touched != surface.touched {
+            changes.push((if surface.touched { "touch" } else { "release" }, time));
+        }
+        let place = stroke.place_mm[k];
+        let mut at_once = fingertip.elastic_readings(indenter, depth, place);
+        if let Some(pull) = stroke.pull_n.get(k) {
+            let sheared = fingertip.readings_of_pull(*pull, place);
+            at_once.iter_mut().zip(sheared).for_each(|(reading, more)| *reading += more);
+        }
         for gauge in 0..GAUGES {
             elastic[gauge].push(at_once[gauge]);
             let reading = if k == 0 {
@@ -98,7 +125,11 @@ pub fn feel(
     for (name, values) in NAMES.into_iter().zip(felt) {
         trace.set_column(name, values);
     }
-    Ok(Touch { trace, elastic, saturated_from_s, left_at_s })
+    let mut touch = Touch { trace, elastic, saturated_from_s, left_at_s };
+    for (kind, time) in changes {
+        touch.happened(kind, time);
+    }
+    Ok(touch)
 }
 
 /// The relaxation function as the base laws take it.
@@ -184,7 +215,7 @@ mod tests {
         let time: Vec<f64> = (0..=5120).map(|k| f64::from(k) * 1e-3).collect();
         let depth = |t: &f64| (depth_mm * (t / 0.1).min((2.12 - t) / 0.02).min(1.0)).max(-1.0);
         let depth_mm = time.iter().map(depth).collect();
-        Stroke { place_mm: vec![[3.0, 3.0]; time.len()], depth_mm, time }
+        Stroke { place_mm: vec![[3.0, 3.0]; time.len()], depth_mm, time, pull_n: Vec::new() }
     }
 
     #[test]

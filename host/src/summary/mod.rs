@@ -8,6 +8,7 @@ mod decomposition;
 mod diagnosis;
 mod dissertation;
 mod effects;
+mod events;
 mod grasp;
 mod holds;
 mod ladder;
@@ -43,6 +44,7 @@ pub use dissertation::{
 pub use effects::{
     effect_figures, effect_json, effect_pages, effect_section, library_json, library_section,
 };
+pub use events::{events_json, events_sections};
 pub use grasp::{
     Forecast, HISTORY_HEADER, HandPlan, SURFACE_HEADER, SurfaceSummary, friction_json,
     friction_sections, growth_json, growth_sections, histories_json, history_csv, history_sections,
@@ -61,7 +63,8 @@ pub use recording::{loops, overview, trace_panels};
 pub use relaxation::{relaxation_json, relaxation_sections};
 pub use segment::{segment_json, segment_sections};
 pub use sensor::{
-    sensor_press_json, sensor_press_sections, sensor_slide_json, sensor_slide_sections,
+    sensor_press_json, sensor_press_sections, sensor_shake_json, sensor_shake_sections,
+    sensor_slide_json, sensor_slide_sections, sensor_slip_json, sensor_slip_sections,
     sensor_tones_json, sensor_tones_sections,
 };
 pub(crate) use sensor::{spectrum_figure, tones_figure};

@@ -1,10 +1,12 @@
-//! What a simulated fingertip felt: a press, tones, a slide.
+//! What a simulated fingertip felt: a press, tones, a slide, a pull, shaking.
 
 use serde_json::{Value, json};
 
 use crate::report::number::{percent, significant};
 use crate::report::{Axis, Callout, Colour, Column, Legend, Panels, Plot, Section, Series, Table};
-use crate::sensor::{Fingertip, Indenter, PressResult, Response, SlideResult, Tone, TonesResult};
+use crate::sensor::{
+    Fingertip, Indenter, PressResult, Response, SlideResult, SlipResult, Tone, TonesResult, Touch,
+};
 use crate::trace::GAUGES;
 
 /// What was pressed with what, and the relaxation that its readings follow.
@@ -327,4 +329,94 @@ pub fn sensor_slide_json(
         "line_ustrain": result.line.map(|line| line.1),
         "through_contact": result.through_contact,
     })
+}
+
+/// A pull until it slides in words and as a figure.
+#[must_use]
+pub fn sensor_slip_sections(
+    fingertip: &Fingertip,
+    indenter: Indenter,
+    result: &SlipResult,
+) -> Vec<Section> {
+    let first = result.let_go_s.first().copied().unwrap_or(result.slides_s);
+    let words = format!(
+        "The contact has a radius of {} mm and holds by {} nubs. The first at the rim lets go at {:.3} s, the whole slides at \
+         {:.3} s: {} ms are left between them.",
+        significant(result.contact_mm, 3),
+        result.let_go_s.len(),
+        first,
+        result.slides_s,
+        significant(1e3 * (result.slides_s - first), 3),
+    );
+    let marks = [(first, "rim slips"), (result.slides_s, "slides")];
+    vec![
+        Section::new("A pull until it slides")
+            .paragraph(specimen(fingertip, indenter))
+            .paragraph(words)
+            .figure(
+                readings_figure("A pull until it slides", &result.touch, &marks),
+                "What the gauges read.",
+            ),
+    ]
+}
+
+/// A pull until it slides as a JSON object.
+#[must_use]
+pub fn sensor_slip_json(
+    fingertip: &Fingertip,
+    indenter: Indenter,
+    result: &SlipResult,
+    seed: u64,
+) -> Value {
+    json!({
+        "palpate_sensor": 1,
+        "stimulus": "slip",
+        "specimen": specimen_json(fingertip, indenter, seed),
+        "contact_radius_mm": result.contact_mm,
+        "nubs_let_go_s": result.let_go_s,
+        "slides_s": result.slides_s,
+    })
+}
+
+/// A fingertip that shakes in words and as a figure.
+#[must_use]
+pub fn sensor_shake_sections(
+    fingertip: &Fingertip,
+    indenter: Indenter,
+    touch: &Touch,
+) -> Vec<Section> {
+    vec![
+        Section::new("Held while it shakes")
+            .paragraph(specimen(fingertip, indenter))
+            .figure(readings_figure("Held while it shakes", touch, &[]), "What the gauges read."),
+    ]
+}
+
+/// A fingertip that shakes as a JSON object.
+#[must_use]
+pub fn sensor_shake_json(
+    fingertip: &Fingertip,
+    indenter: Indenter,
+    touch: &Touch,
+    seed: u64,
+) -> Value {
+    json!({
+        "palpate_sensor": 1,
+        "stimulus": "shake",
+        "specimen": specimen_json(fingertip, indenter, seed),
+        "left_at_s": touch.left_at_s,
+    })
+}
+
+/// Readings of all gauges over time.
+fn readings_figure(title: &str, touch: &Touch, marks: &[(f64, &str)]) -> Plot {
+    let trace = &touch.trace;
+    let mut plot = Plot::new(title, Axis::new("Time", "s"), Axis::new("Reading", "µε"))
+        .summary("Readings of four gauges over time");
+    for (k, name) in GAUGES.into_iter().enumerate() {
+        let values = trace.column(name).unwrap_or_default();
+        let line = Series::line(format!("gauge {}", k + 1), &trace.time[..], values);
+        plot = plot.series(line.colour(Colour::Hue(k)));
+    }
+    marks.iter().fold(plot, |plot, (at, words)| plot.mark(*at, *words))
 }

@@ -1,0 +1,232 @@
+//! One gauge, or one signal.
+
+use super::config::{Config, JOLTS_MOST};
+use super::vibration::{LowPass, Vibration, raised};
+use crate::adaptation::Output;
+
+/// What a sample changes, with how many samples ago that showed first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Change {
+    None,
+    Touched(u32),
+    LetGo(u32),
+    Slipped(u32),
+}
+
+/// What is remembered of one channel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Channel {
+    smooth: LowPass,
+    rest: LowPass,
+    vibration: Vibration,
+    /// Which way pressing drove the signal, while something is held.
+    held: Option<Sense>,
+    /// The reading above rest, in the sense of the press, when it last was not falling.
+    before_fall: i32,
+    /// The lowest FA of the present fall, in the same sense.
+    lowest: i32,
+    /// More than half of what was held is gone, with FA out of its resting band.
+    fallen: bool,
+    /// Since when FA is on its present side of the resting band, or within it.
+    on_this_side: u32,
+    /// A burst that was told makes no second event.
+    spent: bool,
+    /// The last sample with a burst, or with a reading away from rest while something is held.
+    unquiet: u32,
+    /// No jolt counts until so long after this, if it is set.
+    deaf_since: Option<u32>,
+    jolts: Jolts,
+}
+
+/// Which way the signal goes when there is pressing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Sense {
+    Up,
+    Down,
+}
+
+impl Sense {
+    const fn of(value: i32) -> Self {
+        if value < 0 { Self::Down } else { Self::Up }
+    }
+
+    const fn turn(self, value: i32) -> i32 {
+        match self {
+            Self::Up => value,
+            Self::Down => value.saturating_neg(),
+        }
+    }
+}
+
+impl Channel {
+    pub(super) const fn at_rest(signal: i32) -> Self {
+        Self {
+            smooth: LowPass::at(0),
+            rest: LowPass::at(raised(signal)),
+            vibration: Vibration::NONE,
+            held: None,
+            before_fall: 0,
+            lowest: 0,
+            fallen: false,
+            on_this_side: 0,
+            spent: false,
+            unquiet: 0,
+            deaf_since: None,
+            jolts: Jolts::NONE,
+        }
+    }
+
+    pub(super) const fn holds(&self) -> bool {
+        self.held.is_some()
+    }
+
+    /// Another gauge has let go: so has this one if it is on the way, too weak for a burst of its own.
+    pub(super) const fn let_go_with_another(&mut self) {
+        if self.fallen {
+            self.held = None;
+        }
+    }
+
+    /// From now on no jolt counts for the time of a mask.
+    pub(super) const fn deafen(&mut self, now: u32) {
+        self.deaf_since = Some(now);
+        self.jolts = Jolts::NONE;
+    }
+
+    /// Takes a sample; `holds` says whether the fingertip does.
+    pub(super) fn step(
+        &mut self,
+        config: &Config,
+        output: &Output,
+        now: u32,
+        holds: bool,
+    ) -> Change {
+        let side = |fa: i32| if fa.saturating_abs() < config.band { 0 } else { fa.signum() };
+        let last = side(self.smooth.level());
+        let fa = self.smooth.follow(config.smoothing, raised(output.fa));
+        if side(fa) != last {
+            self.on_this_side = now;
+            self.spent = false;
+        }
+        let jolt = self.vibration.jolts(config, raised(output.fa), fa, now);
+        let signal = raised(output.signal);
+        let above_rest = signal.saturating_sub(self.rest.level());
+        let bursts = fa.saturating_abs() >= config.burst;
+        let change = match self.held {
+            None => self.untouched(config, fa, above_rest, bursts, signal, now),
+            Some(sense) => self.touched(config, sense.turn(fa), sense.turn(above_rest), now),
+        };
+        if change != Change::None {
+            self.spent = true;
+            self.unquiet = now;
+            return change;
+        }
+        let hears = holds && self.hears(config, now);
+        self.slip(config, jolt && hears, now)
+    }
+
+    /// Nothing is held: is it touched?
+    fn untouched(
+        &mut self,
+        config: &Config,
+        fa: i32,
+        above_rest: i32,
+        bursts: bool,
+        signal: i32,
+        now: u32,
+    ) -> Change {
+        if bursts {
+            self.unquiet = now;
+        } else if now.wrapping_sub(self.unquiet) > config.settle {
+            self.unquiet = now.wrapping_sub(config.settle).wrapping_sub(1);
+            self.rest.follow(config.resting, signal);
+        }
+        let sense = Sense::of(fa);
+        let left_rest = sense.turn(above_rest) >= config.band;
+        if !bursts || self.spent || !left_rest || !config.admits(sense == Sense::Up) {
+            return Change::None;
+        }
+        self.held = Some(sense);
+        self.before_fall = sense.turn(above_rest);
+        self.lowest = 0;
+        self.fallen = false;
+        Change::Touched(now.wrapping_sub(self.on_this_side))
+    }
+
+    /// Something is held: is it let go of? `fa` and `above_rest` are positive for pressing.
+    fn touched(&mut self, config: &Config, fa: i32, above_rest: i32, now: u32) -> Change {
+        if fa > config.band.saturating_neg() {
+            self.before_fall = above_rest;
+            self.lowest = 0;
+        }
+        self.lowest = self.lowest.min(fa);
+        let away = above_rest.saturating_abs() > config.burst;
+        if away || fa.saturating_abs() >= config.burst {
+            self.unquiet = now;
+        }
+        let bursts = self.lowest <= config.burst.saturating_neg();
+        self.fallen =
+            self.lowest <= config.band.saturating_neg() && above_rest < self.before_fall / 2;
+        // Some of the way back, beyond the noise: the load no longer falls.
+        let back = (self.lowest.saturating_abs() / 32).max(config.band);
+        let turned = fa.saturating_sub(self.lowest) > back;
+        if bursts && turned && !self.spent && self.fallen {
+            self.held = None;
+            return Change::LetGo(now.wrapping_sub(self.on_this_side));
+        }
+        if now.wrapping_sub(self.unquiet) > config.settle {
+            self.held = None;
+        }
+        Change::None
+    }
+
+    /// Whether jolts count again.
+    fn hears(&mut self, config: &Config, now: u32) -> bool {
+        let deaf = |since: u32| now.wrapping_sub(since) <= config.deaf;
+        self.deaf_since = self.deaf_since.filter(|since| deaf(*since));
+        self.deaf_since.is_none()
+    }
+
+    /// Whether the jolts make a slip.
+    fn slip(&mut self, config: &Config, jolt: bool, now: u32) -> Change {
+        if self.jolts.last().is_some_and(|last| now.wrapping_sub(last) > config.within) {
+            self.jolts = Jolts::NONE;
+        }
+        let first = if jolt { self.jolts.add(config, now) } else { None };
+        first.map_or(Change::None, |first| Change::Slipped(now.wrapping_sub(first)))
+    }
+}
+
+/// The last jolts, and whether they were already told as a slip.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Jolts {
+    at: [u32; JOLTS_MOST],
+    /// How many of these there are.
+    count: u8,
+    told: bool,
+}
+
+impl Jolts {
+    const NONE: Self = Self { at: [0; JOLTS_MOST], count: 0, told: false };
+
+    /// Takes a jolt that comes at `now`; the first of a series long enough, if it makes one that was not told.
+    fn add(&mut self, config: &Config, now: u32) -> Option<u32> {
+        self.at.rotate_right(1);
+        if let Some(newest) = self.at.first_mut() {
+            *newest = now;
+        }
+        self.count = self.count.saturating_add(1).min(config.jolts);
+        let first = *self.at.get(usize::from(config.jolts.wrapping_sub(1)))?;
+        let enough = self.count == config.jolts && now.wrapping_sub(first) <= config.within;
+        if !enough || self.told {
+            return None;
+        }
+        self.told = true;
+        Some(first)
+    }
+
+    /// When the last one came.
+    fn last(&self) -> Option<u32> {
+        self.at.first().copied().filter(|_| self.count > 0)
+    }
+}

@@ -1,0 +1,94 @@
+//! What of FA is faster than a corner frequency.
+
+use super::Config;
+use crate::fixed::product;
+
+/// Levels are held in 2^-3 LSB, so that averages are finer than a sample.
+const RAISED: u32 = 3;
+/// Largest signal or FA admitted, LSB: with it the differences of three stages still fit in 32 bits.
+const LARGEST: i32 = 1 << 24;
+/// A jolt weaker than the strongest of late, or than the largest FA of late, by more than this, as a power of two, does not
+/// count.
+const MASKED: u32 = 2;
+const DROWNED: u32 = 10;
+
+/// A value in LSB as the filters take it.
+pub(super) const fn raised(value: i32) -> i32 {
+    let admitted = if value > LARGEST {
+        LARGEST
+    } else if value < -LARGEST {
+        -LARGEST
+    } else {
+        value
+    };
+    admitted << RAISED
+}
+
+/// A low pass of first order; its level has 31 fractional bits more than a raised value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct LowPass(i64);
+
+impl LowPass {
+    pub(super) const fn at(level: i32) -> Self {
+        Self((level as i64) << 31)
+    }
+
+    pub(super) const fn level(self) -> i32 {
+        (self.0 >> 31) as i32
+    }
+
+    /// Follows a value with a share (31 fractional bits) of the way; gives its new level.
+    pub(super) const fn follow(&mut self, share: i32, value: i32) -> i32 {
+        // Levels and values of one stage are within 2^30, so their difference and the product fit.
+        let way = value.saturating_sub(self.level());
+        self.0 = self.0.saturating_add(product(way, share));
+        self.level()
+    }
+
+    /// Falls towards zero with a share of the way, but not below a value; gives its new level.
+    fn at_least(&mut self, share: i32, value: i32) -> i32 {
+        if self.follow(share, 0) < value {
+            *self = Self::at(value);
+        }
+        self.level()
+    }
+}
+
+/// Three high passes one behind the other, and the strength of late.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Vibration {
+    stages: [LowPass; 3],
+    /// The strongest of late; forgets with the time of a mask.
+    strongest: LowPass,
+    /// The largest smoothed FA of late, likewise.
+    largest: LowPass,
+    /// When the last jolt came, if any did.
+    last: Option<u32>,
+}
+
+impl Vibration {
+    pub(super) const NONE: Self = Self {
+        stages: [LowPass::at(0); 3],
+        strongest: LowPass::at(0),
+        largest: LowPass::at(0),
+        last: None,
+    };
+
+    /// Takes a raised FA, and smoothed; whether a jolt comes with it.
+    pub(super) fn jolts(&mut self, config: &Config, fa: i32, smooth: i32, now: u32) -> bool {
+        let mut rest = fa;
+        for stage in &mut self.stages {
+            rest = rest.saturating_sub(stage.follow(config.corner, rest));
+        }
+        let strength = rest.saturating_abs();
+        let strongest = self.strongest.at_least(config.masking, strength);
+        let largest = self.largest.at_least(config.masking, smooth.saturating_abs());
+        let masked = (strongest >> MASKED).max(largest >> DROWNED);
+        let counts = strength >= config.jolt.max(masked);
+        let apart = self.last.is_none_or(|last| now.wrapping_sub(last) >= config.apart);
+        if counts && apart {
+            self.last = Some(now);
+        }
+        counts && apart && config.jolts > 0
+    }
+}
