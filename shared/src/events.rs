@@ -4,7 +4,7 @@
 //! corner frequency.
 //!
 //! - *Touch*: a burst while nothing is held. Its sign says which way pressing drives this gauge. The reading must have left
-//!   its resting value the same way: what creeps back from a dent is no touch.
+//!   its resting value the same way, by two such levels: what creeps or snaps back to rest is no touch.
 //! - *Release*: a burst the other way that takes more than half of the reading away that was held when it began; told when
 //!   FA turns, which it does when the load no longer falls. What is let go of more slowly than FA forgets makes no burst and
 //!   no event, only silence: the contact is forgotten once the reading is back at rest.

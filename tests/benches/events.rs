@@ -143,12 +143,11 @@ fn simulated(noise_ustrain: f64) {
 }
 
 /// Recordings of others, with the mapping that brings them in; of a folder, every table is one.
-const RECORDINGS: [(&str, &str); 6] = [
+const RECORDINGS: [(&str, &str); 5] = [
     ("vhb4910", "tape-tension.toml"),
     ("vhb4910/holds", "tape-tension.toml"),
     ("soro-tensile", "silicone-tension.toml"),
     ("ecoflex-adhesive/*", "adhesive-pad.toml"),
-    ("titin-ramp-hold", "titin-ramp-hold.toml"),
     ("rubber-membrane-24h", "rubber-tension.toml"),
 ];
 
@@ -173,7 +172,7 @@ fn parts(folder: &Path) -> Vec<Vec<PathBuf>> {
 
 fn recorded(folder: &Path) {
     println!(
-        "\n| recordings | samples a second | minutes | loadings · touches told · delay, median | releases told | slips told | other touches |"
+        "\n| recordings | samples a second | minutes | loadings · touches told in them · force then, of the largest | other touches | releases | slips |"
     );
     println!("|-|-|-|-|-|-|-|");
     for (name, mapping) in RECORDINGS {
@@ -197,34 +196,44 @@ fn recorded(folder: &Path) {
 }
 
 fn recordings_row(name: &str, heard: &[(&Trace, Events)]) -> String {
-    let (mut loadings, mut delays, mut others) = (0, Vec::new(), 0);
+    let (mut loadings, mut forces, mut others) = (0, Vec::new(), 0);
     let mut count = [0; 2];
     for (trace, found) in heard {
-        let displacement = trace.displacement().unwrap_or_default();
-        let starts: Vec<f64> = segments(&trace.time, displacement)
-            .iter()
-            .filter(|segment| segment.kind == Way::Load)
-            .map(|segment| trace.time[segment.range.start])
-            .collect();
-        loadings += starts.len();
+        let (force, displacement) =
+            (trace.force().unwrap_or_default(), trace.displacement().unwrap_or_default());
+        let ways = segments(&trace.time, displacement);
+        let loads: Vec<_> = ways.iter().filter(|it| it.kind == Way::Load).collect();
+        loadings += loads.len();
+        let mut touched = vec![false; loads.len()];
         for event in &found.found {
+            let at = trace.time.partition_point(|t| *t < event.told_s);
             match event.kind {
-                Kind::Touch => match starts.iter().rev().find(|start| **start <= event.told_s) {
-                    Some(start) => delays.push(event.told_s - start),
-                    None => others += 1,
+                Kind::Touch => match loads.iter().position(|it| it.range.contains(&at)) {
+                    Some(load) if !touched[load] => {
+                        touched[load] = true;
+                        let force = &force[loads[load].range.clone()];
+                        let largest = force.iter().copied().fold(0.0, f64::max);
+                        forces.push(trace.force().unwrap_or_default()[at] / largest);
+                    }
+                    _ => others += 1,
                 },
                 Kind::Release => count[0] += 1,
                 Kind::Slip => count[1] += 1,
             }
         }
     }
-    let told = delays.len();
-    let delay = ends(delays).map_or("–".into(), |(_, median, _)| format!("{median:.2} s"));
+    let told = forces.len();
+    let force =
+        ends(forces).map_or("–".into(), |(_, median, _)| format!("{:.1} %", 100.0 * median));
     let rates = ends(heard.iter().map(|(_, found)| found.rate_hz).collect());
-    let rates = rates.map_or("–".into(), |(least, _, most)| format!("{least:.3} to {most:.3}"));
+    let rates = match rates {
+        Some((least, _, most)) if most > 1.01 * least => format!("{least:.3} to {most:.3}"),
+        Some((_, median, _)) => format!("{median:.3}"),
+        None => "–".into(),
+    };
     let minutes: f64 = heard.iter().map(|(trace, _)| trace.duration() / 60.0).sum();
     format!(
-        "| `{name}`, {} | {rates} | {minutes:.0} | {loadings} · {told} · {delay} | {} | {} | {others} |",
+        "| `{name}`, {} | {rates} | {minutes:.0} | {loadings} · {told} · {force} | {others} | {} | {} |",
         heard.len(),
         count[0],
         count[1]

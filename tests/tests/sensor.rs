@@ -101,3 +101,88 @@ fn nonsense_is_refused_with_what_to_do_and_nothing_is_written() {
     palpate().current_dir(folder.path()).args(call).assert().code(2);
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
 }
+
+/// The events of a trace, and what the simulation says happened.
+fn events(folder: &Path, trace: &str, more: &[&str]) -> (Vec<Value>, Vec<Value>) {
+    let answer = json(folder, &[&["events", trace], more].concat());
+    assert_eq!(answer["palpate_events"], 1);
+    let list = |key: &str| answer["traces"][0][key].as_array().cloned().unwrap_or_default();
+    (list("events"), list("happened"))
+}
+
+#[test]
+fn a_slip_is_told_before_the_contact_slides_and_a_shaking_hand_is_none() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |call: &[&str]| {
+        palpate().current_dir(folder.path()).args(call).assert().success();
+    };
+    run(&["sensor", "slip", "-o", "pull.csv"]);
+    let pull = json(folder.path(), &["sensor", "slip"]);
+    let (found, happened) = events(folder.path(), "pull.csv", &[]);
+    let kinds: Vec<&str> = found.iter().filter_map(|it| it["kind"].as_str()).collect();
+    assert_eq!(kinds, ["touch", "slip"]);
+    let told = found[1]["told_s"].as_f64().unwrap();
+    let nubs = pull["nubs_let_go_s"].as_array().unwrap();
+    assert!(told > nubs[0].as_f64().unwrap() && told < pull["slides_s"].as_f64().unwrap() - 0.3);
+    assert!(happened.iter().all(|it| it["told_after_s"].is_number()), "{happened:?}");
+    assert!(found.iter().all(|it| it["false_alarm"] == false), "{found:?}");
+
+    run(&["sensor", "shake", "--duration", "10", "-o", "shake.csv"]);
+    let (found, _) = events(folder.path(), "shake.csv", &[]);
+    let kinds: Vec<&str> = found.iter().filter_map(|it| it["kind"].as_str()).collect();
+    assert_eq!(kinds, ["touch", "release"]);
+}
+
+#[test]
+fn a_recording_of_a_device_tells_the_events_that_the_host_finds_from_its_own_fa() {
+    // FA is in every row of the stream: the code of `shared` over the rows of a recording, and over the trace from which
+    // it was made, tells the same events at the same samples.
+    use shared::adaptation::Output;
+    use shared::events::{Config, Settings, State};
+    let folder = tempfile::tempdir().unwrap();
+    let run = |call: &[&str]| {
+        palpate().current_dir(folder.path()).args(call).assert().success();
+    };
+    run(&["sensor", "slip", "-o", "pull.palpate"]);
+    run(&["convert", "pull.palpate", "-o", "rows.csv"]);
+    let rows = palpate::trace::read(&folder.path().join("rows.csv")).unwrap();
+    let counts = |name: String, k: usize| (rows.column(&name).unwrap()[k] * 256.0).round() as i32;
+    let outputs = |k: usize| {
+        std::array::from_fn::<_, 4, _>(|gauge| {
+            let signal = counts(format!("gauge{}_ustrain", gauge + 1), k);
+            let fa = counts(format!("gauge{}_fa_ustrain", gauge + 1), k);
+            Output { signal, fa, equilibrium: signal, elastic: signal }
+        })
+    };
+    let config = Config::new(&Settings::DEFAULT, 1.0 / 256.0, 1e-3).unwrap();
+    let mut state = State::at_rest(outputs(0).map(|output| output.signal));
+    let told = |k: usize| Some((k, state.step(&config, &outputs(k))?.kind));
+    let streamed: Vec<_> = (0..rows.len()).filter_map(told).collect();
+    let (found, _) = events(folder.path(), "rows.csv", &["--jolt", "0.05"]);
+    assert_eq!(streamed.len(), found.len(), "{streamed:?} {found:?}");
+    for ((k, kind), event) in streamed.iter().zip(&found) {
+        assert_eq!(rows.time[*k], event["told_s"].as_f64().unwrap());
+        assert_eq!(format!("{kind:?}").to_lowercase(), event["kind"].as_str().unwrap());
+    }
+}
+
+#[test]
+fn events_in_a_force_and_bad_calls() {
+    let folder = tempfile::tempdir().unwrap();
+    let press = palpate_tests::bundled("press.csv");
+    let press = press.to_str().unwrap();
+    let (found, _) = events(folder.path(), press, &["--signal", "force_N"]);
+    assert_eq!(found[0]["kind"], "touch");
+    assert_eq!(found.last().unwrap()["kind"], "release");
+    for (call, word) in [
+        (&["events", press, "--jolts", "1"][..], "2 to 8"),
+        (&["events", press, "--burst", "0"], "burst"),
+        (&["events", press, "--jolts", "3", "--corner", "90"], "quarter of the sample rate"),
+        (&["events", press, "--signal", "nothing_N"], "nothing_N"),
+    ] {
+        let output = palpate().args(call).output().unwrap();
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{call:?}: {said}");
+        assert!(said.contains(word) && output.stdout.is_empty(), "{call:?}: {said}");
+    }
+}

@@ -142,7 +142,8 @@ impl Channel {
             self.rest.follow(config.resting, signal);
         }
         let sense = Sense::of(fa);
-        let left_rest = sense.turn(above_rest) >= config.band;
+        // A load that makes FA burst is larger than FA: what only comes back to rest, as after a pull, is none.
+        let left_rest = sense.turn(above_rest) >= config.burst.saturating_mul(2);
         if !bursts || self.spent || !left_rest || !config.admits(sense == Sense::Up) {
             return Change::None;
         }

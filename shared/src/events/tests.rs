@@ -92,6 +92,17 @@ fn a_dent_that_creeps_back_is_no_touch() {
     assert_eq!(found.iter().map(|it| it.0).collect::<Vec<_>>(), [Kind::Touch, Kind::Release]);
 }
 
+#[test]
+fn an_adhesive_contact_that_snaps_off_is_no_second_touch() {
+    // Pressed, pulled, and off at once: what was below rest comes back to it, and by 1 µε beyond.
+    let reading = |t: f64| {
+        let pulled = if t < 3.5 { press(t, [3.05, 3.2, 9.0, 9.1]) } else { 0.0 };
+        1000.0 * press(t, PRESS) - 400.0 * pulled + if t < 3.5 { 0.0 } else { 1.0 }
+    };
+    let found = told(8.0, |t| [reading(t), 0.0]);
+    assert_eq!(found.iter().map(|it| it.0).collect::<Vec<_>>(), [Kind::Touch, Kind::Release]);
+}
+
 /// A press whose second gauge gives jolts of some µε at some times.
 fn with_jolts(size: f64, at: &'static [f64]) -> Vec<(Kind, f64)> {
     told(6.0, |t| {
