@@ -37,6 +37,7 @@ pub mod files;
 pub mod fit;
 pub mod grasp;
 pub mod latency;
+mod meant;
 pub mod model;
 pub mod practice;
 pub mod press;

@@ -13,7 +13,8 @@
 //! Two numbers per sample are enough: the *motion*, which is the displacement where it is known and the filter's elastic
 //! input otherwise (it follows the motion because it has no memory), and the *signal*, strain or force, positive in
 //! compression. A gauge may lie where pressing stretches it: there the whole picture is upside down, which
-//! [`State::of_either_sense`] finds out and turns over. A partial release that is then held goes from unloading to relaxation
+//! [`State::of_either_sense`] finds out and turns over; where it was taken the wrong way round, as when a bridge was not tared,
+//! it is right again with the next press. A partial release that is then held goes from unloading to relaxation
 //! (of Type II), a further press from relaxation to loading; contact after recovery begins the next grasp.
 //!
 //! Both are averaged over the smoothing time, and the regions are looked for once for each such mean, not at every sample.
@@ -237,7 +238,7 @@ impl State {
         self.motion.step(config, mean.motion, self.now);
         self.contact.step(config, &mean, self.now);
         self.opposite.step(config, &mean.turned(true), self.now);
-        let turns = self.begins_the_other_way();
+        let turns = self.goes_the_other_way(config, self.last == mean.samples);
         let mean = mean.turned(turns);
         if turns {
             self.turn_over();
@@ -260,13 +261,18 @@ impl State {
         relaxes_otherwise || next.is_some()
     }
 
-    /// Whether there is pressing that the present sense takes for the opposite.
-    fn begins_the_other_way(&self) -> bool {
+    /// Whether there is pressing that the present sense takes for the opposite: `first` of all means it is beyond touch the other
+    /// way, it begins the other way from rest, or a retreat after contact was lost goes farther than the press did.
+    fn goes_the_other_way(&self, config: &Config, first: bool) -> bool {
+        let Sense::Found { .. } = self.sense else { return false };
         let Motion { direction, since, .. } = self.motion;
-        matches!(self.sense, Sense::Found { .. })
-            && self.phase.region == Region::Rest
-            && direction == Direction::Retreating
-            && !self.before(since, self.entered_at)
+        let retreats = direction == Direction::Retreating;
+        match self.phase.region {
+            Region::Rest if first => self.opposite.touching && !self.contact.touching,
+            Region::Rest => retreats && !self.before(since, self.entered_at),
+            Region::Recovery => retreats && self.opposite.signal > self.peak.max(config.touch),
+            _ => false,
+        }
     }
 
     fn turn_over(&mut self) {
@@ -302,7 +308,11 @@ impl State {
             (Region::Rest, Direction::Advancing) if self.before(self.entered_at, moved_at) => {
                 Some((Region::Preloading, moved_at))
             }
-            (Region::Rest | Region::Recovery, _) if touching => {
+            // What recovers into contact without a motion is no second grasp, nor is it one when it has settled.
+            (Region::Recovery, Direction::Advancing) if touching => {
+                Some((Region::Preloading, below_at))
+            }
+            (Region::Rest, _) if touching && !self.before(contact_since, self.entered_at) => {
                 Some((Region::Preloading, below_at))
             }
             (Region::Rest, _) => None,

@@ -265,6 +265,86 @@ fn a_gauge_that_is_stretched_passes_through_the_regions_of_one_that_is_compresse
     }
 }
 
+/// The strain of a gauge in silicone that is pressed, held and released every 8 s: it undershoots when it is released.
+fn pressed_again_and_again(cycles: u32, rate_hz: f64) -> Vec<f64> {
+    let interval = 1.0 / rate_hz;
+    let (mut memory, mut before) = ([0.0_f64; 2], 0.0);
+    let press = |t: f64| {
+        let t = t % 8.0;
+        (t / 0.4).min(1.0) - ((t - 3.0) / 0.3).clamp(0.0, 1.0)
+    };
+    (0..(f64::from(cycles) * 8.0 * rate_hz) as u32)
+        .map(|i| {
+            let u = press(f64::from(i) * interval);
+            for (y, (c, v)) in memory.iter_mut().zip([(SUSHI.c1, SUSHI.v1), (SUSHI.c2, SUSHI.v2)]) {
+                let d = -(-v * interval).exp_m1();
+                *y += -d * *y + c * d / (v * interval) * (u - before);
+            }
+            before = u;
+            FULL * (SUSHI.c0() * u + memory[0] + memory[1])
+        })
+        .collect()
+}
+
+#[test]
+fn a_stream_that_begins_while_a_gauge_is_pressed_finds_its_regions_whichever_way_it_lies() {
+    let rate_hz = 1000.0;
+    let strain = pressed_again_and_again(4, rate_hz);
+    for way in [1.0, -1.0] {
+        for from_s in [0.2, 1.0, 2.5] {
+            let begun = (from_s * rate_hz) as usize;
+            let seen: Vec<i32> = strain[begun..].iter().map(|s| (way * s) as i32).collect();
+            let found = regions_of_gauge(&seen, rate_hz);
+            let case = format!("{way} from {from_s} s: {found:.2?}");
+            let at = |time_s: f64| {
+                found.iter().rev().find(|(.., entered)| entered + from_s <= time_s).map(|f| f.0)
+            };
+            // What relaxes from before the first sample looks like a motion to the filter, so the first hold may not be told.
+            for cycle in 1..4 {
+                let time_s = |t: f64| 8.0 * f64::from(cycle) + t;
+                assert_eq!(at(time_s(0.3)), Some(Loading), "{cycle}: {case}");
+                assert_eq!(at(time_s(2.5)), Some(Held), "{cycle}: {case}");
+                assert_eq!(at(time_s(4.0)), Some(Recovery), "{cycle}: {case}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_gauge_taken_for_one_that_is_stretched_is_right_again_with_the_next_press() {
+    let rate_hz = 1000.0;
+    let strain = pressed_again_and_again(3, rate_hz);
+    for way in [1.0, -1.0] {
+        // A bridge that nobody tared reads more than touch the other way at rest.
+        let still = std::iter::repeat_n(0.0, 1_000).chain(strain.iter().copied());
+        let seen: Vec<i32> = still.map(|s| (way * (s - 20_000.0)) as i32).collect();
+        let found = regions_of_gauge(&seen, rate_hz);
+        for cycle in 0..3 {
+            let held_s = 1.0 + 8.0 * f64::from(cycle) + 2.0;
+            let held = found.iter().rev().find(|(.., entered)| *entered <= held_s).map(|f| f.0);
+            assert_eq!(held, Some(Held), "{way}: {found:.2?}");
+        }
+    }
+}
+
+#[test]
+fn a_signal_that_recovers_through_the_touch_level_without_a_motion_is_no_second_touch() {
+    let rate_hz = 1000.0;
+    let strain = pressed_again_and_again(3, rate_hz);
+    for offset in [15_000.0, 40_000.0] {
+        let seen: Vec<i32> = strain.iter().map(|s| (s + offset) as i32).collect();
+        let found = regions_of_gauge(&seen, rate_hz);
+        let touches = found.iter().filter(|(region, ..)| *region == Loading).count();
+        assert_eq!(touches, 3, "{offset}: {found:.2?}");
+    }
+    // Nor when it has settled: only a motion, or a rise out of rest, begins the next grasp.
+    let mut rested = pressed_again_and_again(1, rate_hz);
+    rested.extend(std::iter::repeat_n(0.0, 20_000));
+    let seen: Vec<i32> = rested.iter().map(|s| (s + 40_000.0) as i32).collect();
+    let found = regions_of_gauge(&seen, rate_hz);
+    assert_eq!(found.last().unwrap().0, Rest, "{found:.2?}");
+}
+
 #[test]
 fn a_gauge_that_drifts_or_undershoots_below_zero_is_not_taken_for_one_that_is_stretched() {
     let rate_hz = 1000.0;

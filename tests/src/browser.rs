@@ -11,6 +11,7 @@ use std::time::{Duration, Instant};
 
 use fantoccini::actions::{InputSource, KeyAction, KeyActions, MouseActions, PointerAction};
 use fantoccini::elements::Element;
+use fantoccini::wd::PrintConfiguration;
 use fantoccini::{Client, ClientBuilder, Locator};
 use hyper_util::client::legacy::connect::HttpConnector;
 use serde_json::{Value, json};
@@ -86,6 +87,18 @@ impl Browser {
     pub fn script(&self, body: &str) -> Value {
         let outcome = self.runtime.block_on(self.client.execute(body, Vec::new()));
         outcome.unwrap_or_else(|error| panic!("{body}: {error}"))
+    }
+
+    /// What an asynchronous script gives, run as the body of a function.
+    #[must_use]
+    pub fn later(&self, body: &str) -> Value {
+        let script = format!(
+            "const done = arguments[arguments.length - 1]; (async () => {{ {body} }})().then(done, (e) => done({{ failed: String(e) }}))"
+        );
+        let outcome = self.runtime.block_on(self.client.execute_async(&script, Vec::new()));
+        let value = outcome.unwrap_or_else(|error| panic!("{body}: {error}"));
+        assert!(value.get("failed").is_none(), "{body}: {value}");
+        value
     }
 
     /// Waits until a script gives `true`.
@@ -222,6 +235,15 @@ impl Browser {
         std::fs::create_dir_all(&folder).expect("a folder for pictures");
         std::fs::write(&file, png).expect("a picture can be kept");
         file
+    }
+
+    /// How many pages of A4 it is on paper.
+    #[must_use]
+    pub fn printed_pages(&self) -> usize {
+        let paper = PrintConfiguration::default();
+        let pdf = self.runtime.block_on(self.client.print(paper)).expect("it can be printed");
+        let object = b"/Type /Page\n";
+        pdf.windows(object.len()).filter(|bytes| *bytes == object).count()
     }
 
     /// Errors and warnings that the browser's console was told.

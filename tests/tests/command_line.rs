@@ -17,9 +17,24 @@ fn press() -> String {
     bundled("press.csv").display().to_string()
 }
 
+#[test]
+fn completions_end_well_when_nobody_reads_on() {
+    let mut process = std::process::Command::new(palpate().get_program())
+        .args(["completions", "bash"])
+        .stdout(std::process::Stdio::piped())
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(process.stdout.take());
+    let output = process.wait_with_output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+}
+
 /// Bad calls and bad files: what is in the folder, the call, and words that the error must have.
 const BAD: &[(&str, &str, &[&str], &[&str])] = &[
     ("", "", &["plot", "absent.csv"], &["absent.csv"]),
+    ("", "", &["fit", "fnug", "absent.csv"], &["did you mean `fung`?"]),
+    ("", "", &["effects", "mulins"], &["did you mean `mullins`?"]),
     ("a.csv", "time_s,force_N\n0,1\n1\n", &["plot", "a.csv"], &["a.csv", "line 3"]),
     ("a.csv", "time_s,force_N\n0,1\n1,NaN\n", &["plot", "a.csv"], &["line 3", "force_N"]),
     ("a.csv", "time_s,force_N\n0,1\n2,1\n1,1\n", &["plot", "a.csv"], &["line 4", "time_s"]),

@@ -57,6 +57,13 @@ fn a_model_that_lacks_nothing_leaves_nothing_but_noise() {
     let comparison = refit_and_compare(|_, _| 0.0);
     assert!(comparison.only_noise, "{:?}", comparison.over_noise());
     assert_eq!(comparison.in_words(), "Nothing but noise is left.");
+    assert!(comparison.cells.iter().all(|cell| cell.share_of_excess == 0.0));
+    // The means that are drawn say so too.
+    let bins = comparison.dependences.iter().flat_map(|dependence| &dependence.bins);
+    let (near, all) = bins.fold((0, 0), |(near, all), bin| {
+        (near + usize::from(bin.mean.abs() <= 2.0 * bin.standard_error), all + 1)
+    });
+    assert!(near * 10 >= all * 8, "{near} of {all} within two standard errors");
 }
 
 #[test]

@@ -53,3 +53,64 @@ fn a_plan() {
 fn the_help() {
     golden("help", &["--help"]);
 }
+
+/// What a call prints in a terminal of so many columns.
+fn printed(folder: &std::path::Path, arguments: &[&str], columns: &str) -> String {
+    let mut call = palpate();
+    let output = call.current_dir(folder).args(arguments).env("COLUMNS", columns).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).unwrap()
+}
+
+/// The numbers of a text, each with how far its rounding may have moved it.
+fn numbers(text: &str) -> Vec<(f64, f64)> {
+    let number = |word: &str| {
+        let word = word.trim_matches(|c| "(),;:%±".contains(c)).replace('−', "-");
+        let value = word.parse().ok()?;
+        let decimals = word.split_once('.').map_or(0, |(_, decimals)| decimals.len());
+        Some((value, 0.5 * 0.1_f64.powi(i32::try_from(decimals).unwrap())))
+    };
+    text.split(|c: char| c.is_whitespace() || c == '│').filter_map(number).collect()
+}
+
+#[test]
+fn no_number_is_cut_in_a_narrow_terminal() {
+    let folder = tempfile::tempdir().unwrap();
+    for recording in palpate_tests::all_bundled() {
+        std::fs::copy(&recording, folder.path().join(recording.file_name().unwrap())).unwrap();
+    }
+    let rows: Vec<String> = (1..4).map(|row| format!("table-3.1-row-{row:02}.csv")).collect();
+    let rows: Vec<&str> = rows.iter().map(String::as_str).collect();
+    printed(folder.path(), &[&["fit", "fung"], &rows[..], &["-o", "m.toml"]].concat(), "80");
+    let calls = [
+        [&["compare", "m.toml"], &rows[..]].concat(),
+        [&["relaxation"], &rows[..]].concat(),
+        vec!["demo"],
+    ];
+    for call in calls {
+        let wide = printed(folder.path(), &call, "400");
+        let known = numbers(&wide);
+        for columns in ["120", "100", "80", "60", "40"] {
+            let narrow = printed(folder.path(), &call, columns);
+            let long = narrow.lines().find(|line| line.chars().count() > columns.parse().unwrap());
+            // A path or an address may be longer than the terminal.
+            assert!(
+                long.is_none_or(|line| !line.trim().contains(' ')),
+                "{call:?} in {columns}: {long:?}"
+            );
+            let shown = numbers(&narrow);
+            // Where rows are stacked, headings are there for every row, with the numbers in them.
+            let stacked = narrow.lines().any(|line| line.starts_with("  ") && line.contains(": "));
+            assert!(stacked || shown.len() == known.len(), "{call:?} in {columns}\n{narrow}");
+            for (value, _) in &known {
+                let is_shown =
+                    |(other, rounding): &(f64, f64)| (other - value).abs() <= rounding * 1.001;
+                assert!(shown.iter().any(is_shown), "{value}: {call:?} in {columns}\n{narrow}");
+            }
+            for (value, rounding) in shown {
+                let is_told = |(other, _): &(f64, f64)| (other - value).abs() <= rounding * 1.001;
+                assert!(known.iter().any(is_told), "{value}: {call:?} in {columns}\n{narrow}");
+            }
+        }
+    }
+}

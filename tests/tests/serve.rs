@@ -92,9 +92,9 @@ impl Rows {
         let f32_at = |at: usize| f32::from_le_bytes(bytes[at..at + 4].try_into().unwrap());
         let (count, signals) = (u32_at(40), u32_at(44));
         assert_eq!(signals, SIGNALS);
-        assert_eq!(bytes.len(), 48 + count * (8 + 4 * signals));
+        assert_eq!(bytes.len(), 48 + count * (16 + 4 * signals));
         let values = |signal: usize| {
-            (0..count).map(|row| f32_at(48 + 8 * count + 4 * (signal * count + row))).collect()
+            (0..count).map(|row| f32_at(48 + 16 * count + 4 * (signal * count + row))).collect()
         };
         Self {
             lost: f64_at(0),
@@ -332,7 +332,7 @@ fn a_replayed_trace_goes_through_the_very_filter_of_the_device() {
         for gauge in 0..4 {
             let name = format!("gauge{}{part}_ustrain", gauge + 1);
             let column = recorded.column(&name).unwrap_or_else(|| panic!("{name}"));
-            let at = 16 + 8 * count + 8 * count * (4 * signal + gauge);
+            let at = 16 + 24 * count + 16 * count * (4 * signal + gauge);
             for (row, expected) in column.iter().enumerate() {
                 let bytes = view.body[at + 4 * row..at + 4 * row + 4].try_into().unwrap();
                 assert_eq!(f64::from(f32::from_le_bytes(bytes)), *expected, "{name} {row}");

@@ -64,8 +64,9 @@ pub fn run(args: &Args) -> Result<(), Failure> {
 fn lines(trace: &Trace, press: &Press) -> String {
     let terminal = terminal();
     let width = terminal.width.saturating_sub(20).min(80);
-    let mut text =
-        format!("{} s of a press, replayed through the filter of the device\n\n", trace.duration());
+    let what =
+        format!("{} s of a press, replayed through the filter of the device", trace.duration());
+    let mut text = terminal.text("", &what) + "\n";
     for (channel, _) in &press.channels {
         let name = name_of(&channel.signal);
         for (label, values) in

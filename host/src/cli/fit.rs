@@ -17,6 +17,7 @@ use crate::fit::ranking::rank;
 use crate::fit::warning::{Warning, warnings};
 use crate::fit::whole_motion::{self, MotionFit};
 use crate::fit::{elastic_law, hold::Terms};
+use crate::meant::did_you_mean;
 use crate::model::{
     BaseLaw, EXPONENTS_N, Elastic, Family, Gauge, Hyperelastic, Kernel, MAX_TERMS, Model, POWER,
     Separation,
@@ -187,7 +188,8 @@ pub fn run(args: &Args) -> Result<(), Failure> {
 fn family(name: &Path) -> Result<Family, Failure> {
     let known = || Family::ALL.map(Family::name).join(", ");
     name.to_str().and_then(Family::named).ok_or_else(|| {
-        Failure::Input(miette::miette!("no law `{}`; known: {}", name.display(), known()))
+        let meant = did_you_mean(&name.to_string_lossy(), Family::ALL.map(Family::name));
+        Failure::Input(miette::miette!("no law `{}`{meant}; known: {}", name.display(), known()))
     })
 }
 

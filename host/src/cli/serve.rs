@@ -82,6 +82,13 @@ pub struct Args {
     open: bool,
 }
 
+/// What there is to see where there is no device.
+const WITHOUT_DEVICE: &str = "\
+Without a device:
+  palpate serve --demo --open        ten presses with a hidden effect, and a simulated fingertip
+  palpate serve --simulate --open    a simulated fingertip alone
+  palpate serve FOLDER --open        your own recordings in the Lab";
+
 fn speed(text: &str) -> Result<f64, String> {
     text.parse()
         .ok()
@@ -211,6 +218,9 @@ fn device(args: &Args) -> Result<Source, Failure> {
         Err(DiscoverError::Named { port, source: source @ LinkError::Schema { .. } }) => {
             eprintln!("! {}: {source}", port.display());
             Ok(Source::Device { port, session: None })
+        }
+        Err(error @ (DiscoverError::NoPort | DiscoverError::None(_))) => {
+            Err(Failure::Input(miette::miette!("{error}\n{WITHOUT_DEVICE}")))
         }
         Err(error) => Err(Failure::input(error)),
     }

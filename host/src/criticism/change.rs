@@ -6,7 +6,7 @@ use super::fitted::Fitted;
 use super::noise::{noise_model, noise_of};
 use super::screen::{ABSORBED, Direction, screen};
 use super::search::Search;
-use crate::effects::{Candidate, EffectError, candidates, chain_of, store};
+use crate::effects::{Candidate, EffectError, candidates, chain_of, meant, store};
 use crate::fit::data::{Data, DataError};
 use crate::fit::least_squares::Effort;
 use crate::fit::problem::Problem;
@@ -62,7 +62,8 @@ pub enum ChangeError {
     #[error("`{0}` is in the model already; `palpate drop` takes it out")]
     Present(String),
     #[error(
-        "no effect of the library is called `{0}`, and the model file has no [[candidate]] of that name; `palpate effects` lists the library"
+        "no effect of the library is called `{0}`, and the model file has no [[candidate]] of that name{like}; `palpate effects` lists the library",
+        like = meant(.0)
     )]
     Unknown(String),
     #[error("`{effect}` cannot be fitted to these traces: {reason}")]

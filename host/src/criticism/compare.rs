@@ -24,7 +24,7 @@ pub struct Cell {
     /// Root mean square of the residual, in the unit of the signal.
     pub rms: f64,
     /// Share of all that is left beyond the noise, 0 to 1; of all that is left where the noise is
-    /// not known.
+    /// not known; 0 where nothing but noise is left.
     pub share_of_excess: f64,
 }
 
@@ -91,7 +91,11 @@ pub fn compare(model: &Model, traces: &[Trace]) -> Result<Comparison, CompareErr
         (None, Some(noise)) => rms_of(&stretches) < NOISE_ONLY * noise.standard_deviation,
         _ => false,
     };
-    let cells = cells(&stretches, data.labels.len(), noise.as_ref());
+    let mut cells = cells(&stretches, data.labels.len(), noise.as_ref());
+    if only_noise {
+        // There is nothing beyond the noise to share out.
+        cells.iter_mut().for_each(|cell| cell.share_of_excess = 0.0);
+    }
     let of_trace = |trace| move |cell: &&Cell| trace == cell.trace;
     let trace_rms =
         (0..data.labels.len()).map(|trace| rms(cells.iter().filter(of_trace(trace)))).collect();

@@ -15,8 +15,8 @@ pub struct Bin {
     pub at: f64,
     /// Mean residual.
     pub mean: f64,
-    /// Standard deviation of the residual over the root of the number of samples; too small where
-    /// neighbours correlate.
+    /// Standard error of the mean: how far it wanders when what the bins do not explain is shifted in a circle against the
+    /// covariate, so that neighbours stay as correlated as they are.
     pub standard_error: f64,
     /// Number of samples.
     pub samples: usize,
@@ -83,7 +83,7 @@ pub fn dependence(stretches: &[Stretch], covariate: Covariate) -> Option<Depende
             binned.explained(&shifts) >= explained
         })
         .count();
-    let bins = bins(&residuals, &values, &places, edges.len() + 1);
+    let bins = bins(&residuals, &values, &places, edges.len() + 1, &mut random);
     Some(Dependence {
         covariate,
         explained,
@@ -96,7 +96,8 @@ pub fn dependence(stretches: &[Stretch], covariate: Covariate) -> Option<Depende
 /// Mean residuals in bins of a quantity; none where it does not vary.
 pub(super) fn binned(residuals: &[Vec<f64>], values: &[&[f64]]) -> Option<Vec<Bin>> {
     let edges = edges(values)?;
-    Some(bins(residuals, values, &places(values, &edges), edges.len() + 1))
+    let mut random = ChaCha8Rng::seed_from_u64(SEED);
+    Some(bins(residuals, values, &places(values, &edges), edges.len() + 1, &mut random))
 }
 
 /// The bin of every value.
@@ -211,21 +212,46 @@ fn bins(
     values: &[&[f64]],
     places: &[Vec<usize>],
     count: usize,
+    random: &mut ChaCha8Rng,
 ) -> Vec<Bin> {
-    let mut sums = vec![(0.0, 0.0, 0.0, 0_usize); count];
+    let mut sums = vec![(0.0, 0.0, 0_usize); count];
     for ((residual, values), places) in residuals.iter().zip(values).zip(places) {
         for ((r, v), &place) in residual.iter().zip(*values).zip(places) {
             let sum = &mut sums[place];
-            *sum = (sum.0 + v, sum.1 + r, sum.2 + r * r, sum.3 + 1);
+            *sum = (sum.0 + v, sum.1 + r, sum.2 + 1);
         }
     }
-    let bin = |(v, r, square, samples): (f64, f64, f64, usize)| {
-        let n = samples as f64;
-        let mean = r / n;
-        let variance = (square / n - mean * mean).max(0.0);
-        Bin { at: v / n, mean, standard_error: (variance / n).sqrt(), samples }
+    let means: Vec<f64> = sums.iter().map(|(_, r, samples)| r / *samples as f64).collect();
+    let errors = standard_errors(residuals, places, &means, random);
+    let bin = |(((v, _, samples), mean), standard_error): (((f64, f64, usize), &f64), f64)| Bin {
+        at: v / samples as f64,
+        mean: *mean,
+        standard_error,
+        samples,
     };
-    sums.into_iter().filter(|sum| sum.3 > 0).map(bin).collect()
+    sums.into_iter().zip(&means).zip(errors).map(bin).filter(|bin| bin.samples > 0).collect()
+}
+
+/// Root mean square of each bin's mean over shifts of what the bins leave unexplained. All stretches make one circle: then a
+/// covariate that is constant within each of them is told from them as well.
+fn standard_errors(
+    residuals: &[Vec<f64>],
+    places: &[Vec<usize>],
+    means: &[f64],
+    random: &mut ChaCha8Rng,
+) -> Vec<f64> {
+    let places = places.concat();
+    let rest = residuals.iter().flatten().zip(&places).map(|(r, &place)| r - means[place]);
+    let binned = Binned::new(&[rest.collect()], std::slice::from_ref(&places), means.len());
+    let mut squares = vec![0.0; means.len()];
+    for _ in 0..SHIFTS {
+        let mut sums = vec![0.0; means.len()];
+        binned.stretches[0].add(random.random_range(0..places.len().max(1)), &mut sums);
+        for ((square, sum), count) in squares.iter_mut().zip(&sums).zip(&binned.counts) {
+            *square += (sum / count).powi(2);
+        }
+    }
+    squares.iter().map(|square| (square / SHIFTS as f64).sqrt()).collect()
 }
 
 /// Correlation of the bin means with the covariate, each bin weighing as its samples.
@@ -356,6 +382,38 @@ mod tests {
             let places: Vec<usize> = (0..samples).map(|k| 20 * k / samples).collect();
             assert_eq!(Runs::new(&vec![1.0; samples], &places).runs.len(), 20);
         }
+    }
+
+    /// How often a mean lies within so many of its standard errors of zero, where there is no dependence.
+    #[test]
+    fn error_bars_allow_for_the_correlation_of_neighbours() {
+        let found = dependences(&stretches(0.0));
+        let bins: Vec<&Bin> = found.iter().flat_map(|dependence| &dependence.bins).collect();
+        let within = |times: f64| {
+            let near = |bin: &&&Bin| bin.mean.abs() <= times * bin.standard_error;
+            bins.iter().filter(near).count() as f64 / bins.len() as f64
+        };
+        assert!(bins.len() > 30, "{}", bins.len());
+        // Of samples taken as independent, a third: neighbours with a correlation of 0.8 count as one of nine.
+        assert!(within(1.0) > 0.5 && within(2.0) > 0.85, "{} {}", within(1.0), within(2.0));
+        // Nor are they so wide that they hide what is there.
+        let real = dependence(&stretches(2.0), Covariate::Displacement).unwrap();
+        let clear = |bin: &&Bin| bin.mean.abs() > 3.0 * bin.standard_error;
+        assert!(real.bins.iter().filter(clear).count() > real.bins.len() / 2, "{real:?}");
+    }
+
+    #[test]
+    fn a_quantity_that_is_constant_within_each_trace_has_error_bars() {
+        let mut stretches = stretches(0.0);
+        for (stretch, celsius) in stretches.iter_mut().zip([20.0, 22.0, 25.0]) {
+            let temperature = vec![celsius; stretch.time.len()];
+            stretch.covariates.push((Covariate::Temperature, temperature));
+        }
+        let found = dependence(&stretches, Covariate::Temperature).unwrap();
+        assert!(
+            found.bins.iter().all(|bin| bin.mean.abs() < 3.0 * bin.standard_error),
+            "{found:?}"
+        );
     }
 
     #[test]

@@ -36,6 +36,12 @@ pub const LIBRARY: &[&Effect] = &[
     &super::crosstalk::EFFECT,
 ];
 
+/// `; did you mean X?` where an effect has a name like this, else nothing.
+#[must_use]
+pub fn meant(name: &str) -> String {
+    crate::meant::did_you_mean(name, LIBRARY.iter().map(|effect| effect.name))
+}
+
 /// The effect of this name.
 #[must_use]
 pub fn find(name: &str) -> Option<&'static Effect> {

@@ -46,7 +46,7 @@ pub use candidates::{Candidate, Form, candidates};
 pub use declaration::{
     Count, Effect, Grid, Law, Needs, Role, Scales, Setting, Shape, Sign, Strength,
 };
-pub use library::{LIBRARY, find};
+pub use library::{LIBRARY, find, meant};
 pub use stored::{EffectError, applied, chain_of, store};
 
 use crate::model::covariate::Covariate;

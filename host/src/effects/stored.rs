@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{Setting, find};
+use super::{Setting, find, meant};
 use crate::model::{
     Act, Applied, Chain, Expression, ExpressionError, Model, Parameter, Span, StoredEffect,
     StoredParameter,
@@ -14,7 +14,7 @@ use crate::model::{
 pub enum EffectError {
     #[error("{0}")]
     Base(String),
-    #[error("no effect is called `{0}`; `palpate effects` lists them all")]
+    #[error("no effect is called `{0}`{like}; `palpate effects` lists them all", like = meant(.0))]
     Unknown(String),
     #[error("`{effect}` has no law `{law}`; it has: {known}")]
     UnknownLaw { effect: String, law: String, known: String },

@@ -13,6 +13,7 @@ use super::{
     Separation, Stage,
 };
 use crate::files::write_whole;
+use crate::meant::did_you_mean;
 
 /// Major version of the model file that this program reads and writes.
 pub const VERSION: i64 = 1;
@@ -131,7 +132,8 @@ impl Base {
         let name = self.law.as_str();
         let family = Family::named(name).ok_or_else(|| {
             let known = Family::ALL.map(Family::name).join(", ");
-            format!("unknown law `{name}`; known: {known}")
+            let meant = did_you_mean(name, Family::ALL.map(Family::name));
+            format!("unknown law `{name}`{meant}; known: {known}")
         })?;
         let (elastic, kernel) = (self.elastic()?, self.kernel()?);
         // One of these stands for each exponential or branch.

@@ -23,6 +23,7 @@ mod page;
 mod plot;
 mod stack;
 mod svg;
+mod symbol;
 mod table;
 mod terminal;
 

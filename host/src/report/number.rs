@@ -106,6 +106,30 @@ pub fn duration(seconds: f64) -> String {
     format!("{sign}{whole} {large} {rest} {small}")
 }
 
+/// A number of this module with one decimal less: `0.00785` is `0.0079`, `3.981 ± 0.074` is `3.98 ± 0.07`, `1.1187(18)` is
+/// `1.119(2)`. None where a plain number would be left with one digit, an error with none, or there are no decimals.
+#[must_use]
+pub fn with_a_digit_less(text: &str) -> Option<String> {
+    let value_end = text.find(|c: char| !matches!(c, '-' | '.' | '0'..='9')).unwrap_or(text.len());
+    let (value, rest) = text.split_at(value_end);
+    let decimals = i32::try_from(value.split_once('.')?.1.len()).ok()? - 1;
+    let less = round_to(value.parse().ok()?, decimals);
+    let is_zero = |text: &str| !text.bytes().any(|digit| matches!(digit, b'1'..=b'9'));
+    if let Some(error) = rest.strip_prefix(" ± ") {
+        let error = round_to(error.parse().ok()?, decimals);
+        return (!is_zero(&error)).then(|| format!("{less} ± {error}"));
+    }
+    if let Some(error) = rest.strip_prefix('(') {
+        let error: f64 = error.strip_suffix(')')?.parse().ok()?;
+        // In units of the last digit, unless it has a point of its own.
+        let error = if rest.contains('.') { error } else { error / 10.0 };
+        let error = round_to(error, if rest.contains('.') { decimals } else { 0 });
+        return (!is_zero(&error)).then(|| format!("{less}({error})"));
+    }
+    let digits = value.trim_start_matches(['-', '0', '.']).bytes().filter(u8::is_ascii_digit);
+    (digits.count() > 2).then(|| less + rest)
+}
+
 /// Sets a number from this module for reading: a true minus sign, and `×10⁻⁷` for `e-7`.
 #[must_use]
 pub fn typographic(number: &str) -> String {
@@ -258,6 +282,30 @@ mod tests {
         assert_eq!(typographic("(-2.00 ± 0.10)e13"), "(−2.00 ± 0.10)×10¹³");
         assert_eq!(typographic("hold-12mm"), "hold-12mm");
         assert_eq!(superscripts(-40), "⁻⁴⁰");
+    }
+
+    #[test]
+    fn a_digit_less_is_the_same_number_rounded() {
+        let cases = [
+            ("0.00786", Some("0.0079")),
+            ("12.6", Some("13")),
+            ("-12.6", Some("-13")),
+            ("0.12", None),
+            ("120", None),
+            ("3.981 ± 0.074", Some("3.98 ± 0.07")),
+            ("3.98 ± 0.07", Some("4.0 ± 0.1")),
+            ("4.00 ± 0.04", None),
+            ("1.1187(18)", Some("1.119(2)")),
+            ("53.2(1.4)", Some("53(1)")),
+            ("881(24)", None),
+            ("61.3 %", Some("61 %")),
+            ("1.22e-7", Some("1.2e-7")),
+            ("–", None),
+            ("trace", None),
+        ];
+        for (text, less) in cases {
+            assert_eq!(with_a_digit_less(text).as_deref(), less, "{text}");
+        }
     }
 
     fn read_back(text: &str) -> (f64, f64) {

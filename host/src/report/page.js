@@ -557,6 +557,20 @@
   });
   document.body.prepend(theme);
 
+  // A table that is wider than the page can be scrolled by keyboard.
+  const scrollable = () => {
+    for (const box of document.querySelectorAll("div.table")) {
+      const isWide = box.scrollWidth > box.clientWidth;
+      box.toggleAttribute("tabindex", isWide);
+      if (!isWide) continue;
+      box.tabIndex = 0;
+      box.setAttribute("role", "region");
+      box.setAttribute("aria-label", box.querySelector("caption")?.textContent || "Table");
+    }
+  };
+  scrollable();
+  addEventListener("resize", scrollable);
+
   let folded = [];
   addEventListener("beforeprint", () => {
     folded = [...document.querySelectorAll("details:not([open])")];

@@ -6,6 +6,7 @@ use super::colour::{FIGURE_CSS, standalone_css, variables};
 use super::draw::Place;
 use super::figure::Figure;
 use super::number::typographic;
+use super::symbol;
 use super::table::{Align, Column, Table, split_decimal};
 
 const CSS: &str = include_str!("page.css");
@@ -229,6 +230,9 @@ fn style_sheet() -> String {
     )
 }
 
+/// A table of no more rows is not torn between two pages.
+const SHORT: usize = 16;
+
 /// Writes blocks and counts what needs a number.
 #[derive(Default)]
 struct Writer {
@@ -301,13 +305,13 @@ fn callout(kind: Callout, title: &str, text: &str) -> Markup {
 fn html_table(table: &Table) -> Markup {
     let class = |column: &Column| (column.align != Align::Left).then_some("num");
     html! {
-        div.table {
+        div.table.short[table.rows.len() <= SHORT] {
             table {
                 @if !table.caption.is_empty() { caption { (inline(&table.caption)) } }
                 thead { tr {
                     @for column in &table.columns {
                         th scope="col" class=[class(column)] {
-                            (column.name)
+                            (inline(&column.name))
                             @if !column.unit.is_empty() { " " span.unit { "(" (column.unit) ")" } }
                         }
                     }
@@ -316,7 +320,7 @@ fn html_table(table: &Table) -> Markup {
                     @for row in 0..table.rows.len() { tr {
                         @for (index, column) in table.columns.iter().enumerate() {
                             @if index == 0 {
-                                th scope="row" class=[class(column)] { (html_cell(table, row, index)) }
+                                th scope="row" class=[row_class(table, row)] { (html_cell(table, row, index)) }
                             } @else {
                                 td class=[class(column)] { (html_cell(table, row, index)) }
                             }
@@ -326,6 +330,14 @@ fn html_table(table: &Table) -> Markup {
             }
             @for note in &table.notes { p.note { (inline(note)) } }
         }
+    }
+}
+
+/// A name of one word, as of a file, is not broken at its hyphens.
+fn row_class(table: &Table, row: usize) -> Option<&'static str> {
+    match table.columns[0].align {
+        Align::Left => (!table.cell(row, 0).contains(' ')).then_some("name"),
+        Align::Right | Align::Decimal => Some("num"),
     }
 }
 
@@ -344,16 +356,25 @@ fn html_cell(table: &Table, row: usize, column: usize) -> Markup {
     }
 }
 
+/// Text with indices set lower.
+fn symbols(text: &str) -> Markup {
+    html! {
+        @for part in symbol::parts(text) {
+            @if part.is_index { sub { (part.text) } } @else { (part.text) }
+        }
+    }
+}
+
 /// Text in which what stands between backticks is code.
 fn inline(text: &str) -> Markup {
     let parts: Vec<&str> = text.split('`').collect();
     // An odd number of backticks is just text.
     if parts.len().is_multiple_of(2) {
-        return html! { (text) };
+        return symbols(text);
     }
     html! {
         @for (index, part) in parts.iter().enumerate() {
-            @if index % 2 == 1 { code { (part) } } @else { (part) }
+            @if index % 2 == 1 { code { (part) } } @else { (symbols(part)) }
         }
     }
 }

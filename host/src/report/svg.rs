@@ -2,6 +2,8 @@
 
 use std::fmt::Write as _;
 
+use super::symbol::{self, Part};
+
 /// Size of ordinary text, user units; at 640 units over 16 cm it is 9.2 pt.
 pub(super) const TEXT: f64 = 13.0;
 /// Size of a figure's title, user units.
@@ -97,7 +99,23 @@ impl Element<'_> {
 
     /// Ends the element with escaped text as its only content.
     pub(super) fn text(self, text: &str) {
-        let _ = writeln!(self.svg.out, ">{}</{}>", escape(text), self.name);
+        // What a screen reader is told has no indices.
+        let set: String = if self.name == "text" {
+            symbol::parts(text).iter().map(set).collect()
+        } else {
+            escape(text)
+        };
+        let _ = writeln!(self.svg.out, ">{set}</{}>", self.name);
+    }
+}
+
+/// A part of a text; an index in small letters, of which the next part takes back the way down.
+fn set(part: &Part) -> String {
+    let text = escape(part.text);
+    if part.is_index {
+        format!("<tspan dy=\"3\" font-size=\"75%\">{text}</tspan><tspan dy=\"-3\">\u{200b}</tspan>")
+    } else {
+        text
     }
 }
 

@@ -1,7 +1,10 @@
 //! Tables and small line plots for the terminal.
 
-use comfy_table::{CellAlignment, ColumnConstraint, ContentArrangement, LineStyle, TableStyle};
+mod fitting;
 
+use comfy_table::{CellAlignment, ColumnConstraint, LineStyle, TableStyle, Width};
+
+use self::fitting::{Fitted, PADDING, TIE, fitted, stacked, transposed};
 use super::number::significant;
 use super::table::{Align, Table, split_decimal};
 
@@ -28,15 +31,32 @@ const FAINT: &str = "2";
 const CYAN: &str = "36";
 
 impl Terminal {
-    /// A table: caption, columns with units, notes; numbers on their decimal points. Ends with a line feed.
+    /// A table: caption, columns with units, notes; numbers on their decimal points, none of them cut: where the terminal is too
+    /// narrow, words wrap and are shortened, then numbers lose a digit, then rows become columns or are stacked. Ends with a line feed.
     #[must_use]
     pub fn table(&self, table: &Table) -> String {
+        let mut out = String::new();
+        if !table.caption.is_empty() {
+            for line in textwrap(&self.plain(&table.caption), self.width) {
+                out += &(self.paint(BOLD, &line) + "\n");
+            }
+        }
+        let turned = || transposed(table).and_then(|table| fitted(&table, self.width));
+        out += &match fitted(table, self.width).or_else(turned) {
+            Some(fitted) => self.grid(&fitted),
+            None => self.stack(table),
+        };
+        for note in table.notes.iter().flat_map(|n| textwrap(&self.plain(n), self.width)) {
+            out += &(self.paint(FAINT, &note) + "\n");
+        }
+        out
+    }
+
+    fn grid(&self, Fitted { table, widths }: &Fitted) -> String {
         let mut grid = comfy_table::Table::new();
         let rule = if self.unicode { '─' } else { '-' };
         let rule = LineStyle::none().fill(rule).junction(rule);
         grid.load_style(TableStyle::new().header_separator(rule).bottom_border(rule));
-        grid.set_content_arrangement(ContentArrangement::Dynamic);
-        grid.set_width(u16::try_from(self.width).unwrap_or(u16::MAX));
         grid.set_header(table.columns.iter().map(|c| self.plain(&c.title())));
         for row in 0..table.rows.len() {
             grid.add_row((0..table.columns.len()).map(|column| self.cell(table, row, column)));
@@ -46,25 +66,26 @@ impl Terminal {
                 set.set_cell_alignment(CellAlignment::Right);
             }
         }
-        // The names of the rows stay whole where there is room.
-        let names = (0..table.rows.len()).map(|row| table.cell(row, 0).chars().count());
-        if let (Some(first), true) =
-            (grid.column_mut(0), names.max().unwrap_or(0) <= self.width * 2 / 5)
-        {
-            first.set_constraint(ColumnConstraint::ContentWidth);
+        for (index, width) in widths.iter().enumerate() {
+            let width = u16::try_from(width + PADDING).unwrap_or(u16::MAX);
+            if let Some(column) = grid.column_mut(index) {
+                column.set_constraint(ColumnConstraint::Absolute(Width::Fixed(width)));
+            }
         }
+        grid.to_string().lines().map(|line| untied(line).trim_end().to_owned() + "\n").collect()
+    }
+
+    /// Each row as its name with what the columns say of it below.
+    fn stack(&self, table: &Table) -> String {
         let mut out = String::new();
-        if !table.caption.is_empty() {
-            out += &(self.paint(BOLD, &self.plain(&table.caption)) + "\n");
+        for (name, told) in stacked(table) {
+            out += &self.text("", &name);
+            for (title, cell) in told {
+                let title = if title.is_empty() { title } else { title + ": " };
+                out += &self.text("  ", &(title + &cell));
+            }
         }
-        for line in grid.to_string().lines() {
-            out += line.trim_end();
-            out.push('\n');
-        }
-        for note in table.notes.iter().flat_map(|n| textwrap(&self.plain(n), self.width)) {
-            out += &(self.paint(FAINT, &note) + "\n");
-        }
-        out
+        untied(&out)
     }
 
     /// Running text after a mark, its lines no longer than the terminal and below each other. Ends with a
@@ -72,7 +93,7 @@ impl Terminal {
     #[must_use]
     pub fn text(&self, mark: &str, text: &str) -> String {
         let indent = mark.chars().count();
-        let lines = textwrap(&self.plain(text), self.width.saturating_sub(indent).max(20));
+        let lines = textwrap(&self.plain(text), self.width.saturating_sub(indent).max(12));
         let line = |(number, line): (usize, &String)| {
             let before = if number == 0 { mark.to_owned() } else { " ".repeat(indent) };
             format!("{before}{line}\n")
@@ -86,9 +107,8 @@ impl Terminal {
             return self.plain(text);
         }
         let missing = table.tail(column) - split_decimal(text).1.chars().count();
-        // A no-break space is not trimmed off the end of a cell.
-        let pad = if self.unicode { "\u{a0}" } else { " " };
-        self.plain(text) + &pad.repeat(missing)
+        // It is not trimmed off the end of a cell.
+        self.plain(text) + &TIE.to_string().repeat(missing)
     }
 
     /// A trace in one row of `width` blocks, scaled from its least to its greatest value; a gap is a space.
@@ -183,6 +203,11 @@ impl Terminal {
     }
 }
 
+/// With plain spaces for those that kept words together.
+fn untied(text: &str) -> String {
+    text.replace(TIE, " ")
+}
+
 fn ascii(c: char) -> String {
     match c {
         '±' => "+-".into(),
@@ -196,6 +221,7 @@ fn ascii(c: char) -> String {
         '³' => "^3".into(),
         '…' => "...".into(),
         '₀'..='₉' => (c as u32 - '₀' as u32).to_string(),
+        TIE => TIE.into(),
         c if c.is_ascii() => c.into(),
         _ => "?".into(),
     }
@@ -204,7 +230,8 @@ fn ascii(c: char) -> String {
 /// Lines of words; a number and its unit stay together.
 fn textwrap(text: &str, width: usize) -> Vec<String> {
     let mut words: Vec<String> = Vec::new();
-    for word in text.split_whitespace() {
+    // What is tied together stays so.
+    for word in text.split_ascii_whitespace() {
         let unit = word.chars().filter(|c| !matches!(c, '.' | ',' | ';' | ')')).count() <= 2;
         match words.last_mut() {
             Some(last) if unit && last.ends_with(|c: char| c.is_ascii_digit()) => {
@@ -312,9 +339,32 @@ mod tests {
     fn a_table_is_no_wider_than_the_terminal() {
         let long =
             table().row(["a parameter with a name that goes on and on and on", "1.0 ± 0.1", "3"]);
-        for width in [40, 60, 120] {
+        for width in [20, 30, 40, 60, 120] {
             let text = Terminal { width, ..Terminal::default() }.table(&long);
             assert!(text.lines().all(|l| l.chars().count() <= width), "{text}");
+        }
+    }
+
+    /// What is printed of numbers at every width, from very narrow on.
+    #[test]
+    fn a_number_is_never_cut() {
+        let columns = ["early hold", "late hold", "unloading"].map(|name| Column::number(name, ""));
+        let columns = std::iter::once(Column::text("trace")).chain(columns).collect();
+        let table = Table::new("Root mean square error, N", columns)
+            .row(["table-3.1-row-01.csv", "0.00785", "0.0122", "-12.5 ± 1.2"])
+            .row(["table-3.1-row-02.csv", "0.00691", "0.0118", "881(24)"]);
+        for width in 16..100 {
+            for unicode in [true, false] {
+                let text = Terminal { width, unicode, colour: false }.table(&table);
+                let shown = text.replace('\u{a0}', " ").replace("+-", "±");
+                let has = |forms: &[&str]| forms.iter().any(|form| shown.contains(form));
+                assert!(
+                    has(&["0.00785", "0.0078"]) && has(&["0.0118", "0.012"]),
+                    "{width}\n{text}"
+                );
+                assert!(has(&["-12.5 ± 1.2", "-12 ± 1", "-13 ± 1"]), "{width}\n{text}");
+                assert!(has(&["881(24)", "880(20)"]), "{width}\n{text}");
+            }
         }
     }
 

@@ -20,6 +20,8 @@ const FILES: &[(&str, &str, &[u8])] = &[
     ("/command.js", SCRIPT, include_bytes!("page/command.js")),
     ("/dom.js", SCRIPT, include_bytes!("page/dom.js")),
     ("/plot.js", SCRIPT, include_bytes!("page/plot.js")),
+    ("/reading.js", SCRIPT, include_bytes!("page/reading.js")),
+    ("/save.js", SCRIPT, include_bytes!("page/save.js")),
     ("/settings.js", SCRIPT, include_bytes!("page/settings.js")),
     ("/live.css", CSS, include_bytes!("page/live.css")),
     ("/live.js", SCRIPT, include_bytes!("page/live.js")),

@@ -4,13 +4,12 @@ use serde_json::{Value, json};
 
 use super::{ladder, name_of, unit_of};
 use crate::criticism::compare::{Cell, Comparison};
-use crate::criticism::covariate::Covariate;
-use crate::criticism::dependence::{Dependence, SEED};
+use crate::criticism::dependence::{Bin, Dependence, SEED};
 use crate::criticism::region::Region;
 use crate::model::Model;
 use crate::report::number::{percent, significant};
 use crate::report::{
-    Axis, Callout, CellFormat, Colour, Column, HeatMap, Panels, Plot, Section, Series, Table,
+    Axis, Block, Callout, CellFormat, Colour, Column, HeatMap, Panels, Plot, Section, Series, Table,
 };
 use crate::trace::Trace;
 
@@ -89,7 +88,10 @@ fn place(comparison: &Comparison) -> Section {
     for what in &comparison.left_out {
         section = section.callout(Callout::Warning, "Left out", what.clone());
     }
-    section.table(error_table(comparison)).figure(heat_map(comparison), "")
+    if !comparison.only_noise {
+        section = section.figure(heat_map(comparison), "");
+    }
+    section.table(error_table(comparison))
 }
 
 fn cell(comparison: &Comparison, trace: usize, region: Region) -> Option<&Cell> {
@@ -110,6 +112,9 @@ fn error_table(comparison: &Comparison) -> Table {
         });
         let whole = significant(comparison.trace_rms[trace], 3);
         table = table.row(std::iter::once(label.clone()).chain(cells).chain([whole]));
+    }
+    if comparison.only_noise {
+        return table;
     }
     let shares = Region::ALL.map(|region| {
         let of_region = comparison.by_region().into_iter().find(|(r, _)| *r == region);
@@ -161,13 +166,21 @@ fn dependence_section(comparison: &Comparison, traces: &[Trace]) -> Section {
         "p value: chance of explaining as much, from 199 circular shifts within the traces (seed {SEED}). \
          Trend: correlation of the mean residual with the quantity."
     );
-    let mut section = Section::new("What the failure depends on").table(table.note(shuffles));
-    let told = |covariate: &Covariate| {
-        comparison.dependences.iter().find(|dependence| dependence.covariate == *covariate)
-    };
-    for dependence in Covariate::ALL.iter().filter_map(told) {
+    let mut section = Section::new("What the failure depends on");
+    let (told, chance): (Vec<&Dependence>, Vec<&Dependence>) =
+        by_p_value(comparison).into_iter().partition(|dependence| dependence.p_value <= TOLD);
+    for dependence in told {
         section = section.figure(dependence_plot(comparison, dependence), "");
     }
+    if !chance.is_empty() {
+        let summary = format!("{} that explain no more than chance does", counted(chance.len()));
+        let folded = chance
+            .into_iter()
+            .map(|dependence| dependence_plot(comparison, dependence))
+            .fold(Section::new(""), |folded, plot| folded.figure(plot, ""));
+        section = section.block(Block::Details { summary, blocks: folded.blocks });
+    }
+    section = section.table(table.note(shuffles));
     if traces.iter().any(|trace| trace.head.setup.start_s.is_none()) {
         section = section.paragraph(
             "Not every head says when its trace began (`start_s`): the time in the data set is counted as if the \
@@ -177,17 +190,46 @@ fn dependence_section(comparison: &Comparison, traces: &[Trace]) -> Section {
     section
 }
 
+/// Chance below which a dependence is shown unasked.
+const TOLD: f64 = 0.05;
+
+fn counted(quantities: usize) -> String {
+    if quantities == 1 { "1 quantity".into() } else { format!("{quantities} quantities") }
+}
+
+/// The surest first; of those as sure, what explains most.
+fn by_p_value(comparison: &Comparison) -> Vec<&Dependence> {
+    let mut found: Vec<&Dependence> = comparison.dependences.iter().collect();
+    found.sort_by(|a, b| a.p_value.total_cmp(&b.p_value).then(b.explained.total_cmp(&a.explained)));
+    found
+}
+
+/// All means of all quantities with their errors lie within this.
+fn scale(comparison: &Comparison) -> f64 {
+    let bins = comparison.dependences.iter().flat_map(|dependence| &dependence.bins);
+    1.05 * bins.map(|bin| bin.mean.abs() + bin.standard_error).fold(0.0, f64::max)
+}
+
 fn dependence_plot(comparison: &Comparison, dependence: &Dependence) -> Plot {
     let unit = unit_of(&comparison.signal);
     let covariate = dependence.covariate;
-    let column = |value: fn(&crate::criticism::dependence::Bin) -> f64| -> Vec<f64> {
-        dependence.bins.iter().map(value).collect()
-    };
+    let column =
+        |value: fn(&Bin) -> f64| -> Vec<f64> { dependence.bins.iter().map(value).collect() };
     let force_unit = if unit == "µε" { "µε" } else { "N" };
+    let most = scale(comparison);
+    let mut means = Axis::new("mean residual", unit);
+    if most > 0.0 && most.is_finite() {
+        means = means.range(-most, most);
+    }
     Plot::new(
-        format!("Residual against {}", covariate.name()),
+        format!(
+            "Residual against {}: {}, p = {:.3}",
+            covariate.name(),
+            percent(dependence.explained, 2),
+            dependence.p_value
+        ),
         Axis::new(covariate.name(), covariate.unit(force_unit)),
-        Axis::new("mean residual", unit),
+        means,
     )
     .summary(format!(
         "Mean residual in {} bins of the {}, which explain {}",

@@ -47,10 +47,17 @@ pub fn relaxation_sections(
     }
     number = number.callout(Callout::Finding, "Number of exponentials", tally(holds));
     let mut form = Section::new("Form of the relaxation").table(form_table(holds, signal));
-    for hold in holds {
-        if let Some(words) = form_in_words(hold, signal) {
-            form = form.callout(Callout::Finding, "Form", words);
+    // Holds that say the same are told together.
+    let mut alike: Vec<(String, Vec<String>)> = Vec::new();
+    for (hold, words) in holds.iter().filter_map(|h| form_in_words(h, signal).map(|w| (h, w))) {
+        match alike.iter_mut().find(|(other, _)| *other == words) {
+            Some((_, places)) => places.push(place(&hold.fit)),
+            None => alike.push((words, vec![place(&hold.fit)])),
         }
+    }
+    for (words, places) in alike {
+        let text = format!("{}: {words}", places.join(", "));
+        form = form.callout(Callout::Finding, "Form", text);
     }
     let mut latency = Section::new("Latency model").table(latency_table(holds, signal));
     for hold in holds.iter().filter(|hold| hold.latency.is_none()) {
@@ -157,7 +164,7 @@ fn form_table(holds: &[Hold], signal: &str) -> Table {
 fn form_in_words(hold: &Hold, signal: &str) -> Option<String> {
     let forms = hold.forms.as_ref()?;
     let best = forms.best()?;
-    let mut words = format!("{}: {}", place(&hold.fit), best.form.name());
+    let mut words = best.form.name();
     if let Some(own) = best.parameters {
         words += &format!(
             ", τ = {} s, β = {}, settles at {} {}",

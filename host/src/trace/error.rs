@@ -4,6 +4,7 @@ use std::fmt;
 use std::io;
 use std::path::PathBuf;
 
+use crate::meant::did_you_mean;
 use crate::recording;
 
 /// One cell of a table in a file.
@@ -343,7 +344,11 @@ pub(super) fn listed(names: &[String]) -> String {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SignalError {
     /// The trace has no such column.
-    #[error("{trace}: no column `{column}`; there are {}.", listed(present))]
+    #[error(
+        "{trace}: no column `{column}`{}; there are {}.",
+        did_you_mean(column, present.iter().map(String::as_str)),
+        listed(present)
+    )]
     NoColumn {
         /// The trace's label.
         trace: String,

@@ -7,8 +7,9 @@
 //!
 //! - `GET /api/live/about`: where it comes from.
 //! - `GET /api/live/stream`: a websocket, see the module `push`.
-//! - `GET /api/live/view?from=S&to=S&bins=N`: the session from one time to another; f64 n and f64 signals, then n times (s,
-//!   f64), then n least and n greatest values of each signal (µε, f32), little-endian.
+//! - `GET /api/live/view?from=S&to=S&bins=N`: the session from one time to another; f64 n and f64 signals, then of n bins the
+//!   time of the first row, that of the last, and how long nothing was known before (s, f64), then of each signal n first
+//!   values, n extremes that came first, n others and n last values (µε, f32), little-endian.
 //! - `GET /api/live/events?from=S&to=S`: what happened then.
 //! - `POST /api/live/wish`: a [`Wish`].
 
@@ -46,7 +47,7 @@ pub(super) use self::feed::lock;
 use self::grasp::Grasp;
 pub use self::log::Elf;
 use self::log::Log;
-use self::pyramid::{Bin, SIGNALS};
+use self::pyramid::{Bin, Course, SIGNALS};
 use self::replay::Replay;
 use self::store::{Event, Store};
 use self::wish::{Request, Wish};
@@ -246,13 +247,22 @@ async fn view(State(live): State<Arc<Live>>, Query(stretch): Query<Stretch>) -> 
 }
 
 fn packed(bins: &[Bin]) -> Vec<u8> {
-    let mut bytes = Vec::with_capacity(16 + bins.len() * (8 + 8 * SIGNALS));
+    let mut bytes = Vec::with_capacity(16 + bins.len() * (24 + 16 * SIGNALS));
     bytes.extend((bins.len() as f64).to_le_bytes());
     bytes.extend((SIGNALS as f64).to_le_bytes());
-    bins.iter().for_each(|bin| bytes.extend(bin.from_s.to_le_bytes()));
+    for time in [|bin: &Bin| bin.from_s, |bin: &Bin| bin.to_s, |bin: &Bin| bin.gap_s] {
+        bins.iter().for_each(|bin| bytes.extend(time(bin).to_le_bytes()));
+    }
+    let values = [
+        |course: &Course| course.first,
+        |course: &Course| course.early,
+        |course: &Course| course.late,
+        |course: &Course| course.last,
+    ];
     for signal in 0..SIGNALS {
-        bins.iter().for_each(|bin| bytes.extend(bin.least[signal].to_le_bytes()));
-        bins.iter().for_each(|bin| bytes.extend(bin.greatest[signal].to_le_bytes()));
+        for value in values {
+            bins.iter().for_each(|bin| bytes.extend(value(&bin.signals[signal]).to_le_bytes()));
+        }
     }
     bytes
 }

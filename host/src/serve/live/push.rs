@@ -2,8 +2,8 @@
 //!
 //! A binary message has, little-endian: f64 rows that were lost on the way from the device, f64 frames and f64 rows that
 //! this page was not sent because it did not keep up, f64 when the last row arrived (ms since 1970), f64 number of the first
-//! row, u32 rows n, u32 signals m; then n times as f64 (s), and n values of each signal as f32 (µε). A text message is JSON:
-//! `{"health": …, "events": […]}`.
+//! row, u32 rows n, u32 signals m; then n times and how long nothing was known before each, as f64 (s), and n values of each
+//! signal as f32 (µε). A text message is JSON: `{"health": …, "events": […]}`.
 //!
 //! The page answers each binary message with any text. With [`IN_FLIGHT`] messages unanswered, those that follow are dropped
 //! whole and counted; what was in them can still be fetched from the session.
@@ -17,7 +17,7 @@ use serde_json::{Value, json};
 use tokio::time::MissedTickBehavior;
 
 use super::feed::lock;
-use super::pyramid::{SIGNALS, Values};
+use super::pyramid::{Row, SIGNALS};
 use super::store::{Event, Store};
 
 /// Between two looks for rows; they come in blocks, each of which is sent as it comes.
@@ -95,7 +95,7 @@ impl Page {
     fn rows(&mut self, store: &Store) -> Message {
         let (missing, rows) = store.pyramid.after(self.next_row);
         self.rows_dropped += missing;
-        let rows: Vec<&(f64, Values)> = rows.collect();
+        let rows: Vec<&Row> = rows.collect();
         let first = self.next_row + missing;
         let head = [
             store.health.tally.rows_lost as f64,
@@ -106,13 +106,14 @@ impl Page {
         ];
         self.next_row = first + rows.len() as u64;
         self.in_flight += 1;
-        let mut bytes = Vec::with_capacity(48 + rows.len() * (8 + 4 * SIGNALS));
+        let mut bytes = Vec::with_capacity(48 + rows.len() * (16 + 4 * SIGNALS));
         head.iter().for_each(|number| bytes.extend(number.to_le_bytes()));
         bytes.extend((rows.len() as u32).to_le_bytes());
         bytes.extend((SIGNALS as u32).to_le_bytes());
-        rows.iter().for_each(|(time_s, _)| bytes.extend(time_s.to_le_bytes()));
+        rows.iter().for_each(|row| bytes.extend(row.time_s.to_le_bytes()));
+        rows.iter().for_each(|row| bytes.extend(row.gap_s.to_le_bytes()));
         for signal in 0..SIGNALS {
-            rows.iter().for_each(|(_, values)| bytes.extend(values[signal].to_le_bytes()));
+            rows.iter().for_each(|row| bytes.extend(row.values[signal].to_le_bytes()));
         }
         Message::Binary(Bytes::from(bytes))
     }
@@ -137,15 +138,15 @@ mod tests {
         let mut store = Store::new();
         let mut page = Page::new(&store);
         for row in 0..28 {
-            store.pyramid.push(f64::from(row), &[0.0; SIGNALS]);
+            store.pyramid.push(f64::from(row), 1.0, &[0.0; SIGNALS]);
             page.due(&mut store);
         }
         assert_eq!((page.in_flight, page.frames_dropped, page.rows_dropped), (16, 12, 12));
         page.in_flight = 0;
-        store.pyramid.push(28.0, &[0.0; SIGNALS]);
+        store.pyramid.push(28.0, 1.0, &[0.0; SIGNALS]);
         let [Some(Message::Binary(bytes)), _] = page.due(&mut store) else { panic!("no rows") };
         let number = |at: usize| f64::from_le_bytes(bytes[at..at + 8].try_into().unwrap());
         assert_eq!([8, 16, 32].map(number), [12.0, 12.0, 28.0]);
-        assert_eq!(bytes.len(), 48 + 8 + 4 * SIGNALS);
+        assert_eq!(bytes.len(), 48 + 16 + 4 * SIGNALS);
     }
 }

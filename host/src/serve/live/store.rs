@@ -202,7 +202,7 @@ impl Store {
             // A clock that goes back, as after a reset nobody told of, does not take the session with it.
             let time_s = self.pyramid.last_s().map_or(f64::MIN, |s| s).max(device_s + offset_s);
             self.note_states(row, time_s, interval_s);
-            self.pyramid.push(time_s, &values(row));
+            self.pyramid.push(time_s, interval_s, &values(row));
         }
     }
 
@@ -370,8 +370,8 @@ mod tests {
         };
         assert!(found(Region::Rest) && found(Region::Loading) && found(Region::Relaxation));
         let (_, rows) = store.pyramid.after(0);
-        for (_, values) in rows {
-            assert_eq!(values[0], values[4] + values[8]);
+        for row in rows {
+            assert_eq!(row.values[0], row.values[4] + row.values[8]);
         }
     }
 
@@ -382,7 +382,7 @@ mod tests {
         store.begin_stream();
         store.take(&press(100), INTERVAL_S);
         let (_, rows) = store.pyramid.after(0);
-        let times: Vec<f64> = rows.map(|(time_s, _)| *time_s).collect();
+        let times: Vec<f64> = rows.map(|row| row.time_s).collect();
         assert!(times.windows(2).all(|pair| pair[0] < pair[1]));
     }
 

@@ -52,8 +52,9 @@ export const api = {
     const open = () => {
       socket = new WebSocket(`ws://${location.host}/api${path}`, ["palpate", `token.${token()}`]);
       socket.binaryType = "arraybuffer";
-      socket.onopen = () => onState(true);
-      socket.onmessage = (event) => onMessage(event.data, (text) => socket.send(text));
+      // One that is not wanted any more is closed when it is open: before, the browser takes that for an error.
+      socket.onopen = () => (closed ? socket.close() : onState(true));
+      socket.onmessage = (event) => closed || onMessage(event.data, (text) => socket.send(text));
       socket.onclose = async () => {
         if (closed) return;
         // A websocket does not say why it was refused; a question does.
@@ -67,7 +68,7 @@ export const api = {
     return () => {
       closed = true;
       clearTimeout(timer);
-      socket.close();
+      if (socket.readyState === WebSocket.OPEN) socket.close();
     };
   },
 };

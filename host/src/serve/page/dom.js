@@ -31,28 +31,46 @@ export function fold(name, summary, ...children) {
 const CONTROLS = "button,input,select,summary";
 const wordsOf = (control) => `${control.tagName} ${control.getAttribute("aria-label") ?? (control.labels?.[0] ?? control).textContent}`;
 const within = (panel) => [...panel.querySelectorAll(CONTROLS)];
+const usable = (control) => control && !control.disabled && control.checkVisibility();
+
+/** Gives the keyboard to the first control of a panel that can be used, or to the panel itself. */
+export function enter(panel, wanted = []) {
+  const control = [...wanted, ...within(panel)].find(usable);
+  if (!control) panel.tabIndex = -1;
+  (control ?? panel).focus({ preventScroll: true });
+}
 
 /** Draws anew without taking the keyboard away: the control of the same words in the same panel has it again, or the first of the
  *  panel where there is none. */
 export function keepingFocus(root, draw) {
   const before = document.activeElement;
   const panel = root.contains(before) ? before.closest("section") : null;
+  const words = panel && before !== panel && wordsOf(before);
   const alike = (control) => wordsOf(control) === words;
-  const words = panel && wordsOf(before);
   const place = panel ? within(panel).filter(alike).indexOf(before) : -1;
   draw();
-  if (!panel || before.isConnected) return;
-  const same = within(panel).filter(alike);
-  (same[place] ?? same[0] ?? within(panel)[0])?.focus({ preventScroll: true });
+  if (!panel || (before.isConnected && usable(before))) return;
+  const name = panel.getAttribute("aria-label");
+  const now = panel.isConnected ? panel : [...root.querySelectorAll("section")].find((of) => of.getAttribute("aria-label") === name);
+  if (!now) return;
+  const same = within(now).filter(alike);
+  enter(now, [same[place], same[0]]);
 }
 
-/** A number as it is read, to so many significant digits. */
+/** A number as it is read, to so many significant digits, zeros at its end included; whole numbers as they are. */
 export function number(value, digits = 3) {
   if (value === null || value === undefined || !Number.isFinite(value)) return "–";
   const size = Math.abs(value);
-  const text = size !== 0 && (size < 1e-3 || size >= 1e5) ? value.toExponential(digits - 1) : String(Number(value.toPrecision(digits)));
-  return text.replace("-", "−");
+  const written = () => {
+    if (Number.isInteger(value) && size < 1e5) return String(value);
+    if (size < 1e-3 || size >= 1e5) return value.toExponential(digits - 1);
+    return size >= 10 ** digits ? String(Math.round(value)) : value.toPrecision(digits);
+  };
+  return written().replace("-", "−");
 }
+
+/** `1 refit`, `2 refits`. */
+export const counted = (count, word) => `${count} ${word}${count === 1 ? "" : "s"}`;
 
 /** A share in percent. */
 export const percent = (value) => `${Math.round(100 * value)} %`;

@@ -1,7 +1,7 @@
 // The Lab: a model beside recordings, what it lacks, and putting it right.
 
 import { copyButton } from "./command.js";
-import { choice, h, isForPage, keepingFocus, number } from "./dom.js";
+import { choice, counted, enter, h, isForPage, keepingFocus, number } from "./dom.js";
 import { bench, fitTask } from "./lab/bench.js";
 import { beside } from "./lab/beside.js";
 import { candidates } from "./lab/candidates.js";
@@ -13,8 +13,12 @@ import { model } from "./lab/model.js";
 import { overlay } from "./lab/overlay.js";
 import { ownLaw } from "./lab/ownlaw.js";
 import { practice } from "./lab/practice.js";
+import { download } from "./save.js";
 
 export const keys = [
+  ["Ctrl wheel", "zoom about the pointer; with Alt in y"],
+  ["Shift drag", "move along; with the wheel too"],
+  ["click", "mark a place to measure from"],
   ["+ / −", "zoom in, zoom out"],
   ["← / →", "earlier, later"],
   ["[ / ]", "trace before, trace after"],
@@ -35,7 +39,7 @@ export function open(root, api) {
   let choices = null;
   let state = null;
   let trace = 0;
-  let against = null;
+  let symbolDrawn = null;
   let timer = null;
   let closed = false;
   let busy = false;
@@ -48,7 +52,7 @@ export function open(root, api) {
   };
   const panels = {
     bench: panel("Traces and base law", "bench"),
-    trace: panel("Measurement and model", "trace", "Drag over a stretch to zoom; double click for the whole trace."),
+    trace: panel("Measurement and model", "trace", "The values under the pointer stand beside it; a click marks a place to measure from. Drag over a stretch to zoom, double click for the whole trace."),
     heat: panel("Where it fails", "where", "How the error beyond the noise is shared among traces and parts of the press. A click shows the place."),
     against: panel("What the failure depends on", "against", "A model that lacks nothing leaves the same, zero, everywhere. A slope or a step here is a hint."),
     ladder: panel("Ladder", "rungs", "The error (RMS, root mean square) after each addition. Fitted: of these traces. Held out: of each trace, predicted by a fit to the others. No model gets below the noise."),
@@ -62,10 +66,12 @@ export function open(root, api) {
   const way = h("div", {});
   const left = [panels.trace, panels.heat, panels.against].map((of) => of.place);
   const right = [panels.ladder, panels.missing, panels.model, panels.beside, panels.law, panels.practice].map((of) => of.place);
-  root.append(h("div", { class: "lab" }, panels.bench.place, way, work, h("div", { class: "lab-columns" }, h("div", { class: "lab-column" }, left), h("div", { class: "lab-column" }, right))));
-  const picker = h("div", { class: "tools" });
-  panels.trace.body.append(picker);
-  const plots = overlay(panels.trace.body, api.get, (error) => say(error.message, true));
+  const columns = h("div", { class: "lab-columns" }, h("div", { class: "lab-column" }, left), h("div", { class: "lab-column" }, right));
+  // Shown when all of it is drawn, so that nothing jumps.
+  const lab = h("div", { class: "lab", hidden: true }, panels.bench.place, way, work, columns);
+  root.append(lab);
+  const picker = h("span", {});
+  const plots = overlay(panels.trace.body, picker, api.get, (error) => say(error.message, true));
 
   // ── What can be done ──
 
@@ -83,7 +89,7 @@ export function open(root, api) {
     watch();
   });
   const choose = guarded(async (what) => {
-    if ("set" in what) [trace, against] = [0, null];
+    if ("set" in what) [trace, symbolDrawn] = [0, null];
     await api.post("/lab/choose", what);
     watch();
   });
@@ -132,9 +138,7 @@ export function open(root, api) {
     }),
     export: guarded(async (kind) => {
       const { file, html } = await api.get(`/lab/report?kind=${kind}`);
-      const address = URL.createObjectURL(new Blob([html], { type: "text/html" }));
-      h("a", { href: address, download: file }).click();
-      setTimeout(() => URL.revokeObjectURL(address), 10_000);
+      download(file, new Blob([html], { type: "text/html" }));
     }),
   };
 
@@ -146,30 +150,32 @@ export function open(root, api) {
     const { job, failed } = await api.get("/lab/progress").catch((error) => ({ job: null, failed: error.message }));
     if (closed) return;
     busy = Boolean(job);
-    root.querySelector(".lab").classList.toggle("lab-busy", busy);
+    lab.classList.toggle("lab-busy", busy);
     if (job) {
       atWork(job);
       timer = setTimeout(watch, ASK);
       return;
     }
+    const held = work.contains(document.activeElement);
     work.replaceChildren();
     if (failed) say(failed === "cancelled" ? "Cancelled. The model is as it was." : failed, true);
     await refresh();
+    if (held) enter(way.firstElementChild);
   }
 
   /** How far it is: a share of a stage where its length is known, else what was done so far. */
   function atWork(job) {
     const { stage } = job;
     const part = stage ? `${stage.what}: ${stage.done} of ${stage.of}` : "";
-    const done = job.searches ? `${job.searches} refits, ${job.steps} steps` : "";
+    const done = job.searches ? `${counted(job.searches, "refit")}, ${counted(job.steps, "step")}` : "";
     const far = [part, done, `${number(job.seconds, 2)} s`].filter(Boolean).join(" · ");
     if (work.dataset.at !== job.what || !work.querySelector(".lab-far")) {
       work.dataset.at = job.what;
       work.replaceChildren(
         h("progress", { "aria-label": job.what }),
-        h("span", {}, `${job.what} … `, h("span", { class: "lab-far muted", "aria-hidden": "true" }, far)),
         h("button", { class: "lab-cancel", onclick: cancel }, "Cancel"),
-        h("code", {}, job.command),
+        h("span", { class: "lab-doing" }, `${job.what} … `, h("span", { class: "lab-far muted", "aria-hidden": "true" }, far)),
+        h("code", { title: job.command }, job.command),
         copy(job.command),
       );
     } else work.querySelector(".lab-far").textContent = far;
@@ -183,6 +189,7 @@ export function open(root, api) {
   const refresh = guarded(async () => {
     state = await api.get("/lab/state");
     if (closed) return;
+    lab.hidden = false;
     keepingFocus(root, draw);
   });
 
@@ -193,31 +200,40 @@ export function open(root, api) {
     });
   }
 
+  /** What a panel shows; until there is something, why there is not. */
+  function fill(panel, is, not, shown) {
+    panel.place.classList.toggle("lab-later", !is);
+    panel.show(...(is ? shown() : [h("p", { class: "lab-note" }, not)]));
+  }
+
   function draw() {
-    const { comparison, answers } = state;
+    const { comparison, model: now } = state;
+    const unfitted = "Once a base law is fitted.";
+    columns.classList.toggle("lab-empty", !state.traces.length);
     drawBench();
     drawTrace();
-    panels.heat.hide(!comparison);
-    panels.against.hide(!comparison);
-    if (comparison) {
-      const report = h("div", { class: "tools" }, copy({ compare: null }));
-      panels.heat.show(h("p", {}, comparison.in_words), h("div", { class: "lab-scroll" }, heatmap(comparison, choices.regions, goTo)), report);
-      drawAgainst();
-    }
-    panels.ladder.hide(!state.model?.ladder);
-    if (state.model?.ladder) {
-      const floor = comparison?.only_noise ? [h("p", { class: "lab-floor-reached" }, "At the noise floor: nothing but noise is left.")] : [];
-      panels.ladder.show(ladder(state.model, comparison?.noise_rms, comparison?.unit ?? state.unit), change(answers.change), ...floor);
-    }
-    panels.missing.hide(!state.model);
-    if (state.model) drawMissing();
-    panels.model.hide(!state.model);
-    if (state.model) panels.model.show(model(state, act));
+    // The map has room for its rows from the first.
+    panels.heat.body.style.minHeight = `${1.75 * taken().length + 7}rem`;
+    fill(panels.heat, comparison, unfitted, () => [
+      h("p", {}, comparison.in_words),
+      h("div", { class: "lab-scroll" }, heatmap(comparison, choices.regions, goTo)),
+      h("div", { class: "tools" }, copy({ compare: null })),
+    ]);
+    fill(panels.against, comparison, unfitted, against);
+    fill(panels.ladder, now?.ladder, "Its first rung is the base law.", rungs);
+    fill(panels.missing, now, unfitted, missing);
+    fill(panels.model, now, "Its parameters, once a base law is fitted.", () => [model(state, act)]);
     panels.beside.hide(!comparison);
     if (comparison) panels.beside.show(beside(state, drafts.beside, act));
-    panels.law.hide(!state.model);
-    if (state.model && !panels.law.body.hasChildNodes()) panels.law.show(ownLaw(choices, drafts.law, act));
+    panels.law.hide(!now);
+    if (now && !panels.law.body.hasChildNodes()) panels.law.show(ownLaw(choices, drafts.law, act));
     panels.practice.show(practice(choices, state, drafts.practice, act));
+  }
+
+  function rungs() {
+    const { comparison, answers } = state;
+    const floor = comparison?.only_noise ? [h("p", { class: "lab-floor-reached" }, "At the noise floor: nothing but noise is left.")] : [];
+    return [ladder(state.model, comparison?.noise_rms, comparison?.unit ?? state.unit), change(answers.change), ...floor];
   }
 
   function change(of) {
@@ -227,16 +243,20 @@ export function open(root, api) {
     return h("div", {}, h("p", {}, `${words}${held}.`), of.warnings.map((text) => h("p", { class: "lab-note" }, `Beware: ${text}.`)));
   }
 
-  function drawMissing() {
+  function missing() {
     const diagnose = h("button", { class: "lab-diagnose", onclick: () => start({ diagnose: null }) }, "Diagnose");
     const explore = h("button", { class: "lab-explore", onclick: () => start({ explore: null }) }, "Add all that is missing");
     const tools = h("div", { class: "tools" }, diagnose, copy({ diagnose: null }), explore, copy({ explore: null }));
     const known = state.answers.diagnosis;
-    panels.missing.show(tools, known ? candidates(state.answers, known.unit, act) : "");
+    return [tools, known ? candidates(state.answers, known.unit, act) : ""];
   }
 
-  function drawAgainst() {
-    keepingFocus(root, () => panels.against.show(covariate(state.comparison, against, (symbol) => ((against = symbol), drawAgainst()))));
+  function against() {
+    const show = (symbol) => {
+      symbolDrawn = symbol;
+      keepingFocus(root, () => panels.against.show(...against()));
+    };
+    return [covariate(state.comparison, symbolDrawn, show)];
   }
 
   const taken = () => state.traces.filter((of) => of.chosen);

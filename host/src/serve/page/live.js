@@ -6,9 +6,11 @@ import { healthPanel } from "./live/health.js";
 import { Window, columnsOf, readRows, readView } from "./live/window.js";
 import { controls } from "./live/controls.js";
 import { marginPanel } from "./live/margin.js";
+import { picture, table } from "./save.js";
 
 export const keys = [
-  ["space", "pause and go on"], ["← →", "back and forth through the session"], ["+ −", "shorter or longer stretch"],
+  ["Ctrl wheel", "zoom about the pointer; with Alt in y"], ["Shift drag", "move along; with the wheel too"],
+  ["click", "mark a place to measure from"], ["space", "pause and go on"], ["← →", "back and forth through the session"], ["+ −", "shorter or longer stretch"],
   ["0", "back to now"],
 ];
 
@@ -23,6 +25,21 @@ const SIGNALS = [
 ];
 /** Colour of each region by its number; rest has none. */
 const REGION_COLOURS = [undefined, "c4", "c1", "c3", "c0", "c2", "c5"];
+/** What letters and colours mean. */
+const LEGEND = [
+  ["OA", REGION_COLOURS[1], "preloading: the motion has begun, touch is not reached"],
+  ["AB", REGION_COLOURS[2], "loading: in contact, the motion advances"],
+  ["BC", REGION_COLOURS[3], "transition: the motion advances, the signal already falls"],
+  ["CD", REGION_COLOURS[4], "relaxation: the motion stands, in contact"],
+  ["DE", REGION_COLOURS[5], "unloading: the motion retreats, in contact"],
+  ["EF", REGION_COLOURS[6], "recovery: contact is lost, the material recovers"],
+  ["Type I", null, "the signal is farther from zero than where it will settle, and decays: after loading"],
+  ["Type II", null, "it is nearer to zero than where it will settle, and recovers: after a partial unloading"],
+  ["FA", null, "fast adapting: what answers to a change and fades"],
+  ["SA", null, "slowly adapting: what stays while a press is held; FA and SA make the signal"],
+];
+/** Heights of a plot, px, and of its heading with the space below. */
+const [LEAST_HEIGHT, MOST_HEIGHT, HEADING] = [200, 560, 44];
 const STRETCHES = [2, 5, 10, 30, 60];
 const LONGEST = 86_400;
 /** Bins across a plot, at least and at most; between, as many as it is wide in px. */
@@ -37,6 +54,8 @@ export function open(root, api) {
   let health = { now_s: 0, since_s: 0 };
   let rowsDropped = 0;
   let waiting = null;
+  /** Rows that come while the session is asked. */
+  let meanwhile = null;
   let closed = false;
   const now = new Window(seconds, COLUMNS[0]);
   let regions = Array.from({ length: GAUGES }, () => []);
@@ -59,8 +78,10 @@ export function open(root, api) {
     const label = h("label", { title: words }, box, h("span", { class: `key ${colour}` }), name);
     return label;
   });
+  const asPicture = h("button", { type: "button", class: "save-picture", title: "What is seen as a picture (PNG)", onclick: () => picture(named(), plots.map(({ drawn }, gauge) => ({ drawn, heading: `Gauge ${gauge + 1}, µε over s` }))) }, "Picture");
+  const asData = h("button", { type: "button", class: "save-data", title: "The points of what is seen as a table (CSV)", onclick: saveData }, "Data");
   room.append(
-    h("div", { class: "tools" }, pause, length, back, forth, shorter, longer, slider, where),
+    h("div", { class: "tools" }, pause, length, back, forth, shorter, longer, slider, where, asPicture, asData),
     h("div", { class: "tools", role: "group", "aria-label": "What is drawn" }, ...shown));
 
   const columns = h("div", { class: "columns" });
@@ -75,7 +96,7 @@ export function open(root, api) {
       h("div", { class: "heading" }, h("h2", {}, `Gauge ${gauge + 1}`), reading));
     gauges.append(place);
     const drawn = plot(place, {
-      x: [], label: `Strain of gauge ${gauge + 1} over time`, axes: { x: "s", y: "µε" }, height: 250, group: "live",
+      x: [], label: `Strain of gauge ${gauge + 1} over time`, axes: { x: "s", y: "µε" }, units: { unit: "µε", decimals: 1 }, height: LEAST_HEIGHT, group: "live",
       // Hairlines: those that are wider are stroked with joins, which without a GPU takes most of a frame.
       series: SIGNALS.map(([label, colour, dash, show]) => ({ label, colour, dash, show, width: 1, values: [] })),
       onZoom: (from, to) => (from === null ? goOn() : look(from, to)),
@@ -83,13 +104,28 @@ export function open(root, api) {
     return { drawn, reading };
   });
 
+  side.append(h("details", { class: "panel live-legend" }, h("summary", {}, "What OA … EF, Type I and II, FA and SA mean"), h("dl", {}, LEGEND.flatMap(([term, colour, words]) => [
+    h("dt", {}, colour ? h("span", { class: `shade shade-${colour}` }) : null, term), h("dd", {}, words),
+  ]))));
   const panel = controls(side, api);
   const closeMargin = marginPanel(side, api);
   const healthShown = healthPanel(side);
 
   const columnsShown = () => Math.min(Math.max(2 * Math.round(gauges.firstElementChild.clientWidth / 2), COLUMNS[0]), COLUMNS[1]);
-  const resized = new ResizeObserver(() => refill());
+  /** The plots share the height of the window that is left to them. */
+  function fit() {
+    const across = getComputedStyle(gauges).gridTemplateColumns.split(" ").length;
+    const down = Math.ceil(GAUGES / across);
+    const below = innerHeight - gauges.getBoundingClientRect().top - scrollY;
+    const height = Math.min(Math.max(Math.floor(below / down) - HEADING, LEAST_HEIGHT), MOST_HEIGHT);
+    plots.forEach(({ drawn }) => drawn.resize(height));
+  }
+  const resized = new ResizeObserver(() => {
+    fit();
+    refill();
+  });
   resized.observe(gauges);
+  addEventListener("resize", fit);
 
   // What comes.
   const closeSocket = api.socket("/live/stream", (data, send) => {
@@ -99,6 +135,7 @@ export function open(root, api) {
     if (rows.rowsDropped > rowsDropped) refill();
     rowsDropped = rows.rowsDropped;
     now.take(rows);
+    meanwhile?.push(rows);
     measured.arrivedMs = rows.arrivedMs;
   }, (isOpen, why) => {
     room.classList.toggle("away", !isOpen);
@@ -130,6 +167,7 @@ export function open(root, api) {
     waiting = (async () => {
       const to = LONGEST * 10;
       const from = Math.max(0, (Number.isFinite(now.last) ? now.last : health.now_s) - seconds);
+      meanwhile = [];
       try {
         const [bytes, events] = await Promise.all([
           api.bytes(`/live/view?from=${from}&to=${to}&bins=${2 * columnsShown()}`), api.get(`/live/events?from=${from}&to=${to}`),
@@ -139,9 +177,11 @@ export function open(root, api) {
         for (const event of events) if (event.kind !== "said") happenedQuietly(event);
         now.resize(seconds, columnsShown());
         now.fill(readView(bytes));
+        meanwhile.forEach((rows) => now.take(rows));
       } catch (error) {
         where.textContent = error.message;
       }
+      meanwhile = null;
     })();
     await waiting;
     waiting = null;
@@ -166,6 +206,8 @@ export function open(root, api) {
     pause.setAttribute("aria-pressed", "true");
     slider.value = Math.round(1000 * Math.min(1, Math.max(0, (past.to - oldest) / Math.max(newest - oldest, 1e-9))));
     where.textContent = `${past.from.toFixed(2)} … ${past.to.toFixed(2)} s`;
+    // What is drawn already goes there at once, so that the next turn of the wheel starts from here.
+    plots.forEach(({ drawn }) => drawn.range(past.from, past.to));
     const mine = past;
     try {
       const [bytes, events] = await Promise.all([
@@ -234,12 +276,12 @@ export function open(root, api) {
     if (still && !pastDrawing?.fresh) return;
     if (!still && now.bins === 0) return;
     const { from, to } = stretch();
-    const { x, values } = still ? pastDrawing : now.columns();
+    const { x, values, breaks } = still ? pastDrawing : now.columns();
     const marks = still ? pastDrawing : { regions, gaps };
     plots.forEach(({ drawn, reading }, gauge) => {
       drawn.range(from, to);
       const bands = spans(marks.regions[gauge], from, to).concat(missing(marks.gaps, from, to));
-      drawn.set({ x, values: SIGNALS.map((_, signal) => values[GAUGES * signal + gauge]), bands });
+      drawn.set({ x, values: SIGNALS.map((_, signal) => values[GAUGES * signal + gauge]), bands, breaks });
       if (!still) read(reading, gauge);
     });
     if (still) pastDrawing.fresh = false;
@@ -247,7 +289,7 @@ export function open(root, api) {
 
   function read(reading, gauge) {
     const state = regions[gauge].at(-1);
-    const value = (signal) => now.value(GAUGES * signal + gauge).toFixed(1);
+    const value = (signal) => now.value(GAUGES * signal + gauge).toFixed(1).replace("-", "−");
     const region = state ? `${state.points} ${state.name}`.trim() : "";
     const type = state && state.type !== "–" ? ` · Type ${state.type}` : "";
     const text = `${value(0)} µε, settles at ${value(4)} · ${region}${type}`;
@@ -268,6 +310,15 @@ export function open(root, api) {
     Object.assign(measured, { frames: 0, since: performance.now(), delays: [] });
   }
 
+  const named = () => `fingertip-${stretch().from.toFixed(2)}s`;
+
+  function saveData() {
+    const { x, values } = past ? pastDrawing : now.columns();
+    const columns = SIGNALS.flatMap(([name], signal) => Array.from({ length: GAUGES }, (_, gauge) =>
+      [`gauge${gauge + 1}${signal === 0 ? "" : `_${name.replace(" ", "_")}`}_ustrain`, values[GAUGES * signal + gauge]]));
+    table(named(), [["time_s", x], ...columns]);
+  }
+
   function pressed(event) {
     // Space presses a button or opens a summary.
     if (!isForPage(event) || event.target.closest?.("button,summary")) return;
@@ -285,6 +336,7 @@ export function open(root, api) {
   return () => {
     closed = true;
     resized.disconnect();
+    removeEventListener("resize", fit);
     closeSocket();
     closeMargin();
     document.removeEventListener("keydown", pressed);
@@ -304,8 +356,8 @@ function spans(states, from, to) {
   for (let index = states.length - 1; index >= 0; index--) {
     const begin = states[index].time_s;
     if (end > from && begin < end) {
-      const { region, points, type } = states[index];
-      extend(shaded, { from: begin, to: end, key: region, colour: REGION_COLOURS[region], text: points });
+      const { region, points, name, type } = states[index];
+      extend(shaded, { from: begin, to: end, key: region, colour: REGION_COLOURS[region], text: points, name: `${points} ${name}`.trim() });
       extend(types, { from: begin, to: end, key: type, foot: type === "–" ? "" : `Type ${type}` });
     }
     // A region that was recognised late begins before what was told ahead of it.

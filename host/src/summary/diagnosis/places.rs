@@ -30,7 +30,9 @@ impl DiagnosisSummary<'_> {
         let before = heat_map(self.before());
         let strongest = before.values.iter().flatten().copied().fold(0.0, f64::max);
         let title = format!("Share of what {} leaves beyond the noise", self.base_name());
-        section = section.figure(HeatMap { title, ..before.clone() }, "");
+        if !self.before().only_noise {
+            section = section.figure(HeatMap { title, ..before.clone() }, "");
+        }
         if !steps.is_empty() {
             let title = format!("What {} still leaves of that", self.top_name());
             let (values, summary) = (self.still_left(), self.after().in_words());

@@ -1,6 +1,6 @@
 // What could be missing, with what speaks for it.
 
-import { fold, h, number } from "../dom.js";
+import { fold, h, number, percent, s } from "../dom.js";
 import { reach, sparkline } from "./sparkline.js";
 
 /**
@@ -15,11 +15,48 @@ export function candidates(answers, unit, act) {
     const scale = Math.max(reach(found.now), ...found.list.map((of) => reach(of.picture)));
     children.push(
       h("p", { class: "lab-note" }, `Pictures: what would be left of ${found.trace}, on one scale. Now: `, sparkline(found.now, scale, `the residual of ${found.trace} now`)),
-      h("ol", { class: "lab-candidates" }, found.list.filter((of) => !of.untestable).map((of) => candidate(of, diagnosis, scale, unit, act))),
+      h("ol", { class: "lab-candidates" }, found.list.filter(explains).map((of) => candidate(of, diagnosis, scale, unit, act))),
+      others(found.list.filter((of) => !of.untestable && !explains(of)), (of) => candidate(of, diagnosis, scale, unit, act)),
       untestable(found.list.filter((of) => of.untestable)),
+      terms(),
     );
   }
   return h("div", {}, children);
+}
+
+/** Chance of as much under noise alone from which an effect explains nothing. */
+const CHANCE = 0.05;
+const explains = (of) => !of.untestable && of.gain_foretold > 0 && of.chance <= CHANCE;
+
+/** Share of what is left beyond the noise that an effect would take away, as a bar; none where it is not known. */
+function share(of, diagnosis) {
+  const [base, noise] = [diagnosis.base_rms ?? diagnosis.base_rms_N, diagnosis.noise_rms ?? diagnosis.noise_rms_N];
+  const beyond = base ** 2 - noise ** 2;
+  if (!explains(of) || !of.rms_foretold || !(beyond > 0)) return null;
+  const part = Math.min(Math.max((base ** 2 - of.rms_foretold ** 2) / beyond, 0), 1);
+  return h(
+    "span",
+    { class: "lab-share" },
+    s("svg", { viewBox: "0 0 100 8", preserveAspectRatio: "none", "aria-hidden": "true" }, s("rect", { class: "lab-share-all", width: 100, height: 8 }), s("rect", { class: "lab-share-part", width: 100 * part, height: 8 })),
+    `${percent(part)} of the misfit`,
+  );
+}
+
+function others(list, row) {
+  if (!list.length) return null;
+  return fold("explain nothing", `${list.length} would explain no more than chance does`, h("ol", { class: "lab-candidates" }, list.map(row)));
+}
+
+/** The terms in which the evidence is given. */
+function terms() {
+  const meaning = [
+    ["Misfit", "What the model leaves beyond the noise, as a mean square."],
+    ["Δχ²", "How much the sum of squared residuals, in units of the noise, would fall. Noise alone gives about one for each parameter."],
+    ["p value", "The chance that noise alone, in traces without this effect, would seem to be explained as well by any of the candidates."],
+    ["Refitted", "With all parameters of the model and of the effect fitted again; before that only the effect's."],
+    ["BIC", "The Bayesian information criterion: misfit and a price for each parameter. Behind the best by more than 10, an effect is very unlikely."],
+  ];
+  return fold("terms", "what the terms mean", h("dl", {}, meaning.flatMap(([term, words]) => [h("dt", {}, term), h("dd", {}, words)])));
 }
 
 function verdict(diagnosis) {
@@ -55,6 +92,7 @@ function candidate(of, diagnosis, scale, unit, act) {
       "div",
       { class: "lab-candidate-head" },
       h("strong", {}, of.effect),
+      share(of, diagnosis),
       of.picture ? sparkline(of.picture, scale, `what ${of.effect} would leave: ${number(of.rms_foretold)} ${unit} RMS`) : null,
       h("button", { class: "lab-add", onclick: () => act.add(of.effect) }, "Add", h("span", { class: "spoken" }, ` ${of.effect}`)),
       act.copy({ add: { effect: of.effect } }),

@@ -19,7 +19,7 @@ export function model(state, act) {
     parameters(of),
     of.effect?.length ? h("ul", { class: "lab-effects" }, of.effect.map((effect) => inModel(effect, act))) : null,
     of.candidate?.length ? h("ul", { class: "lab-effects" }, of.candidate.map((own) => candidate(own, act))) : null,
-    fold("history", "how it came about", h("ol", {}, versions.map((version) => came(version, act)))),
+    fold("history", "how it came about", h("ol", {}, versions.map((version) => came(version, state.comparison?.unit ?? state.unit, act)))),
   );
 }
 
@@ -48,7 +48,7 @@ function candidate(own, act) {
   return h("li", {}, own.name, " ", h("code", {}, own.expression), " is not in the model ", h("button", { onclick: () => act.start(task) }, "Add", h("span", { class: "spoken" }, ` ${own.name}`)), act.copy(task));
 }
 
-function came(version, act) {
+function came(version, unit, act) {
   const text = version.command;
-  return h("li", {}, version.said, version.rms ? `, ${number(version.rms)} RMS` : "", text ? [h("br"), h("code", {}, text), act.copy(text)] : null);
+  return h("li", {}, version.said, version.rms ? `, ${number(version.rms)}${unit ? ` ${unit}` : ""} RMS` : "", text ? [h("br"), h("code", {}, text), act.copy(text)] : null);
 }

@@ -2,27 +2,33 @@
 
 import { plot } from "../plot.js";
 import { h, number } from "../dom.js";
+import { picture as asPicture, table } from "../save.js";
 
 const SHADES = { loading: "c2", "early hold": "c4", "late hold": "c0", unloading: "c3" };
 const MOST_NAMED = 12;
+/** Heights of measurement and residual, px. */
+const [UPPER, LOWER] = [280, 170];
 /** When to ask again for regions that are still being looked for, ms. */
 const AGAIN = 1000;
 
 /**
- * The plots of one trace. `ask(path)` fetches; `fail(error)` hears what went wrong; `trace()` gives its number. `update(info)` draws anew with
+ * The plots of one trace. `picker` stands before the buttons; `ask(path)` fetches; `fail(error)` hears what went wrong; `trace()` gives its number. `update(info)` draws anew with
  * `{trace, label, signal, unit, noise, beside}`; `go(from, to)` zooms; `hover(effect)` lays a candidate's forecast over.
  */
-export function overlay(root, ask, fail) {
+export function overlay(root, picker, ask, fail) {
   const place = h("div", { class: "lab-plots" });
   const told = h("p", { class: "lab-legend", "aria-live": "polite" });
   const buttons = h(
     "div",
     { class: "tools" },
+    picker,
     h("button", { onclick: () => go(null, null) }, "Whole trace"),
     h("button", { onclick: () => scale(0.5), "aria-label": "Zoom in" }, "+"),
     h("button", { onclick: () => scale(2), "aria-label": "Zoom out" }, "−"),
     h("button", { onclick: () => pan(-0.5), "aria-label": "Earlier" }, "◀"),
     h("button", { onclick: () => pan(0.5), "aria-label": "Later" }, "▶"),
+    h("button", { class: "lab-picture", onclick: () => save(picture), title: "This view as a picture (PNG)" }, "Picture"),
+    h("button", { class: "lab-data", onclick: () => save(points), title: "The points of this view as a table (CSV)" }, "Data"),
   );
   root.append(buttons, told, place);
   let info = null;
@@ -67,7 +73,7 @@ export function overlay(root, ask, fail) {
     const few = regions.length <= MOST_NAMED;
     const bands = regions
       .filter(([, , name]) => SHADES[name])
-      .map(([from, to, name]) => ({ from, to, colour: SHADES[name], text: few || shown.from !== null ? name : "" }));
+      .map(([from, to, name]) => ({ from, to, colour: SHADES[name], name, text: few || shown.from !== null ? name : "" }));
     const same = forecast && forecast.time.length === data.time.length;
     const none = data.time.map(() => null);
     const level = (value) => data.time.map(() => value);
@@ -98,7 +104,9 @@ export function overlay(root, ask, fail) {
       x: [],
       series: [{ label: "measured", colour: "ink", values: [] }, ...(fits ? model : [])],
       axes: { x: fits ? "" : "time, s", y: `${info.signal}, ${info.unit}` },
-      height: 280,
+      units: { unit: info.unit },
+      // Until there is a residual its room is the measurement's.
+      height: fits ? UPPER : UPPER + LOWER,
       label: `${info.label}: measured${fits ? " and model" : ""} over time`,
       onZoom,
       group,
@@ -108,14 +116,15 @@ export function overlay(root, ask, fail) {
       { label: "residual", colour: "c0" },
       { label: "foretold", colour: "c2" },
       { label: "noise", colour: "muted", dash: [4, 4] },
-      { label: "noise", colour: "muted", dash: [4, 4] },
+      { label: "", colour: "muted", dash: [4, 4] },
     ].map((one) => ({ ...one, values: [] }));
     const lower = fits
       ? plot(place, {
           x: [],
           series: residual,
           axes: { x: "time, s", y: `residual, ${info.unit}` },
-          height: 170,
+          units: { unit: info.unit },
+          height: LOWER,
           label: `${info.label}: measured minus model over time`,
           onZoom,
           group,
@@ -134,10 +143,24 @@ export function overlay(root, ask, fail) {
         fits && key("residual", "residual"),
         fits && info.noise && key("floor", "noise"),
         other && key("other", `other model: ${info.beside}`),
+        ...Object.entries(SHADES).filter(([name]) => data.regions?.some(([, , of]) => of === name)).map(([name, shade]) => h("span", { class: `lab-key lab-shade lab-shade-${shade}` }, name)),
         data.regions === null && h("span", { class: "muted" }, "regions are being looked for …"),
         foretold && key("foretold", `with ${forecast.effect} (${forecast.law}), foretold: ${number(forecast.rms)} ${info.unit} RMS`),
       ].filter(Boolean),
     );
+  }
+
+  const save = (how) => data && Promise.resolve(how(`${info.label.replace(/\.csv$/, "")}-${info.signal}`)).catch(fail);
+
+  function picture(name) {
+    const heading = `${info.label}: ${info.signal}, ${info.unit}${plots.fits ? ", measured and model" : ""}`;
+    const residual = plots.lower ? [{ drawn: plots.lower, heading: `residual, ${info.unit}` }] : [];
+    return asPicture(name, [{ drawn: plots.upper, heading }, ...residual]);
+  }
+
+  function points(name) {
+    const modelled = plots.fits ? [[`predicted_${info.unit}`, data.predicted], [`residual_${info.unit}`, data.residual]] : [];
+    table(name, [["time_s", data.time], [info.signal, data.measured], ...modelled]);
   }
 
   function go(from, to) {

@@ -1,0 +1,72 @@
+//! Symbols with an index as they are printed: the e of `ε_e` stands lower.
+
+/// A part of a text, and whether it stands lower.
+#[derive(Debug, PartialEq, Eq)]
+pub(super) struct Part<'a> {
+    pub(super) text: &'a str,
+    pub(super) is_index: bool,
+}
+
+/// The parts of a text. An index follows a single letter and `_`, and is a short word; names such as `force_N` have none.
+pub(super) fn parts(text: &str) -> Vec<Part<'_>> {
+    let mut parts = Vec::new();
+    let (mut begun, mut from) = (0, 0);
+    while let Some(found) = text[from..].find('_') {
+        let at = from + found;
+        from = at + 1;
+        let Some(length) = index_length(text, at) else { continue };
+        parts.push(Part { text: &text[begun..at], is_index: false });
+        parts.push(Part { text: &text[from..from + length], is_index: true });
+        from += length;
+        begun = from;
+    }
+    parts.push(Part { text: &text[begun..], is_index: false });
+    parts.retain(|part| !part.text.is_empty());
+    parts
+}
+
+/// The length of the index that follows the `_` at a place, in bytes.
+fn index_length(text: &str, at: usize) -> Option<usize> {
+    let mut before = text[..at].chars().rev();
+    let is_symbol = before.next().is_some_and(char::is_alphabetic);
+    let stands_alone = before.next().is_none_or(|c| !(c.is_alphanumeric() || "_-.".contains(c)));
+    let after = &text[at + 1..];
+    let length = after.find(|c: char| !c.is_ascii_alphanumeric()).unwrap_or(after.len());
+    let mut behind = after[length..].chars();
+    let goes_on = match behind.next() {
+        Some('_' | '-') => true,
+        Some('.') => behind.next().is_some_and(char::is_alphanumeric),
+        _ => false,
+    };
+    (is_symbol && stands_alone && (1..=4).contains(&length) && !goes_on).then_some(length)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn shown(text: &str) -> String {
+        let part = |part: &Part| {
+            if part.is_index { format!("[{}]", part.text) } else { part.text.to_owned() }
+        };
+        parts(text).iter().map(part).collect()
+    }
+
+    #[test]
+    fn an_index_stands_lower_and_names_of_columns_and_files_stay() {
+        for (text, expected) in [
+            ("ε_e", "ε[e]"),
+            ("ε_0 − ε_e", "ε[0] − ε[e]"),
+            ("ε_c = F/(A k_s), with k_s.", "ε[c] = F/(A k[s]), with k[s]."),
+            ("largest x_max (mm)", "largest x[max] (mm)"),
+            ("force_N", "force_N"),
+            ("x_max.csv", "x_max.csv"),
+            ("a_b_c", "a_b_c"),
+            ("t_1-2", "t_1-2"),
+            ("_e", "_e"),
+            ("no index", "no index"),
+        ] {
+            assert_eq!(shown(text), expected);
+        }
+    }
+}

@@ -1,0 +1,180 @@
+//! The Lab: a model beside recordings, what it lacks, and putting it right.
+
+use std::time::{Duration, Instant};
+
+use palpate_tests::answer;
+use palpate_tests::browser::Browser;
+use palpate_tests::server::Server;
+
+use crate::opened;
+
+/// A server with a practice set in its folder.
+fn practice(effect: &str, seed: &str) -> Server {
+    let folder = tempfile::tempdir().unwrap();
+    answer(folder.path(), &["hide", effect, "--seed", seed, "-o", "set", "--json"]);
+    Server::begin_in(folder, &["set"])
+}
+
+/// Goes on with the button that the guide offers, when it says this.
+fn go_on(browser: &Browser, words: &str) {
+    browser.says(".lab-next", words);
+    browser.click(".lab-next");
+}
+
+#[test]
+#[ignore = "needs a browser: cargo xtask browser"]
+fn a_first_time_user_names_the_effect_and_sees_the_error_fall_with_the_mouse_alone() {
+    let begun = Instant::now();
+    let server = Server::begin(&["--demo"]);
+    let browser = opened(&server);
+    go_on(&browser, "Fit fung");
+    go_on(&browser, "Diagnose");
+    browser.says(".lab-next", "Add");
+    let named = browser.text(".lab-next").replace("Add ", "");
+    // What it would change is shown before it is done.
+    browser.point(".lab-next");
+    browser.says(".lab-legend", &format!("with {named}"));
+    browser.click(".lab-next");
+    browser.says(".lab-floor-reached", "nothing but noise");
+    assert!(begun.elapsed() < Duration::from_secs(120), "{:?}", begun.elapsed());
+    println!("from `palpate serve --demo` to {named} in {:.1} s", begun.elapsed().as_secs_f64());
+    let fell = browser.text(".lab-guide");
+    assert!(fell.contains("The error fell from") && fell.contains(&named), "{fell}");
+    browser.click(".lab-reveal");
+    browser.says(".lab-practice", &named);
+    let truth = answer(server.folder.path(), &["hide", "--open", "palpate-demo", "--json"]);
+    assert_eq!(truth["effects"][0]["effect"], *named);
+    assert_eq!(browser.complaints(), Vec::<String>::new());
+}
+
+#[test]
+#[ignore = "needs a browser: cargo xtask browser"]
+fn a_hidden_effect_is_added_from_the_candidates_and_taken_out_again() {
+    let server = practice("coulomb-friction", "3");
+    let browser = opened(&server);
+    browser.click(".lab-fit");
+    browser.click(".lab-diagnose");
+    let friction = ".lab-candidate[data-effect=coulomb-friction]";
+    browser.point(friction);
+    browser.says(".lab-legend", "with coulomb-friction");
+    browser.click(&format!("{friction} .lab-add"));
+    browser.says(".lab-floor-reached", "nothing but noise");
+    assert_eq!(browser.count(".lab-bar-fitted"), 2);
+    browser.click(".lab-undo");
+    browser.until(
+        "the ladder is short again",
+        "document.querySelectorAll('.lab-bar-fitted').length === 1",
+    );
+    // Everything at once, in the background.
+    browser.click(".lab-explore");
+    browser.says(".lab-floor-reached", "nothing but noise");
+    browser.click(".lab-save");
+    browser.says(".lab-save", "Saved");
+    let file = browser.text(".lab-save").replace("Saved: ", "");
+    assert!(server.folder.path().join(&file).is_file(), "{file}");
+    browser.click(".lab-drop");
+    browser.says(".lab-rungs", "coulomb-friction taken out");
+    assert_eq!(browser.count(".lab-floor-reached"), 0);
+    assert_eq!(browser.complaints(), Vec::<String>::new());
+}
+
+#[test]
+#[ignore = "needs a browser: cargo xtask browser"]
+fn a_typing_error_in_a_law_of_ones_own_is_shown_in_place_and_the_law_can_be_mended() {
+    let server = practice("adhesion", "3");
+    let browser = opened(&server);
+    browser.click(".lab-fit");
+    browser.write("#lab-expression", "k * tanh(vv / w)");
+    browser.says(".lab-fault", "^^");
+    browser.says(".lab-fault", "vv");
+    let is_off = "document.querySelector('.lab-law button[type=submit]').disabled";
+    browser.until("it cannot be added", is_off);
+    browser.write("#lab-expression", "k * tanh(v / w)");
+    browser.until("it can be added", &format!("!{is_off}"));
+    browser.click(".lab-law button[type=submit]");
+    browser.says(".lab-rungs", "mine added");
+    assert_eq!(browser.complaints(), Vec::<String>::new());
+}
+
+/// Presses Enter on a control and waits for what comes of it; where the keyboard is then.
+fn enter(browser: &Browser, control: &str, comes: &str) -> String {
+    browser.until(control, &format!("document.querySelector('{control}:enabled') !== null"));
+    let _ = browser.script(&format!("document.querySelector('{control}').focus(); return 0"));
+    browser.press('\u{e007}');
+    browser.until(
+        "it is worked on or done",
+        &format!("document.querySelector('.lab-busy') !== null || {comes}"),
+    );
+    browser.until(comes, &format!("document.querySelector('.lab-busy') === null && {comes}"));
+    let held = "const at = document.activeElement; return `${at.tagName} in ${at.closest('section')?.ariaLabel}`";
+    browser.script(held).as_str().unwrap().to_owned()
+}
+
+#[test]
+#[ignore = "needs a browser: cargo xtask browser"]
+fn the_whole_way_is_gone_by_keyboard_without_losing_the_place() {
+    let server = Server::begin(&["--demo"]);
+    let browser = opened(&server);
+    let next =
+        |word: &str| format!("document.querySelector('.lab-next')?.textContent.includes('{word}')");
+    let guide = "BUTTON in What to do next";
+    browser.says(".lab-next", "Fit fung");
+    assert_eq!(enter(&browser, ".lab-next", &next("Diagnose")), guide);
+    assert_eq!(enter(&browser, ".lab-next", &next("Add")), guide);
+    let done = "document.querySelector('.lab-floor-reached') !== null";
+    assert_eq!(enter(&browser, ".lab-next", done), "SECTION in What to do next");
+    // Then there is nothing more to undo: the next control of the panel has the keyboard.
+    assert_eq!(enter(&browser, ".lab-undo", &next("Diagnose")), "BUTTON in Model");
+    assert_eq!(browser.complaints(), Vec::<String>::new());
+}
+
+#[test]
+#[ignore = "needs a browser: cargo xtask browser"]
+fn the_map_of_failures_is_one_stop_of_the_keyboard_and_is_walked_with_arrows() {
+    let server = Server::begin(&["--demo"]);
+    let browser = opened(&server);
+    go_on(&browser, "Fit fung");
+    browser.says(".lab-next", "Diagnose");
+    let stops = "return [...document.querySelectorAll('.lab-heatmap button')].filter((b) => b.tabIndex >= 0).length";
+    assert_eq!(browser.script(stops), 1);
+    let at = "const cell = document.activeElement.closest('td'); return [cell.parentElement.rowIndex, cell.cellIndex]";
+    let _ = browser
+        .script("document.querySelector('.lab-heatmap button[tabindex=\"0\"]').focus(); return 0");
+    let (down, right) = ('\u{e015}', '\u{e014}');
+    let first = browser.script(at);
+    browser.press(down);
+    browser.press(right);
+    let moved = browser.script(at);
+    let step = |k: usize| moved[k].as_u64().unwrap() - first[k].as_u64().unwrap();
+    assert!(step(0) == 1 && step(1) >= 1, "{first} {moved}");
+    assert_eq!(browser.script(stops), 1);
+    browser.press('\u{e007}');
+    browser.until("it went there", "document.querySelector('.lab-trace select').value === '1'");
+    assert_eq!(browser.complaints(), Vec::<String>::new());
+}
+
+#[test]
+#[ignore = "needs a browser: cargo xtask browser"]
+fn nothing_jumps_while_one_goes_the_way() {
+    let server = Server::begin(&["--demo"]);
+    let browser = opened(&server);
+    let _ = browser.script(
+        "window.shifts = [];
+         new PerformanceObserver((list) => window.shifts.push(...list.getEntries()))
+           .observe({ type: 'layout-shift', buffered: true });
+         return 0",
+    );
+    go_on(&browser, "Fit fung");
+    go_on(&browser, "Diagnose");
+    go_on(&browser, "Add");
+    browser.says(".lab-floor-reached", "nothing but noise");
+    browser.click(".lab-undo");
+    browser.says(".lab-next", "Diagnose");
+    std::thread::sleep(Duration::from_secs(1));
+    let told = browser.script(
+        "return window.shifts.map((shift) => [shift.value, ...shift.sources.map(({ node }) => `${node?.nodeName} ${node?.className}`)])",
+    );
+    let shifts = told.as_array().unwrap();
+    let sum: f64 = shifts.iter().map(|shift| shift[0].as_f64().unwrap()).sum();
+    assert!(sum < 0.1, "{sum}: {told}");
+}

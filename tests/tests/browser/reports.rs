@@ -1,0 +1,75 @@
+//! The reports that `--report` writes: one file, seen at any width and on paper.
+
+use std::path::Path;
+
+use palpate_tests::browser::Browser;
+use palpate_tests::{answer, bundled};
+use serde_json::Value;
+
+/// Opens a file in a window of a desk.
+fn opened(file: &Path) -> Browser {
+    Browser::open(&format!("file://{}", file.display()), 1440, 900)
+}
+
+/// A comparison of the ten traces of a practice set, and the relaxation of ten holds.
+fn reports(folder: &Path) -> [std::path::PathBuf; 2] {
+    answer(folder, &["hide", "adhesion", "--seed", "3", "-o", "set", "--json"]);
+    answer(folder, &["fit", "fung", "set", "-o", "model.toml", "--json"]);
+    answer(folder, &["compare", "model.toml", "set", "--report", "compare.html", "--json"]);
+    let rows: Vec<String> = (1..=10)
+        .map(|row| bundled(&format!("table-3.1-row-{row:02}.csv")).display().to_string())
+        .collect();
+    let rows: Vec<&str> = rows.iter().map(String::as_str).collect();
+    let holds = [&["relaxation"], &rows[..], &["--report", "relaxation.html", "--json"]].concat();
+    answer(folder, &holds);
+    ["compare.html", "relaxation.html"].map(|file| folder.join(file))
+}
+
+/// Left edge of each table, and whether it can be seen whole or scrolled by keyboard.
+const TABLES: &str = r"
+  return [...document.querySelectorAll('div.table')].map((box) => [
+    Math.round(box.querySelector('table').getBoundingClientRect().left),
+    box.scrollWidth <= box.clientWidth || box.tabIndex === 0,
+  ])";
+
+#[test]
+#[ignore = "needs a browser: cargo xtask browser"]
+fn the_tables_of_a_report_have_one_left_edge_and_none_is_clipped() {
+    let folder = tempfile::tempdir().unwrap();
+    for file in reports(folder.path()) {
+        let browser = opened(&file);
+        for width in [1024, 1085, 1440, 2560] {
+            browser.resize(width, 900);
+            browser.until("it is laid out", "document.readyState === 'complete'");
+            let tables = browser.script(TABLES);
+            let tables: Vec<&Value> = tables.as_array().unwrap().iter().collect();
+            let text = browser.script(
+                "return Math.round(document.querySelector('h2').getBoundingClientRect().left)",
+            );
+            assert!(tables.len() > 1);
+            for table in &tables {
+                assert_eq!(
+                    (&table[0], &table[1]),
+                    (&text, &Value::Bool(true)),
+                    "{file:?} at {width}"
+                );
+            }
+            let wide = browser.script("return document.scrollingElement.scrollWidth - innerWidth");
+            assert!(wide.as_f64().unwrap() <= 0.0, "{file:?} at {width}: {wide}");
+        }
+        // An index is set as an index.
+        let raw = browser.script(r"return /[ε]_[a-z]/.test(document.body.innerText)");
+        assert_eq!(raw, false, "{file:?}");
+        assert_eq!(browser.complaints(), Vec::<String>::new());
+    }
+}
+
+#[test]
+#[ignore = "needs a browser: cargo xtask browser"]
+fn a_report_of_ten_traces_fits_on_six_pages() {
+    let folder = tempfile::tempdir().unwrap();
+    for file in reports(folder.path()) {
+        let pages = opened(&file).printed_pages();
+        assert!((2..=6).contains(&pages), "{file:?}: {pages}");
+    }
+}
