@@ -260,6 +260,64 @@ fn the_power_law_of_a_ball_comes_back_from_its_force() {
 }
 
 #[test]
+fn the_run_of_figure_7_8_is_made_along_a_recording_and_its_rate_found() {
+    use palpate::analysis::geometry::{Faces, Geometry};
+    use palpate::analysis::segment_run::Setting;
+    let folder = tempfile::tempdir().unwrap();
+    let setting = Setting {
+        geometry: Geometry::Ball { radius_mm: 35.0, faces: Faces::Each },
+        faces: Faces::Each,
+        modulus_pa: 2.8e4,
+        segments: 8,
+        order: 5.0,
+        rate: 2.0e4,
+    };
+    // Steps of 5 mm at 500 mm/min, holds of 10 s.
+    let time: Vec<f64> = (0..2650).map(|k| 0.02 * f64::from(k)).collect();
+    let x = |t: &f64| 5.0 * (t / 10.6).floor() + (500.0 / 60.0 * (t % 10.6)).min(5.0);
+    let x: Vec<f64> = time.iter().map(x).collect();
+    let force = setting.force(&time, &x);
+    let rows = (0..time.len()).map(|k| [time[k], x[k], force[k]]);
+    let head = "# [specimen]\n# shape = \"sphere\"\n# radius_mm = 35\n";
+    let ball = [write(folder.path(), "ball.csv", head, rows)];
+    let call = ["strain-rate", "--modulus", "2.8e4", "--faces", "each", "--order", "5"];
+    let found = answer(&[&call[..], &["--simulate", "8"]].concat(), &ball);
+    let run = &found["simulated"][0];
+    assert!((run["rate_per_s"].as_f64().unwrap() / 2e4 - 1.0).abs() < 1e-3, "{run}");
+    assert!(run["rms_N"].as_f64().unwrap() < 1e-3 && run["rate_fitted"] == true, "{run}");
+    // Another rate is another force; and one order is needed.
+    let other = answer(&[&call[..], &["--simulate", "8", "--rate", "2e3"]].concat(), &ball);
+    assert!(other["simulated"][0]["rms_N"].as_f64().unwrap() > 0.05);
+    let free = ["strain-rate", "--modulus", "2.8e4", "--order", "free", "--simulate", "8"];
+    assert!(refusal(&free, &ball).contains("one order"));
+    assert!(answer(&call, &ball).get("simulated").is_none());
+}
+
+#[test]
+fn markers_inside_a_specimen_tell_the_rate_of_its_law() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    let run = |call: &[&str]| {
+        palpate().args(call).assert().success();
+    };
+    let press = bundled("table-3.1-row-05.csv").display().to_string();
+    run(&["fit", "latency", &press, "--segments", "4", "-o", &path("m.toml")]);
+    run(&["simulate", &path("m.toml"), "--motion", &press, "--nodes", "-o", &path("n.csv")]);
+    let text = std::fs::read_to_string(path("n.csv")).unwrap().replace("node", "marker");
+    std::fs::write(path("seen.csv"), text).unwrap();
+    let model = Model::read(&folder.path().join("m.toml")).unwrap();
+    let (_, parameters) = model.law().unwrap();
+    let found = answer(&["markers", "--order", "1"], &[folder.path().join("seen.csv")]);
+    let gaps = found["gaps"].as_array().unwrap();
+    assert_eq!(gaps.len(), 2, "{found}");
+    for gap in gaps {
+        let rate = gap["rate_per_s"].as_f64().unwrap();
+        assert!((rate / parameters[2] - 1.0).abs() < 0.02, "{rate} for {}", parameters[2]);
+    }
+    assert!(refusal(&["markers"], &[bundled("press.csv")]).contains("marker1_mm"));
+}
+
+#[test]
 fn odd_recordings_are_refused_or_analysed_but_never_break_a_command() {
     let folder = tempfile::tempdir().unwrap();
     type Shape = fn(f64) -> [f64; 2];
@@ -286,6 +344,9 @@ fn odd_recordings_are_refused_or_analysed_but_never_break_a_command() {
             &["rates"],
             &["strain-rate", "--modulus", "1e4"],
             &["strain-rate", "--modulus", "1e4", "--order", "free"],
+            &["strain-rate", "--modulus", "1e4", "--simulate", "8"],
+            &["markers"],
+            &["events"],
         ] {
             let output = palpate().args(arguments).arg(&path).output().unwrap();
             let said = String::from_utf8_lossy(&output.stderr);

@@ -61,6 +61,19 @@ fn kinds_of_evidence_are_told_apart_and_the_report_has_every_chapter() {
             assert_eq!(numbers[1], exact.to_string(), "{name}");
         }
     }
+    // Every figure of the text is drawn, or has a reason; those that the text was asked for are drawn.
+    let figures = answer["figures"].as_array().unwrap();
+    assert_eq!(figures.len(), 65);
+    let is_drawn = |figure: &Value| !figure["drawn"].as_array().unwrap().is_empty();
+    for figure in figures {
+        assert!(is_drawn(figure) != figure["reason"].is_string(), "{figure}");
+    }
+    for number in ["3.4", "3.6", "3.7", "4.9", "5.2", "5.15", "6.3", "6.4", "6.5", "7.8", "A.1"] {
+        let figure = figures.iter().find(|figure| figure["figure"] == number).unwrap();
+        assert!(is_drawn(figure), "{figure}");
+    }
+    let drawn = figures.iter().filter(|figure| is_drawn(figure)).count();
+    assert!(page.contains(&format!("Figures of the text: {drawn} of 65")));
     // One line for each figure, and the head.
     let rows = fs::read_to_string(folder.join("comparisons.csv")).unwrap().lines().count();
     let figures: u64 =

@@ -135,7 +135,7 @@ fn excess(scan: &[PowerFit]) -> Vec<f64> {
 }
 
 /// The lowest order whose excess, summed over the holds, is no more than χ² allows.
-fn lowest_of_all(scans: &[Vec<PowerFit>]) -> f64 {
+pub(super) fn lowest_of_all(scans: &[Vec<PowerFit>]) -> f64 {
     let mut sums = vec![0.0; ODD_ORDERS.len()];
     for scan in scans {
         for (sum, excess) in sums.iter_mut().zip(excess(scan)) {
@@ -145,6 +145,14 @@ fn lowest_of_all(scans: &[Vec<PowerFit>]) -> f64 {
     let least = sums.iter().copied().fold(f64::INFINITY, f64::min);
     let place = sums.iter().position(|sum| *sum <= least + AS_GOOD).unwrap_or(0);
     ODD_ORDERS[place]
+}
+
+/// Lowest and highest odd order that fit as well as the best; none where no order has a residual that can be compared.
+pub(super) fn as_good_orders(scan: &[PowerFit]) -> Option<(f64, f64)> {
+    let orders = excess(scan).into_iter().zip(ODD_ORDERS);
+    let as_good: Vec<f64> =
+        orders.filter(|(excess, _)| *excess <= AS_GOOD).map(|(_, order)| order).collect();
+    Some((*as_good.first()?, *as_good.last()?))
 }
 
 /// The strain of one hold.
@@ -197,18 +205,8 @@ impl Strains {
     fn hold(self, scan: &[PowerFit], order: Option<f64>) -> Hold {
         let known = order.and_then(|n| scan.iter().find(|fit| fit.law.order == n)).cloned();
         let mut fit = known.unwrap_or_else(|| power_law::fit(&self.time, &self.strain, order));
-        let as_good: Vec<f64> = excess(scan)
-            .into_iter()
-            .zip(ODD_ORDERS)
-            .filter(|(excess, _)| *excess <= AS_GOOD)
-            .map(|(_, order)| order)
-            .collect();
-        let odd_orders = match as_good[..] {
-            [first, .., last] => (first, last),
-            [only] => (only, only),
-            // Only numbers beyond all measure have no order that fits best.
-            [] => (fit.law.order, fit.law.order),
-        };
+        // Only numbers beyond all measure have no order that fits best.
+        let odd_orders = as_good_orders(scan).unwrap_or((fit.law.order, fit.law.order));
         if odd_orders.0 == ODD_ORDERS[ODD_ORDERS.len() - 1] {
             fit.doubts.push(format!(
                 "the highest order tried, {}, fits best: no power law describes this hold; several rates may (`palpate relaxation`)",

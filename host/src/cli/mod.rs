@@ -23,6 +23,7 @@ mod grasp;
 mod hide;
 pub mod import;
 mod interrupt;
+mod markers;
 mod output;
 mod plan;
 mod plot;
@@ -94,6 +95,8 @@ enum Command {
     Rates(rates::Args),
     /// Strain and strain rate from force, and the power law of every hold
     StrainRate(strain_rate::Args),
+    /// Markers that a camera follows: the latency model of the gaps between them
+    Markers(markers::Args),
     /// Compare a model with measurements, and see where it fails
     Compare(compare::Args),
     /// Say which physical effect a model lacks, with the evidence
@@ -180,6 +183,7 @@ pub fn run() -> ExitCode {
         Command::Creep(args) => creep::run(args),
         Command::Rates(args) => rates::run(args),
         Command::StrainRate(args) => strain_rate::run(args),
+        Command::Markers(args) => markers::run(args),
         Command::Compare(args) => compare::run(args),
         Command::Diagnose(args) => diagnose::run(args),
         Command::Add(args) => add::run(args),

@@ -280,6 +280,13 @@ fn relaxation_section() -> Section {
     let decided = found.decided();
     let as_printed =
         if decided == 2 { ", what appendix A chose by eye" } else { "; appendix A chose 2 by eye" };
+    let section = match overlaid(&found) {
+        Some(plot) => section.figure(
+            plot,
+            "Fig. A.1 in kind: within the hold the curves of two and more lie on each other, one exponential does not.",
+        ),
+        None => section,
+    };
     section.table(number_table("Row 05, rebuilt: one to four exponentials", &found, "N")).callout(
         Callout::Finding,
         "Decided",
@@ -287,6 +294,27 @@ fn relaxation_section() -> Section {
             "{decided} exponentials{as_printed}. Terms beyond are not told by a hold of {HOLD_A} s."
         ),
     )
+}
+
+/// The rebuilt hold of row 05 with the fits.
+fn overlaid(found: &Terms) -> Option<Plot> {
+    let trace: Trace = traces(0).into_iter().nth(4)?;
+    let range = holds(&trace, FORCE).ok()?.into_iter().next()?;
+    let from = trace.time[range.start];
+    let since: Vec<f64> = trace.time[range.clone()].iter().map(|t| t - from).collect();
+    let last = since.last().copied()?;
+    let mut plot = Plot::new("", Axis::new("time in the hold", "s"), Axis::new("force", "N"))
+        .summary("Rebuilt force of a hold with fits of one to four exponentials")
+        .series(
+            Series::points("rebuilt recording", since, &trace.force()?[range])
+                .colour(Colour::MEASURED),
+        );
+    for (k, row) in found.rows.iter().enumerate() {
+        let (x, y): (Vec<f64>, Vec<f64>) =
+            (0..=240).map(|k| last * f64::from(k) / 240.0).map(|t| (t, row.fit.sum.at(t))).unzip();
+        plot = plot.series(Series::line(format!("n = {}", k + 1), x, y).colour(Colour::Hue(k)));
+    }
+    Some(plot)
 }
 
 /// One to four exponentials in the rebuilt recording of row 05.

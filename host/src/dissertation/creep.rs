@@ -2,7 +2,7 @@
 //! fits themselves are in the appendices.
 
 use super::simulated::{course, noisy, times, trace};
-use super::{Chapter, Check, Comparison, Evidence};
+use super::{Chapter, Check, Comparison, Evidence, force_control};
 use crate::analysis::creep::{Hold, creep};
 use crate::analysis::cycles::segment;
 use crate::fit::consistency::consistency;
@@ -32,7 +32,7 @@ pub fn chapter() -> Chapter {
     Chapter {
         title: "Chapter 6: creep",
         comparisons: vec![inertia()],
-        sections: vec![claim(), types(), rates()],
+        sections: vec![claim(), force_control::section(), types(), rates()],
     }
 }
 
@@ -141,7 +141,7 @@ fn types() -> Section {
     );
     Section::new("Type I and Type II creep")
         .table(table.note("Signs are found, not imposed: c1 < 0 after loading (6.3), c1 > 0 after unloading (6.4)."))
-        .figure(plot, "")
+        .figure(plot, "Figs 6.6 and 6.7 in kind: creep of Type I at 4 N, of Type II at 2 N.")
 }
 
 fn rates() -> Section {
@@ -196,7 +196,7 @@ fn rates() -> Section {
     );
     Section::new("Loading rate, stiffness and dissipation")
         .table(table)
-        .figure(plot, "Clockwise: what a loop encloses is dissipated.")
+        .figure(plot, "Fig. 6.8 in kind. Clockwise: what a loop encloses is dissipated.")
         .callout(Callout::Finding, "What the rate changes", words)
 }
 

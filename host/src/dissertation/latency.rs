@@ -36,13 +36,13 @@ pub fn chapter() -> Chapter {
         )
         .figure(
             run.course(),
-            "Figs 4.4 and 4.8 in kind: both types in one run. Three nodes, v1 of Table 5.2's soft silicone.",
+            "Figs 4.2, 4.4 and 4.8 in kind: both types in one run. Three nodes, v1 of Table 5.2's soft silicone.",
         )
         .figure(
             run.inside(),
-            "Where the nodes of Fig. 4.1 are: the contact moves first, the inside follows and spreads evenly.",
+            "Fig. 4.1 in kind, where its nodes are: the contact moves first, the inside follows and spreads evenly.",
         )
-        .figure(run.rates(), "Fig. 4.3 from the run: in every hold strain rate and strain lie on lines of slope −v1.")
+        .figure(run.rates(), "Figs 4.3 and 7.1 from the run: in every hold strain rate and strain lie on lines of slope −v1.")
         .callout(
             Callout::Finding,
             "Nodes and closed form are one",
@@ -54,6 +54,10 @@ pub fn chapter() -> Chapter {
                 significant(run.off, 2),
                 significant(run.largest_force(), 3)
             ),
+        )
+        .figure(
+            run.sequence(),
+            "Fig. 4.9 in kind: the run of Fig. 4.8 leg by leg, 1 to 14. Odd legs move, even ones hold; the rest of the run in grey.",
         )
         .figure(
             run.loops(),
@@ -79,7 +83,7 @@ pub fn chapter() -> Chapter {
     Chapter {
         title: "Chapter 4: the latency model",
         comparisons: vec![gaps.comparison(), gaps.against_table_5_2(), run.comparison()],
-        sections: vec![section],
+        sections: vec![section, super::markers::section()],
     }
 }
 
@@ -210,6 +214,48 @@ impl Run {
         Plot::new("", Axis::new("displacement", "mm"), Axis::new("force", "N"))
             .summary("Force over displacement with loops between 15 and 20 mm")
             .series(Series::line("run", self.x.clone(), self.force.clone()).colour(Colour::Hue(0)))
+    }
+
+    /// Where each leg of the run ends, from the first press to the rest at the end: by turns it moves and holds.
+    fn legs(&self) -> Vec<(usize, usize)> {
+        let still = |k: usize| (self.x[k] - self.x[k - 1]).abs() < 1e-9;
+        let Some(begin) = (1..self.x.len()).find(|k| !still(*k)) else { return Vec::new() };
+        let mut legs = Vec::new();
+        let mut first = begin - 1;
+        for k in begin + 1..self.x.len() {
+            if still(k) != still(k - 1) {
+                legs.push((first, k - 1));
+                first = k - 1;
+            }
+        }
+        legs.push((first, self.x.len() - 1));
+        legs
+    }
+
+    /// Force over displacement, four legs at a time and the last six, each with its number.
+    fn sequence(&self) -> Panels {
+        let legs = self.legs();
+        let mut panels = Panels::new("").summary(
+            "Force over displacement in three panels, leg by leg with numbers from 1 to 14",
+        );
+        for (from, to) in [(0, 4), (4, 8), (8, legs.len())] {
+            let mut plot = Plot::new("", Axis::new("displacement", "mm"), Axis::new("force", "N"))
+                .series(
+                    Series::line("", self.x.clone(), self.force.clone())
+                        .colour(Colour::Muted)
+                        .width(0.8),
+                )
+                .height(170.0);
+            for (k, (first, last)) in legs.iter().enumerate().take(to).skip(from) {
+                let (x, force) = (&self.x[*first..=*last], &self.force[*first..=*last]);
+                let hue = Colour::Hue(k % 2);
+                plot = plot.series(Series::line("", x, force).colour(hue).width(2.0));
+                let middle = x.len() / 2;
+                plot = plot.annotation(x[middle], force[middle], (k + 1).to_string());
+            }
+            panels = panels.plot(plot);
+        }
+        panels
     }
 
     /// Work done on the specimen between two samples, mJ.

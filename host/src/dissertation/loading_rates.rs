@@ -3,6 +3,7 @@
 use super::comparison::digits;
 use super::simulated::{noisy, times, trace};
 use super::{Chapter, Check, Comparison, Evidence};
+use super::{motion, strain_inside};
 use crate::analysis::geometry::{Faces, Geometry};
 use crate::analysis::rates::{Study, rates};
 use crate::report::{Block, Callout, Section};
@@ -94,7 +95,8 @@ pub fn chapter() -> Chapter {
             Some((silicone, runs, study))
         })
         .collect();
-    let mut sections = vec![claim()];
+    let fastest = studies.first().and_then(|(_, runs, _)| runs.last());
+    let mut sections = vec![claim(), motion::section(fastest)];
     for (silicone, runs, study) in &studies {
         for section in rates_sections(study, runs) {
             sections.push(Section {
@@ -103,6 +105,7 @@ pub fn chapter() -> Chapter {
             });
         }
     }
+    sections.push(strain_inside::section());
     let compared: Vec<(Silicone, &Study)> =
         studies.iter().map(|(s, _, study)| (*s, study)).collect();
     Chapter {

@@ -7,19 +7,27 @@
 mod appendices;
 mod base_laws;
 mod comparison;
+mod conclusions;
 mod contact_mechanics;
 mod creep;
+mod figures;
+mod force_control;
+mod grasp_courses;
 mod grasp_stability;
 mod latency;
 mod loading_rates;
+mod markers;
+mod motion;
 mod relaxation;
 mod relaxation_tables;
 mod segments;
 mod simulated;
+mod strain_inside;
 mod strain_rate;
 mod tactile_sensor;
 
 pub use comparison::{Check, Comparison, Evidence};
+pub use figures::{Counterpart, counterparts};
 pub use relaxation_tables::{
     EQUATION_3_5, EQUATION_3_6, RelaxationRow, Statistic, TABLE_3_1, TABLE_3_2, TABLE_3_3,
     TABLE_3_4,
@@ -75,7 +83,7 @@ pub enum ChapterError {
 /// # Errors
 /// When a specimen cannot be simulated.
 pub fn chapters() -> Result<Vec<Chapter>, ChapterError> {
-    const CHAPTERS: [fn() -> Result<Chapter, ChapterError>; 11] = [
+    const CHAPTERS: [fn() -> Result<Chapter, ChapterError>; 12] = [
         || Ok(base_laws::chapter()),
         || Ok(relaxation::chapter()),
         || Ok(latency::chapter()),
@@ -84,6 +92,7 @@ pub fn chapters() -> Result<Vec<Chapter>, ChapterError> {
         || Ok(grasp_stability::chapter()),
         || Ok(strain_rate::chapter()),
         || Ok(segments::chapter()),
+        || Ok(conclusions::chapter()),
         || Ok(tactile_sensor::chapter()?),
         || Ok(contact_mechanics::chapter()?),
         || Ok(appendices::chapter()),

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::comparison::decimals;
+use super::grasp_courses;
 use super::{
     Chapter, Check, Comparison, EQUATION_3_5, EQUATION_3_6, Evidence, RelaxationRow, Statistic,
     TABLE_3_1, TABLE_3_2, TABLE_3_3, TABLE_3_4,
@@ -62,8 +63,12 @@ pub fn chapter() -> Chapter {
     comparisons.push(best_fits(&tables));
     comparisons.push(inertia());
     let all: Vec<HoldFit> = fits.iter().flatten().cloned().collect();
-    let sections =
-        vec![claim(), consistency_section(&spreads(&all), &fits), figures(&traces[0], &fits[0])];
+    let sections = vec![
+        claim(),
+        courses(&traces),
+        consistency_section(&spreads(&all), &fits),
+        figures(&traces[0], &fits[0]),
+    ];
     Chapter { title: "Chapter 3: the relaxation of a grasp", comparisons, sections }
 }
 
@@ -365,14 +370,24 @@ fn chance(p: f64) -> String {
     if p < 1e-4 { "< 0.0001".into() } else { significant(p, 2) }
 }
 
-/// Figs 3.5 and 3.10, 3.8 and 3.9 in kind, from the sixth row of Table 3.1.
+/// Figs 3.4 to 3.7 from the sixth row of each table.
+fn courses(traces: &[Vec<Trace>]) -> Section {
+    let sixth =
+        |(compression, traces): (f64, &Vec<Trace>)| Some((compression, traces.get(5)?.clone()));
+    let grasps: Vec<(f64, Trace)> =
+        [12.0, 8.0, 4.0].into_iter().zip(traces).filter_map(sixth).collect();
+    let grasps: Vec<(f64, &Trace)> = grasps.iter().map(|(x, trace)| (*x, trace)).collect();
+    grasp_courses::section(&grasps)
+}
+
+/// Figs 3.10, 3.8 and 3.9 in kind, from the sixth row of Table 3.1.
 fn figures(traces: &[Trace], fits: &[HoldFit]) -> Section {
     let mut section = Section::new("Figures in kind");
     let (Some(trace), Some(fit)) = (traces.get(5), fits.get(5)) else { return section };
     let Some(force) = trace.force() else { return section };
     if let (Ok(found), Some(x)) = (segment(trace), trace.displacement()) {
         let axes = (Axis::new("displacement", "mm"), Axis::new("force", "N"));
-        let mut plot = Plot::new("Force over displacement (Figs 3.5, 3.10)", axes.0, axes.1)
+        let mut plot = Plot::new("Regions of a grasp (Fig. 3.10)", axes.0, axes.1)
             .summary("Loop of one grasp with the points between its regions")
             .series(Series::line("force", x, force).colour(Colour::MEASURED));
         for point in found.cycles.iter().flat_map(|cycle| &cycle.points) {

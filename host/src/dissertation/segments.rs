@@ -2,6 +2,8 @@
 
 use super::{Chapter, Check, Comparison, Evidence};
 use crate::analysis::geometry::{Faces, Geometry};
+use crate::analysis::segment_run::Setting;
+use crate::latency::Power;
 use crate::model::{Equilibrium, Hold, Move, Profile, Segments, Step};
 use crate::report::number::significant;
 use crate::report::{Axis, Callout, Colour, Column, Panels, Plot, Scale, Section, Series, Table};
@@ -36,7 +38,9 @@ pub fn chapter() -> Chapter {
              no ν for the run; it is that of the third curve of Table 7.1, {} 1/s.",
             significant(RATE, 2)
         ))
-        .figure(loading.figure(), "Fig. 7.8 in kind: the run of Fig. 7.4(a).")
+        .figure(laws(), "Fig. 7.2 in kind: the linear law and higher odd powers, each with the same rate at a distance of 0.1.")
+        .figure(loading.figure(), "Fig. 7.8 in kind: the run of Fig. 7.4(a). `palpate strain-rate --simulate 8` does the same along a recording.")
+        .figure(loading.inside(), "Fig. 7.7 in kind: how far the outer end of each segment has moved, from the face inwards.")
         .figure(unloading.figure(), "The run of Fig. 7.4(b): successive unloading, Type II.")
         .table(steps_table(&loading, &unloading))
         .callout(
@@ -61,6 +65,28 @@ pub fn chapter() -> Chapter {
         comparisons,
         sections: vec![section, convergence()],
     }
+}
+
+/// Strain rate over the distance of the strain from its equilibrium for several powers (7.2).
+fn laws() -> Plot {
+    let distance: Vec<f64> = (-150..=150).map(|k| 1e-3 * f64::from(k)).collect();
+    let plot = Plot::new(
+        "",
+        Axis::new("strain − equilibrium strain", ""),
+        Axis::new("strain rate", "1/s"),
+    )
+    .summary(
+        "Strain rate over the distance from equilibrium: a line, and curves that are flat near it",
+    )
+    .level(0.0, "");
+    [1.0, 3.0, 5.0].into_iter().enumerate().fold(plot, |plot, (k, order)| {
+        let law =
+            Power { rate: 1.0 / 0.1f64.powf(order - 1.0), order, equilibrium: 0.0, initial: 0.1 };
+        let rates: Vec<f64> = distance.iter().map(|e| law.strain_rate_at(*e)).collect();
+        plot.series(
+            Series::line(format!("n = {order}"), &distance[..], rates).colour(Colour::Hue(k)),
+        )
+    })
 }
 
 /// One run: steps with holds, then off the ball.
@@ -94,11 +120,15 @@ impl Run {
         .motion();
         let time = motion.time.to_vec();
         let approach = motion.displacement.to_vec();
-        let face: Vec<f64> = approach.iter().map(|d| 0.5 * d).collect();
-        let latent = ball(segments).at_contact(&time, &face);
-        let strain = |(d, y): (&f64, &f64)| (d + y) / RADIUS;
-        let strains = face.iter().zip(&latent).map(strain);
-        let force = approach.iter().zip(strains).map(|(d, strain)| force(*d, strain)).collect();
+        let setting = Setting {
+            geometry: BALL,
+            faces: Faces::Each,
+            modulus_pa: 1e6 * MODULUS,
+            segments,
+            order: POWER,
+            rate: RATE,
+        };
+        let force = setting.force(&time, &approach);
         let mut holds = Vec::new();
         let (mut at, mut from) = (0.0, 0.0);
         for place in places {
@@ -122,6 +152,18 @@ impl Run {
     fn relative_drop(&self, hold: usize) -> f64 {
         let (force, drop) = self.drops()[hold];
         drop / force
+    }
+
+    /// Displacement of the outer end of each segment, from the face inwards.
+    fn inside(&self) -> Plot {
+        let face: Vec<f64> = self.approach.iter().map(|d| 0.5 * d).collect();
+        let nodes = ball(SEGMENTS).displacements(&self.time, &face);
+        let plot = Plot::new("", Axis::new("time", "s"), Axis::new("displacement", "mm"))
+            .summary("Displacement of eight nodes over time: each deeper one later and less");
+        nodes.iter().enumerate().fold(plot, |plot, (k, node)| {
+            let name = if k == 0 { "face".into() } else { format!("node {}", k + 1) };
+            plot.series(Series::line(name, self.time.clone(), node.clone()).colour(Colour::Hue(k)))
+        })
     }
 
     fn figure(&self) -> Panels {
@@ -151,11 +193,6 @@ fn ball(segments: usize) -> Segments {
 
 /// The ball between two plates: each face is pressed in by half of their approach.
 const BALL: Geometry = Geometry::Ball { radius_mm: RADIUS, faces: Faces::Each };
-
-/// Force of a face at an approach of the plates, mm, with this strain at the contact, N (eqs 7.7, 7.11).
-fn force(approach: f64, strain: f64) -> f64 {
-    (MODULUS * strain * BALL.area_mm2(approach)).max(0.0)
-}
 
 fn steps_table(loading: &Run, unloading: &Run) -> Table {
     let columns = vec![

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use crate::dissertation::{Chapter, Check, Comparison, Evidence, SLIPS};
+use crate::dissertation::{Chapter, Check, Comparison, Counterpart, Evidence, SLIPS, counterparts};
 use crate::report::number::significant;
 use crate::report::{Block, Callout, Column, Section, Table};
 
@@ -158,6 +158,31 @@ fn not_reproduced_table(chapters: &[Chapter]) -> Table {
     table
 }
 
+/// Every figure of the text: where its counterpart is, or why there is none.
+fn figure_table(chapters: &[Chapter]) -> Table {
+    let columns = vec![
+        Column::text("figure"),
+        Column::text("of"),
+        Column::text("here"),
+        Column::text("drawn, or why not"),
+    ];
+    let all = counterparts(chapters);
+    let drawn = all.iter().filter(|figure| !figure.drawn.is_empty()).count();
+    let title = format!("Figures of the text: {drawn} of {} have their counterpart", all.len());
+    let mut table = Table::new(title, columns);
+    for Counterpart { number, subject, drawn, reason } in all {
+        let (place, words) = match drawn.first() {
+            Some((chapter, _)) => {
+                let words: Vec<&str> = drawn.iter().map(|(_, words)| words.as_str()).collect();
+                (*chapter, words.join("; "))
+            }
+            None => ("–", reason.unwrap_or("missing").to_owned()),
+        };
+        table = table.row([number.to_owned(), subject.to_owned(), place.to_owned(), words]);
+    }
+    table.note("A counterpart is computed here from what the text prints; measurements and photographs were not published. Its chapter says what is assumed.")
+}
+
 /// The whole report.
 #[must_use]
 pub fn dissertation_report(chapters: &[Chapter]) -> Vec<Section> {
@@ -171,7 +196,8 @@ pub fn dissertation_report(chapters: &[Chapter]) -> Vec<Section> {
     );
     let slips = SLIPS.map(|(place, what)| (place.to_owned(), what.to_owned())).to_vec();
     let slips = Section::new("Slips in the text").block(Block::Definitions(slips));
-    let mut sections = vec![about, dissertation_overview(chapters), slips];
+    let figures = Section::new("Every figure of the text").table(figure_table(chapters));
+    let mut sections = vec![about, dissertation_overview(chapters), figures, slips];
     sections.extend(chapters.iter().map(chapter_section));
     sections
 }
@@ -268,9 +294,22 @@ pub fn dissertation_json(chapters: &[Chapter]) -> Value {
             "checks": comparison.checks.iter().map(check).collect::<Vec<_>>(),
         })
     };
+    let figure = |figure: &Counterpart| {
+        json!({
+            "figure": figure.number,
+            "of": figure.subject,
+            "drawn": figure
+                .drawn
+                .iter()
+                .map(|(chapter, words)| json!({"chapter": chapter, "figure": words}))
+                .collect::<Vec<_>>(),
+            "reason": figure.reason,
+        })
+    };
     json!({
         "palpate_dissertation": 1,
         "kinds": tallies(chapters).into_iter().map(tally).collect::<Vec<_>>(),
         "comparisons": comparisons(chapters).map(comparison).collect::<Vec<_>>(),
+        "figures": counterparts(chapters).iter().map(figure).collect::<Vec<_>>(),
     })
 }

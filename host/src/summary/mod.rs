@@ -12,6 +12,7 @@ mod events;
 mod grasp;
 mod holds;
 mod ladder;
+mod markers;
 mod outliers;
 mod plan;
 mod practice;
@@ -22,6 +23,7 @@ mod rates;
 mod recording;
 mod relaxation;
 mod segment;
+mod segment_run;
 mod sensor;
 mod strain_rate;
 mod terms;
@@ -52,6 +54,7 @@ pub use grasp::{
 };
 pub use holds::{hold_json, hold_sections};
 pub use ladder::ladder;
+pub use markers::{markers_figure, markers_json, markers_sections};
 pub use outliers::{Preparation, Refit};
 pub use plan::plan_section;
 pub use practice::{practice_json, practice_sections, truth_json, truth_sections};
@@ -62,6 +65,7 @@ pub use rates::{rates_json, rates_sections};
 pub use recording::{loops, overview, trace_panels};
 pub use relaxation::{relaxation_json, relaxation_sections};
 pub use segment::{segment_json, segment_sections};
+pub use segment_run::{segment_run_json, segment_run_section};
 pub use sensor::{
     sensor_press_json, sensor_press_sections, sensor_shake_json, sensor_shake_sections,
     sensor_slide_json, sensor_slide_sections, sensor_slip_json, sensor_slip_sections,

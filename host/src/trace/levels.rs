@@ -18,6 +18,8 @@ const NOISES: f64 = 5.0;
 const SMOOTH: f64 = 0.1;
 /// Most samples to smooth over.
 const WIDEST: usize = 51;
+/// Fewest of these in a recording for their scatter to be told.
+const APART: usize = 20;
 /// Largest difference between thirds of a level, of half the width of the band: a ramp has 4/3, a turn 0.9.
 const UNEVEN: f64 = 0.6;
 /// Fewest samples of a level.
@@ -47,7 +49,8 @@ pub(super) fn levels(time: &[f64], force: &[f64]) -> Vec<Range<usize>> {
     // Odd, so that what is smoothed stays where it is.
     let width = ((wide * wide) as usize).clamp(1, WIDEST) | 1;
     let smooth = smoothed(force, width);
-    let band = (BAND * range(&smooth)).max(NOISES * noise / (width as f64).sqrt());
+    let left = (noise / (width as f64).sqrt()).max(correlated(time, &smooth));
+    let band = (BAND * range(&smooth)).max(NOISES * left);
     let shortest = (SHORTEST * time.len() as f64) as usize;
     let course = Course { time, force, smooth: &smooth, noise, band };
     let mut open: Vec<Range<usize>> = iter::once(0..time.len()).collect();
@@ -72,6 +75,16 @@ pub(super) fn levels(time: &[f64], force: &[f64]) -> Vec<Range<usize>> {
     found.retain(|_| !overshoots.next().unwrap_or(false));
     let ends: Vec<Range<usize>> = (0..found.len()).map(|k| course.ends(&found, k)).collect();
     ends.into_iter().filter(|level| level.len() >= FEWEST).collect()
+}
+
+/// Scatter of every [`WIDEST`]th of the smoothed samples: neighbours of a filtered force hide how much it still wanders.
+/// None of a recording too short to tell.
+fn correlated(time: &[f64], smooth: &[f64]) -> f64 {
+    if smooth.len() < APART * WIDEST {
+        return 0.0;
+    }
+    let thinned = |values: &[f64]| values.iter().step_by(WIDEST).copied().collect::<Vec<f64>>();
+    scatter(&thinned(time), &thinned(smooth))
 }
 
 /// A force over time, with what counts as rest in it.
@@ -279,6 +292,34 @@ mod tests {
                         assert!((to - end).abs() < 0.1, "{lag} {noise} {seed}: {told:?}");
                     }
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn a_force_that_was_filtered_is_not_cut_to_pieces_by_the_noise_left_in_it() {
+        for noise in [1e-3, 1e-2, 4e-2] {
+            for seed in 0..8 {
+                let (time, raw) = followed(&PROGRAMME, 0.03, noise, seed);
+                // Two low passes of first order one way and back: some 5 Hz.
+                let pass = |values: Vec<f64>| -> Vec<f64> {
+                    let mut level = values[0];
+                    let mut passed: Vec<f64> = values
+                        .into_iter()
+                        .map(|value| {
+                            level += 0.15 * (value - level);
+                            level
+                        })
+                        .collect();
+                    passed.reverse();
+                    passed
+                };
+                let force = pass(pass(raw));
+                let found = levels(&time, &force);
+                let told: Vec<(f64, f64)> =
+                    found.iter().map(|r| (time[r.start], time[r.end - 1])).collect();
+                assert_eq!(found.len(), 2, "{noise} {seed}: {told:?}");
+                assert!(told.iter().all(|(from, to)| to - from > 9.0), "{noise} {seed}: {told:?}");
             }
         }
     }

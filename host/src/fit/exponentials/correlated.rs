@@ -134,6 +134,12 @@ impl Correlated {
     /// Half the width of an interval of the parameter at this place that holds this share.
     pub(super) fn half(&self, place: usize, degrees: usize, level: f64) -> Option<f64> {
         let student = StudentsT::new(0.0, 1.0, degrees as f64).ok()?;
+        // Terms that coincide leave rounding where a variance should be, of either sign.
+        let known =
+            |member: &Member| member.variance[place] > 0.0 && member.variance[place].is_finite();
+        if !self.members.iter().all(known) {
+            return None;
+        }
         let within = |half: f64| {
             let one = |member: &Member| {
                 let deviation = member.variance[place].sqrt();
@@ -379,6 +385,24 @@ mod tests {
 
     use super::super::fit::{Options, Parameter};
     use super::super::{ExponentialSum, Prepared, Term};
+    use super::{Correlated, MOST_PARAMETERS, Member};
+
+    #[test]
+    fn a_variance_that_is_lost_in_rounding_has_no_interval() {
+        let of = |value: f64| Correlated {
+            neighbours: 0.0,
+            time: 0.1,
+            inflation: 1.0,
+            members: vec![
+                Member { weight: 0.5, variance: [1.0; MOST_PARAMETERS] },
+                Member { weight: 0.5, variance: [value; MOST_PARAMETERS] },
+            ],
+        };
+        assert!(of(1.0).half(0, 50, 0.95).is_some_and(|half| (1.9..2.1).contains(&half)));
+        for lost in [-1e-20, 0.0, f64::NAN, f64::INFINITY] {
+            assert_eq!(of(lost).half(0, 50, 0.95), None, "{lost}");
+        }
+    }
 
     /// Eqs 3.5 and 3.6.
     fn truth() -> ExponentialSum {
