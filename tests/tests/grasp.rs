@@ -313,8 +313,8 @@ fn a_hand_is_planned_with_its_least_grip_and_when_it_slips() {
     assert!((5.0 * tighten * 0.6 - 4.4).abs() < 0.02, "{tighten}");
     let page = std::fs::read_to_string(&report).unwrap();
     assert!(
-        page.matches("<svg").count() >= 2 && page.contains("slips after"),
-        "a picture and a plot"
+        page.matches("<svg").count() >= 4 && page.contains("slips after"),
+        "three views and a plot"
     );
 }
 

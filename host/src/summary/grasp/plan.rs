@@ -7,7 +7,7 @@ use super::{finite, margin_words};
 use crate::grasp::hand::{Hand, Instant};
 use crate::grasp::{Balance, BalanceError, Closure, Least};
 use crate::report::number::{percent, significant};
-use crate::report::{Axis, Callout, Colour, Column, Panels, Plot, Section, Series, Table};
+use crate::report::{Axis, Callout, Colour, Column, Plot, Section, Series, Table};
 
 /// What was found of a hand.
 #[derive(Clone, Debug)]
@@ -72,10 +72,10 @@ pub fn plan_sections(hand: &Hand, plan: &HandPlan) -> Vec<Section> {
             let title = "As it grips now, at the largest load that it holds";
             section = section.table(share_table(hand, title, found));
         }
-        section = section.figure(picture(hand, normals), "Each finger from where it comes to where it touches, as long as it presses; the load from the middle.");
+        section = pictured(section, hand, normals);
     } else if let Ok(grip) = &plan.grip {
         let normals: Vec<f64> = grip.shares.iter().map(|share| share.normal).collect();
-        section = section.figure(picture(hand, &normals), "Each finger from where it comes to where it touches, as long as it presses; the load from the middle.");
+        section = pictured(section, hand, &normals);
     }
     let mut sections = vec![section];
     if let Some(forecast) = &plan.forecast {
@@ -223,16 +223,17 @@ fn forecast_words(plan: &HandPlan, forecast: &Forecast) -> String {
     slip + &below + &more
 }
 
-/// The hand from three sides.
-fn picture(hand: &Hand, normals: &[f64]) -> Panels {
+/// The hand from three sides, each with axes of its own.
+fn pictured(section: Section, hand: &Hand, normals: &[f64]) -> Section {
     let reach = hand.fingers.iter().map(|finger| finger.pose.position.norm()).fold(1.0, f64::max);
     let hardest = normals.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
     let load = Vector3::from(hand.load.force);
     let views = [("x", "y", [0, 1]), ("x", "z", [0, 2]), ("y", "z", [1, 2])];
-    let mut panels = Panels::new("").summary("The fingers on the object from three sides");
-    for (across, up, [a, b]) in views {
+    views.into_iter().fold(section, |section, (across, up, [a, b])| {
         let axis = |name: &str| Axis::new(name.to_owned(), "mm");
-        let mut plot = Plot::new("", axis(across), axis(up)).height(280.0);
+        let mut plot = Plot::new("", axis(across), axis(up))
+            .summary(format!("The fingers on the object, {up} over {across}"))
+            .height(280.0);
         for (index, (finger, normal)) in hand.fingers.iter().zip(normals).enumerate() {
             let at = finger.pose.position;
             let from = at - finger.pose.axes[2] * (0.6 * reach * normal / hardest);
@@ -247,9 +248,13 @@ fn picture(hand: &Hand, normals: &[f64]) -> Panels {
             let line = Series::line("load", vec![0.0, to[a]], vec![0.0, to[b]]);
             plot = plot.series(line.colour(Colour::Muted).width(3.0));
         }
-        panels = panels.plot(plot);
-    }
-    panels
+        let words = if a + b == 1 {
+            "Each finger from where it comes to where it touches, as long as it presses; the load from the middle."
+        } else {
+            ""
+        };
+        section.figure(plot, words)
+    })
 }
 
 /// The plan as a JSON object.
