@@ -39,13 +39,11 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     args.result.files(args.traces.iter().chain([&args.model]))?;
     let model = Model::read(&args.model).map_err(Failure::input)?;
     let (traces, preparation) = args.prepare.read(&args.traces, &model.base.signal)?;
-    let wait = progress::spinner("looking for what is missing");
-    let diagnosis = diagnose(&model, &traces).map_err(Failure::input)?;
+    let diagnosis = progress::watched("looking for what is missing", || diagnose(&model, &traces))?
+        .map_err(Failure::input)?;
     let data = Data::of_model(&model, &traces).map_err(Failure::input)?;
     let summary =
         DiagnosisSummary::new(&diagnosis, &data, next(&args.model, &args.traces, &args.prepare));
-    wait.finish_and_clear();
-    wait.finish_and_clear();
     if let Some(path) = &args.result.report {
         let title = "What the model lacks";
         write_report(

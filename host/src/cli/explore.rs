@@ -50,12 +50,11 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     }
     let model = Model::read(&args.model).map_err(Failure::input)?;
     let (traces, preparation) = args.prepare.read(&args.traces, &model.base.signal)?;
-    let wait = progress::spinner("climbing the ladder");
-    let diagnosis = diagnose(&model, &traces).map_err(Failure::input)?;
+    let diagnosis = progress::watched("climbing the ladder", || diagnose(&model, &traces))?
+        .map_err(Failure::input)?;
     let data = Data::of_model(&model, &traces).map_err(Failure::input)?;
     let summary =
         DiagnosisSummary::new(&diagnosis, &data, next(&args.model, &args.traces, &args.prepare));
-    wait.finish_and_clear();
     if let Some(worse) = lower(&diagnosis) {
         return Err(Failure::Work(miette::miette!("{worse}; the model stays as it was")));
     }

@@ -227,9 +227,12 @@ fn whole(
         .iter()
         .min_by(|a, b| a.bic().total_cmp(&b.bic()))
         .ok_or_else(|| Failure::Work(miette::miette!("no law was tried")))?;
-    let wait = progress::spinner("leaving out each trace in turn");
-    let held_out = if traces.len() > 1 { whole_motion::held_out(best, &data) } else { Vec::new() };
-    wait.finish_and_clear();
+    let held_out = match traces.len() {
+        1 => Vec::new(),
+        _ => progress::watched("leaving out each trace in turn", || {
+            whole_motion::held_out(best, &data)
+        })?,
+    };
     let summary = FitSummary {
         fit: best,
         data: &data,
@@ -296,9 +299,9 @@ fn all(args: &Args, traces: &[Trace], preparation: &Preparation) -> Result<(), F
             return Err(Failure::Input(miette::miette!(problem)));
         }
     };
-    let wait = progress::spinner("fitting every law, leaving out each trace in turn");
-    let ranking = rank(traces, &args.signal, terms, args.separation());
-    wait.finish_and_clear();
+    let ranking = progress::watched("fitting every law, leaving out each trace in turn", || {
+        rank(traces, &args.signal, terms, args.separation())
+    })?;
     let mut ranking = ranking.map_err(Failure::input)?;
     if let Ok(data) = Data::of(traces, &args.signal) {
         ranking.noise = noise_of(&data, traces);

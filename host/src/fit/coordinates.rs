@@ -80,6 +80,12 @@ impl Coordinates {
         Self::new(law, self.reference)
     }
 
+    /// The reference compression, mm.
+    #[must_use]
+    pub fn reference(&self) -> f64 {
+        self.reference
+    }
+
     /// Each coordinate, in order.
     #[must_use]
     pub fn list(&self) -> &[Coordinate] {

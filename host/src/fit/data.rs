@@ -28,6 +28,14 @@ pub struct Piece<'a> {
     channels: Vec<Channel<'a>>,
 }
 
+impl Piece<'_> {
+    /// The same stretch with other samples of its motion and its signal, and nothing else recorded.
+    pub(super) fn with_samples<'b>(&self, motion: Motion<'b>, measured: &'b [f64]) -> Piece<'b> {
+        let Self { trace, first, begin, past, .. } = *self;
+        Piece { trace, motion, measured, first, begin, past, temperature: None, channels: vec![] }
+    }
+}
+
 /// A data set: traces of one specimen in one set-up, in order of recording.
 #[derive(Clone, Debug)]
 pub struct Data<'a> {

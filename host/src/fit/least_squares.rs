@@ -5,6 +5,7 @@
 //! Problems hand over JᵀJ and Jᵀr, never J: memory does not grow with the number of samples.
 
 use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 
 use super::watch;
 
@@ -40,6 +41,19 @@ impl Normal {
             gradient: DVector::zeros(dimension),
             curvature: DMatrix::zeros(dimension, dimension),
         }
+    }
+
+    /// Adds others so many times.
+    pub fn add_times(&mut self, other: &Self, times: f64) {
+        self.cost += times * other.cost;
+        self.gradient.axpy(times, &other.gradient, 1.0);
+        self.curvature.zip_apply(&other.curvature, |own, other| *own += times * other);
+    }
+
+    /// By how much a step raises the sum of squares of the quadratic model; negative where it falls.
+    #[must_use]
+    pub fn raised_by(&self, step: &DVector<f64>) -> f64 {
+        2.0 * self.gradient.dot(step) + step.dot(&(&self.curvature * step))
     }
 }
 
@@ -126,6 +140,55 @@ pub fn minimise(problem: &impl LeastSquares, start: &[f64]) -> Solution {
     minimise_with(problem, start, Effort::FULL)
 }
 
+/// Searches from several starts far enough to be compared, and keeps those that may still end lowest, and
+/// somewhere else than a better one; the best first. The same whatever the number of threads.
+pub fn race<P: LeastSquares + Sync>(problem: &P, starts: &[Vec<f64>]) -> Vec<Solution> {
+    watch::stage("starts of the search", starts.len());
+    let run = |start: &Vec<f64>| {
+        let found = minimise_with(problem, start, Effort::QUICK);
+        watch::done();
+        found
+    };
+    let mut runners: Vec<Solution> = starts.par_iter().map(run).collect();
+    runners.sort_by(|a, b| a.normal.cost.total_cmp(&b.normal.cost));
+    let lead = runners.first().map_or(0.0, |runner| runner.normal.cost);
+    let mut kept: Vec<Solution> = Vec::new();
+    for runner in runners {
+        let beaten = runner.stop.converged() && runner.normal.cost > BEATEN * lead;
+        if !beaten && !kept.iter().any(|better| better.met_by(&runner)) {
+            kept.push(runner);
+        }
+    }
+    kept
+}
+
+/// Takes searches that a race has kept to their end; the lowest. None without one.
+pub fn finish<P: LeastSquares + Sync>(problem: &P, kept: &[Solution]) -> Option<Solution> {
+    let finish = |runner: &Solution| {
+        let found = minimise(problem, &runner.point);
+        Solution { iterations: runner.iterations + found.iterations, ..found }
+    };
+    let finished: Vec<Solution> = kept.par_iter().map(finish).collect();
+    finished.into_iter().min_by(|a, b| a.normal.cost.total_cmp(&b.normal.cost))
+}
+
+/// A search that has slowed to [`Effort::QUICK`]'s fall in a step and is above this many times the lowest
+/// does not catch up in as many steps as [`Effort::FULL`] allows.
+const BEATEN: f64 = 1.001;
+/// Part of the sum of squares by which the prediction differs where two searches count as met.
+const MET: f64 = 1e-4;
+
+impl Solution {
+    /// Whether another search has come so close that it ends in the same minimum.
+    fn met_by(&self, other: &Self) -> bool {
+        let away = DVector::from_iterator(
+            self.point.len(),
+            self.point.iter().zip(&other.point).map(|(a, b)| b - a),
+        );
+        away.dot(&(&self.normal.curvature * &away)) <= MET * self.normal.cost
+    }
+}
+
 /// Searches for a minimum from `start` with limited effort.
 pub fn minimise_with(problem: &impl LeastSquares, start: &[f64], effort: Effort) -> Solution {
     watch::search();
@@ -157,7 +220,7 @@ pub fn minimise_with(problem: &impl LeastSquares, start: &[f64], effort: Effort)
             .zip(bounds)
             .map(|((x, dx), (lower, upper))| (x + dx).clamp(*lower, *upper))
             .collect();
-        let promised = -(2.0 * normal.gradient.dot(&step) + step.dot(&(&normal.curvature * &step)));
+        let promised = -normal.raised_by(&step);
         let gained = normal.cost - problem.cost(&trial);
         tracing::trace!(
             "step {iterations}: damping {damping:.1e}, sum of squares {:.9e}, gained {gained:.3e} of {promised:.3e}",
@@ -206,7 +269,7 @@ fn negligible(step: &DVector<f64>, point: &[f64]) -> bool {
 }
 
 /// The minimum of the damped quadratic model within the bounds.
-fn bounded_step(
+pub(super) fn bounded_step(
     normal: &Normal,
     damping: f64,
     point: &[f64],
@@ -305,6 +368,47 @@ mod tests {
             .map(|t| (t, amplitude * (-rate * t).exp()))
             .collect();
         Decay { bounds: bounds.to_vec(), data }
+    }
+
+    /// x⁴ − 2x² + x/4 as a sum of squares, with minima near 1 and −1, counted.
+    #[derive(Default)]
+    struct TwoValleys {
+        evaluations: std::sync::atomic::AtomicUsize,
+    }
+
+    impl LeastSquares for TwoValleys {
+        fn bounds(&self) -> &[(f64, f64)] {
+            &[(-3.0, 3.0)]
+        }
+        fn cost(&self, point: &[f64]) -> f64 {
+            self.normal(point).cost
+        }
+        fn normal(&self, point: &[f64]) -> Normal {
+            self.evaluations.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+            let x = point[0];
+            let mut normal = Normal::zeros(1);
+            for (residual, slope) in [(x * x - 1.0, 2.0 * x), (0.1 * (x + 3.0), 0.1)] {
+                normal.cost += residual * residual;
+                normal.gradient[0] += slope * residual;
+                normal.curvature[(0, 0)] += slope * slope;
+            }
+            normal
+        }
+    }
+
+    #[test]
+    fn a_race_ends_where_the_best_of_all_starts_does_with_fewer_evaluations() {
+        let starts: Vec<Vec<f64>> = [2.9, 1.5, 0.6, -0.4, -2.0, -2.9].map(|x| vec![x]).to_vec();
+        let (raced, alone) = (TwoValleys::default(), TwoValleys::default());
+        let found = finish(&raced, &race(&raced, &starts)).unwrap();
+        let each = starts.iter().map(|start| minimise(&alone, start));
+        let best = each.min_by(|a, b| a.normal.cost.total_cmp(&b.normal.cost)).unwrap();
+        assert!((found.point[0] - best.point[0]).abs() < 1e-8, "{found:?}");
+        assert!(found.point[0] < 0.0 && found.stop.converged());
+        let count = |problem: TwoValleys| problem.evaluations.into_inner();
+        let (raced, alone) = (count(raced), count(alone));
+        assert!(raced < alone, "{raced} for {alone}");
+        assert!(race(&TwoValleys::default(), &[]).is_empty());
     }
 
     const WIDE: [(f64, f64); 2] = [(-100.0, 100.0), (0.0, 100.0)];

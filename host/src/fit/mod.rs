@@ -7,7 +7,9 @@
 //! - [`whole_motion`]: a law over loading, holds and unloading of every trace together.
 
 pub(crate) mod by_differences;
+mod carried;
 pub mod choice;
+mod compression;
 pub mod consistency;
 pub mod coordinates;
 pub mod data;
@@ -23,6 +25,7 @@ pub mod ranking;
 pub mod ranks;
 pub mod relaxation_form;
 pub mod slope;
+mod spare;
 mod start;
 mod uncertainty;
 pub mod warning;

@@ -5,7 +5,7 @@
 //! least squares, and the best few distinct starts are handed on. The other laws start from what Fung's
 //! law makes of the data; a kernel that is no sum of exponentials goes over a grid of its own.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DMatrixView, DVector};
 
 use super::data::Data;
 use crate::model::{BaseLaw, Branch, Constants, Elastic, Family, Kernel, Memory, Relaxation, Span};
@@ -93,6 +93,8 @@ impl Start {
 }
 
 const RATES: usize = 16;
+/// Samples whose products are taken at a time.
+const AT_A_TIME: usize = 256;
 
 /// The best start of Fung's law for each shape of the elastic response, best first.
 fn linear_starts(law: &BaseLaw, data: &Data, reference: f64) -> Vec<Start> {
@@ -178,29 +180,45 @@ impl Gram {
         // Each branch by itself: a relaxation function whose whole response decays at its rate.
         let alone: Vec<Relaxation> =
             rates.iter().map(|&rate| Relaxation::new(&[1.0], &[rate])).collect();
-        let mut row = DVector::zeros(size);
+        // The signal counts as one more branch: one product of a few hundred rows gives all.
+        let mut rows = Vec::with_capacity(AT_A_TIME * (size + 1));
+        let mut sums = DMatrix::zeros(size + 1, size + 1);
+        let mut add = |rows: &mut Vec<f64>| {
+            let part = DMatrixView::from_slice(rows, size + 1, rows.len() / (size + 1));
+            sums.gemm(1.0, &part, &part.transpose(), 1.0);
+            rows.clear();
+        };
         for piece in &data.pieces {
             let mut memories = vec![Memory::rested(1); rates.len()];
             let mut before = piece.motion.time[0];
             let samples =
                 piece.motion.time.iter().zip(piece.motion.displacement.iter()).zip(piece.measured);
             for ((&time, &x), &y) in samples {
-                row[0] = p * elastic.unit(shape, x);
-                for (k, (memory, relaxation)) in memories.iter_mut().zip(&alone).enumerate() {
-                    row[k + 1] = if time > before {
-                        memory.step(relaxation, row[0], time - before)
+                let response = p * elastic.unit(shape, x);
+                let first = rows.len();
+                rows.push(response);
+                for (memory, relaxation) in memories.iter_mut().zip(&alone) {
+                    rows.push(if time > before {
+                        memory.step(relaxation, response, time - before)
                     } else {
-                        memory.jump(relaxation, row[0])
-                    };
+                        memory.jump(relaxation, response)
+                    });
                 }
                 before = time;
                 if x > 0.0 {
-                    gram.products.ger(1.0, &row, &row, 1.0);
-                    gram.measured.axpy(y, &row, 1.0);
-                    gram.total += y * y;
+                    rows.push(y);
+                } else {
+                    rows.truncate(first);
+                }
+                if rows.len() == AT_A_TIME * (size + 1) {
+                    add(&mut rows);
                 }
             }
         }
+        add(&mut rows);
+        gram.products.copy_from(&sums.view((0, 0), (size, size)));
+        gram.measured.copy_from(&sums.view((0, size), (size, 1)));
+        gram.total = sums[(size, size)];
         gram
     }
 

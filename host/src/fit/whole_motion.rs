@@ -4,9 +4,13 @@
 //! coordinates of the search ([`super::problem`]) by the delta method.
 
 use nalgebra::DMatrix;
+use rayon::prelude::*;
 
+use super::compression::Compressed;
 use super::data::{Data, DataError, Piece};
-use super::least_squares::{LeastSquares, Solution, Stop, minimise};
+use super::least_squares::{
+    LeastSquares, Normal, Solution, Stop, bounded_step, finish, minimise, race,
+};
 use super::problem::Problem;
 use super::start::starts;
 use super::uncertainty::{Uncertainty, uncertainty};
@@ -94,26 +98,26 @@ pub fn fit(law: BaseLaw, data: &Data) -> Result<MotionFit, DataError> {
         return Err(not_finite(&law, data));
     }
     let white = Whitening::none();
-    let problem = Problem::new(&chain, data, &white, None);
+    let problem = Problem::alone(&chain, data, &white, None);
     // Several starts: the sum of squares may have more than one minimum in the exponents and the rates.
-    let starts = starts(&law, data);
-    watch::stage("starts of the search", starts.len());
-    let best = starts
-        .into_iter()
-        .map(|start| {
-            let found = minimise(&problem, &problem.point(&start));
-            tracing::info!(
-                "{}, start {start:?}: {} after {} steps, sum of squares {:.6e}",
-                law.in_words(),
-                found.stop,
-                found.iterations,
-                found.normal.cost
-            );
-            watch::done();
-            found
-        })
-        .min_by(|a, b| a.normal.cost.total_cmp(&b.normal.cost))
-        .ok_or(DataError::NothingLeft)?;
+    let compressed = Compressed::of(data);
+    let means = compressed.as_ref().map(|compressed| compressed.data(data));
+    let few = compressed.as_ref().zip(means.as_ref());
+    let few = few.map(|(compressed, means)| problem.on_means(compressed, means));
+    let starts: Vec<Vec<f64>> = starts(&law, means.as_ref().unwrap_or(data))
+        .iter()
+        .map(|start| problem.point(start))
+        .collect();
+    let kept = race(few.as_ref().unwrap_or(&problem), &starts);
+    let best = finish(&problem, &kept).ok_or(DataError::NothingLeft)?;
+    tracing::info!(
+        "{}, the best of {} starts: {} after {} steps, sum of squares {:.6e}",
+        law.in_words(),
+        starts.len(),
+        best.stop,
+        best.iterations,
+        best.normal.cost
+    );
     let mut fit = describe(&problem, data, &best);
     if !is_finite(&fit) {
         return Err(not_finite(&law, data));
@@ -134,7 +138,7 @@ pub fn fit(law: BaseLaw, data: &Data) -> Result<MotionFit, DataError> {
 pub fn refit(chain: &Chain, from: &[f64], data: &Data) -> Result<MotionFit, DataError> {
     check_size(chain, data)?;
     let white = Whitening::none();
-    let problem = Problem::new(chain, data, &white, None);
+    let problem = Problem::alone(chain, data, &white, None);
     let found = minimise(&problem, &problem.point(from));
     let fit = describe(&problem, data, &found);
     if is_finite(&fit) { Ok(fit) } else { Err(not_finite(&chain.base, data)) }
@@ -150,28 +154,62 @@ fn not_finite(law: &BaseLaw, data: &Data) -> DataError {
     DataError::NotFinite { law: law.in_words(), hint: data.outlier().unwrap_or_default() }
 }
 
+/// Change of the prediction by one Gauss–Newton step, over the residual, up to which the step is the refit.
+const SMALL: f64 = 0.01;
+/// Damping of that step: none but what keeps it defined.
+const HARDLY: f64 = 1e-12;
+
 /// Root mean square error on each trace when it is left out of the fit, the specimen's history kept.
 /// A zero that each trace has of its own is taken from what that trace shows before its touch; what it
 /// has more of its own stays as it was fitted.
+///
+/// One step from the fit to all foretells the fit to the others; where that step is large, it is made.
 #[must_use]
 pub fn held_out(fit: &MotionFit, data: &Data) -> Vec<f64> {
     watch::stage("traces left out, each in turn", data.labels.len());
-    (0..data.labels.len())
-        .map(|trace| {
-            let white = Whitening::none();
-            let problem = Problem::new(&fit.chain, data, &white, Some(trace));
-            let mut from = fit.values.clone();
-            let own = fit.chain.own_of_trace(trace);
-            let zero = own.len() == 1;
-            if zero {
-                from[own[0]] = 0.0;
-            }
-            let found = minimise(&problem, &problem.point(&from));
-            let error = error_on(&problem, data, &found.point, trace, zero);
-            watch::done();
-            error
-        })
-        .collect()
+    let white = Whitening::none();
+    let problem = Problem::alone(&fit.chain, data, &white, None);
+    let point = problem.point(&fit.values);
+    let traces = problem.by_trace(&point);
+    let mut all = Normal::zeros(point.len());
+    for (trace, _) in &traces {
+        all.add_times(trace, 1.0);
+    }
+    let bare = fit.chain.effects.is_empty();
+    let compressed = Compressed::of(data).filter(|_| bare);
+    let means = compressed.as_ref().map(|compressed| compressed.data(data));
+    let few = compressed.as_ref().zip(means.as_ref());
+    let few = few.map(|(compressed, means)| problem.on_means(compressed, means));
+    // On the means a fit ends slightly elsewhere; by how much it moves without a trace is the same.
+    let from = few.as_ref().map_or(point.clone(), |few| minimise(few, &point).point);
+    let searched = few.as_ref().unwrap_or(&problem);
+    let error = |trace: usize| {
+        let (own, samples) = &traces[trace];
+        let mut others = all.clone();
+        others.add_times(own, -1.0);
+        let step = bounded_step(&others, HARDLY, &point, problem.bounds());
+        let change = step.dot(&(&all.curvature * &step));
+        let belongs = fit.chain.own_of_trace(trace);
+        let error = if belongs.is_empty() && change <= SMALL * SMALL * others.cost {
+            let square = own.cost + own.raised_by(&step);
+            (square.max(0.0) / (*samples as f64).max(1.0)).sqrt()
+        } else {
+            let zero = belongs.len() == 1;
+            let start = from.iter().zip(step.iter()).enumerate().map(|(j, (x, dx))| {
+                let own = belongs.contains(&j);
+                if own && zero { 0.0 } else { x + if own { 0.0 } else { *dx } }
+            });
+            let found = minimise(&searched.leaving_out(trace), &start.collect::<Vec<_>>()).point;
+            let moved = point.iter().zip(&found).zip(&from).map(|((x, to), from)| x + (to - from));
+            let moved =
+                moved.zip(problem.bounds()).map(|(x, (lower, upper))| x.clamp(*lower, *upper));
+            let reached = if few.is_some() { moved.collect() } else { found };
+            error_on(&problem, data, &reached, trace, zero)
+        };
+        watch::done();
+        error
+    };
+    (0..traces.len()).into_par_iter().map(error).collect()
 }
 
 /// Root mean square error over all traces from that on each; none where there is none.
@@ -332,4 +370,154 @@ fn sort_branches(fit: &mut MotionFit) {
     let unsorted = fit.correlation.clone();
     fit.correlation =
         DMatrix::from_fn(place.len(), place.len(), |i, j| unsorted[(place[i], place[j])]);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::{Motion, Separation};
+    use crate::trace::{Column, DISPLACEMENT, FORCE, Trace};
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+    use std::sync::Arc;
+
+    /// Presses of several depths into a specimen that relaxes twice, with noise.
+    fn traces(count: usize) -> Vec<Trace> {
+        let mut random = ChaCha8Rng::seed_from_u64(17);
+        let truth = BaseLaw::fung(2, Separation::Clamp);
+        (0..count)
+            .map(|trace| {
+                let time: Vec<f64> = (0..160).map(|k| 0.05 * f64::from(k)).collect();
+                let deep = 2.0 + (trace % 5) as f64;
+                let course = |t: &f64| (3.0 * t - 0.5).min(deep).min(24.0 - 3.5 * t);
+                let x: Vec<f64> = time.iter().map(course).collect();
+                let motion = Motion {
+                    time: time.clone().into(),
+                    displacement: x.clone().into(),
+                    rest_before: None,
+                };
+                let force = truth.predict(&[0.3, 0.7, 0.25, 0.2, 4.0, 0.4], &[motion]).remove(0);
+                let noisy = force.iter().map(|f| f + random.random_range(-0.03..0.03)).collect();
+                Trace {
+                    time,
+                    columns: vec![
+                        Column { name: DISPLACEMENT.into(), values: x },
+                        Column { name: FORCE.into(), values: noisy },
+                    ],
+                    ..Trace::default()
+                }
+            })
+            .collect()
+    }
+
+    /// The error on each trace by a whole fit to the others.
+    fn refitted(fit: &MotionFit, data: &Data) -> Vec<f64> {
+        let white = Whitening::none();
+        let error = |trace| {
+            let problem = Problem::new(&fit.chain, data, &white, Some(trace));
+            let found = minimise(&problem, &problem.point(&fit.values));
+            error_on(&problem, data, &found.point, trace, false)
+        };
+        (0..data.labels.len()).map(error).collect()
+    }
+
+    #[test]
+    fn the_error_on_a_trace_left_out_is_that_of_a_whole_fit_to_the_others() {
+        // One exponential where there are two: the law is wrong, as laws are.
+        for (count, law) in [(3, 1), (12, 1), (12, 2)] {
+            let traces = traces(count);
+            let data = Data::of(&traces, FORCE).unwrap();
+            let fit = fit(BaseLaw::fung(law, Separation::Clamp), &data).unwrap();
+            let (found, expected) = (held_out(&fit, &data), refitted(&fit, &data));
+            for (found, expected) in found.iter().zip(&expected) {
+                let off = (found / expected - 1.0).abs();
+                assert!(off < 5e-4, "{count} traces: {found} for {expected}, off by {off:.1e}");
+            }
+        }
+    }
+
+    /// One long hold after a short press, and one at half the depth, with noise.
+    fn holds() -> Vec<Trace> {
+        let mut random = ChaCha8Rng::seed_from_u64(5);
+        let truth = BaseLaw::fung(3, Separation::Clamp);
+        [4.0, 2.0, 3.0]
+            .into_iter()
+            .map(|deep: f64| {
+                let time: Vec<f64> = (0..8000).map(|k| 0.05 * f64::from(k)).collect();
+                let x: Vec<f64> = time.iter().map(|t| (2.0 * t - 1.0).min(deep)).collect();
+                let motion = Motion {
+                    time: time.clone().into(),
+                    displacement: x.clone().into(),
+                    rest_before: None,
+                };
+                let constants = [0.3, 0.7, 0.2, 0.15, 0.1, 2.0, 0.1, 0.01];
+                let force = truth.predict(&constants, &[motion]).remove(0);
+                let noisy = force.iter().map(|f| f + random.random_range(-0.03..0.03)).collect();
+                Trace {
+                    time,
+                    columns: vec![
+                        Column { name: DISPLACEMENT.into(), values: x },
+                        Column { name: FORCE.into(), values: noisy },
+                    ],
+                    ..Trace::default()
+                }
+            })
+            .collect()
+    }
+
+    #[test]
+    fn a_search_on_block_means_ends_where_one_on_all_samples_does() {
+        let traces = holds();
+        let data = Data::of(&traces, FORCE).unwrap();
+        let compressed = Compressed::of(&data).unwrap();
+        assert!(20 * compressed.len() < data.samples(), "{}", compressed.len());
+        for law in [BaseLaw::fung(2, Separation::Clamp), BaseLaw::fung(3, Separation::Clamp)] {
+            let found = fit(law, &data).unwrap();
+            let chain = Chain::new(law);
+            let white = Whitening::none();
+            let problem = Problem::new(&chain, &data, &white, None);
+            let all = starts(&law, &data);
+            let alone = all.iter().map(|start| minimise(&problem, &problem.point(start)));
+            let best = alone.map(|found| found.normal.cost).fold(f64::INFINITY, f64::min);
+            assert!((found.cost / best - 1.0).abs() < 1e-9, "{} for {best}", found.cost);
+            let (errors, expected) = (held_out(&found, &data), refitted(&found, &data));
+            for (found, expected) in errors.iter().zip(&expected) {
+                assert!((found / expected - 1.0).abs() < 1e-3, "{found} for {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_means_tell_the_sum_of_squares_of_all_samples() {
+        let traces = holds();
+        let data = Data::of(&traces, FORCE).unwrap();
+        let law = BaseLaw::fung(2, Separation::Clamp);
+        let fit = fit(law, &data).unwrap();
+        let chain = Chain::new(law);
+        let white = Whitening::none();
+        let problem = Problem::alone(&chain, &data, &white, None);
+        let compressed = Compressed::of(&data).unwrap();
+        let means = compressed.data(&data);
+        let few = problem.on_means(&compressed, &means);
+        let point = problem.point(&fit.values);
+        for part in [1.0, 0.98, 1.05] {
+            let point: Vec<f64> = point.iter().map(|x| part * x).collect();
+            let (all, few) = (problem.cost(&point), few.cost(&point));
+            assert!((few / all - 1.0).abs() < 2e-3, "{few} for {all}");
+        }
+    }
+
+    #[test]
+    fn traces_left_out_cost_no_refit_each() {
+        let searches = |count: usize| {
+            let traces = traces(count);
+            let data = Data::of(&traces, FORCE).unwrap();
+            let fit = fit(BaseLaw::fung(2, Separation::Clamp), &data).unwrap();
+            let seen = Arc::new(watch::Watch::default());
+            watch::under(&seen, || held_out(&fit, &data)).unwrap();
+            seen.progress().0
+        };
+        let searches = searches(40);
+        assert!(searches <= 4, "{searches} searches");
+    }
 }

@@ -1,6 +1,7 @@
 //! The chain *motion → elasticity → relaxation → contact → sensor*: a base law with effects, run over
 //! motions.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use super::act::{Act, Remembered, Stage};
@@ -134,13 +135,7 @@ impl Chain {
         elasticity: &mut Elasticity,
         force: &mut Vec<f64>,
     ) {
-        history.effects.resize(self.effects.len(), Remembered::new());
-        let mut x = scene.motion.displacement.to_vec();
-        self.each(parameters, history, |act, own, remembered, stage| match act {
-            Act::Compression(law) => law(scene, own, remembered, &mut x),
-            Act::Own(expression) if stage == Stage::Motion => expression.add(scene, own, &mut x),
-            _ => {}
-        });
+        let x = self.upstream(parameters, scene, history);
         let feedbacks: Vec<_> = self
             .effects
             .iter()
@@ -157,13 +152,13 @@ impl Chain {
             let mut follow = |reached: &[f64], history: &mut History, force: &mut Vec<f64>| {
                 history.clone_from(&before);
                 self.contact(parameters, scene, (history, elasticity), reached, force);
-                let mut next = x.clone();
+                let mut next = x.to_vec();
                 for (law, own) in &feedbacks {
                     law(scene, own, force, &mut next);
                 }
                 next
             };
-            let mut reached = x.clone();
+            let mut reached = x.to_vec();
             for _ in 0..FEEDBACKS {
                 let first = follow(&reached, history, force);
                 let second = follow(&first, history, force);
@@ -179,11 +174,64 @@ impl Chain {
                 }
             }
         }
+        self.act_on_force(Stage::Sensor, parameters, scene, history, force);
+    }
+
+    /// Whether every effect acts before the base law or after it: on the compression that reaches the
+    /// specimen, or on the force that comes of it.
+    #[must_use]
+    pub fn leaves_base_alone(&self) -> bool {
+        self.effects.iter().all(|effect| match effect.act {
+            Act::Compression(_) | Act::Force(_) => true,
+            Act::Own(_) => !matches!(effect.stage, Stage::Elasticity | Stage::Relaxation),
+            _ => false,
+        })
+    }
+
+    /// The compression x, mm, that reaches the specimen where nothing feeds back on it.
+    pub fn upstream<'a>(
+        &self,
+        parameters: &[f64],
+        scene: &'a Scene,
+        history: &mut History,
+    ) -> Cow<'a, [f64]> {
+        history.effects.resize(self.effects.len(), Remembered::new());
+        let mut x = Cow::Borrowed(&scene.motion.displacement[..]);
         self.each(parameters, history, |act, own, remembered, stage| match act {
-            Act::Force(law) if stage == Stage::Sensor => law(scene, own, remembered, force),
-            Act::Own(expression) if stage == Stage::Sensor => {
-                expression.add_to_force(scene, own, force);
+            Act::Compression(law) => law(scene, own, remembered, x.to_mut()),
+            Act::Own(expression) if stage == Stage::Motion => {
+                expression.add(scene, own, x.to_mut());
             }
+            _ => {}
+        });
+        x
+    }
+
+    /// Lets everything act on the force, N, of the base law that acts on it in contact and in the sensor.
+    pub fn downstream(
+        &self,
+        parameters: &[f64],
+        scene: &Scene,
+        history: &mut History,
+        force: &mut [f64],
+    ) {
+        history.effects.resize(self.effects.len(), Remembered::new());
+        for stage in [Stage::Contact, Stage::Sensor] {
+            self.act_on_force(stage, parameters, scene, history, force);
+        }
+    }
+
+    fn act_on_force(
+        &self,
+        at: Stage,
+        parameters: &[f64],
+        scene: &Scene,
+        history: &mut History,
+        force: &mut [f64],
+    ) {
+        self.each(parameters, history, |act, own, remembered, stage| match act {
+            Act::Force(law) if stage == at => law(scene, own, remembered, force),
+            Act::Own(expression) if stage == at => expression.add_to_force(scene, own, force),
             _ => {}
         });
     }
@@ -242,13 +290,7 @@ impl Chain {
             force,
         );
         history.relaxation = relaxation;
-        self.each(parameters, history, |act, own, remembered, stage| match act {
-            Act::Force(law) if stage == Stage::Contact => law(scene, own, remembered, force),
-            Act::Own(expression) if stage == Stage::Contact => {
-                expression.add_to_force(scene, own, force);
-            }
-            _ => {}
-        });
+        self.act_on_force(Stage::Contact, parameters, scene, history, force);
     }
 
     /// Hands every effect its own parameters and memory.
