@@ -39,11 +39,7 @@ pub const EFFECT: Effect = Effect {
                 count: Count::Fixed(&[]),
             },
             shapes: &[],
-            act: Act::Feedback(|_, parameters, force, x| {
-                for (x, force) in x.iter_mut().zip(force) {
-                    *x -= parameters[0] * force;
-                }
-            }),
+            act: Act::Yield(|parameters, force| parameters[0] * force),
         },
         Law {
             name: "joint",
@@ -59,11 +55,9 @@ pub const EFFECT: Effect = Effect {
                 },
                 FULL_FORCE,
             ],
-            act: Act::Feedback(|_, parameters, force, x| {
+            act: Act::Yield(|parameters, force| {
                 let (most, exponent, full) = (parameters[0], parameters[1], parameters[2]);
-                for (x, force) in x.iter_mut().zip(force) {
-                    *x -= most * force.signum() * (force / full).abs().powf(exponent);
-                }
+                most * force.signum() * (force / full).abs().powf(exponent)
             }),
         },
         Law {
@@ -77,10 +71,8 @@ pub const EFFECT: Effect = Effect {
                 grid: |scales| vec![0.1 * scales.force],
                 role: Role::Fitted(|scales| (0.01 * scales.force, scales.force)),
             }],
-            act: Act::Feedback(|_, parameters, force, x| {
-                for (x, force) in x.iter_mut().zip(force) {
-                    *x += parameters[0] * (-force.max(0.0) / parameters[1]).exp_m1();
-                }
+            act: Act::Yield(|parameters, force| {
+                -parameters[0] * (-force.max(0.0) / parameters[1]).exp_m1()
             }),
         },
     ],

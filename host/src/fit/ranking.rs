@@ -6,7 +6,7 @@ use std::cmp::Ordering;
 use rayon::prelude::*;
 
 use super::data::{Data, DataError};
-use super::whole_motion::{MotionFit, fit, held_out, over_traces};
+use super::whole_motion::{MotionFit, fit, held_out, over_traces, refit};
 use crate::model::{BaseLaw, Elastic, Family, Gauge, Hyperelastic, Kernel, Separation};
 use crate::trace::{Kind, Noise, Trace, pooled_noise, segments};
 
@@ -122,7 +122,7 @@ pub fn rank(
             let fit = fit(law, &data)?;
             let left_out = if traces.len() > 1 { held_out(&fit, &data) } else { Vec::new() };
             let held_out = over_traces(&left_out, &data);
-            Ok(Place { spreads: between(law, &apart, signal)?, fit, held_out })
+            Ok(Place { spreads: between(&fit, &apart, signal)?, fit, held_out })
         };
         laws.into_par_iter().map(place).collect::<Result<Vec<_>, DataError>>()
     };
@@ -173,26 +173,16 @@ fn better(a: &Place, b: &Place) -> Ordering {
     }
 }
 
-/// How the parameters of a law move between the set-ups among these traces; empty for a single set-up.
-///
-/// # Errors
-/// When a set-up cannot be fitted by itself.
-pub fn spreads(
-    law: BaseLaw,
-    traces: &[Trace],
-    signal: &str,
-) -> Result<Vec<ParameterSpread>, DataError> {
-    between(law, &apart(traces, &setups(traces)), signal)
-}
-
 /// The traces of each set-up.
 fn apart(traces: &[Trace], setups: &[Setup]) -> Vec<Vec<Trace>> {
     let own = |setup: &Setup| setup.traces.iter().map(|&k| traces[k].clone()).collect();
     setups.iter().map(own).collect()
 }
 
+/// How the parameters of a law move between the set-ups, each refitted from the fit to all of them; empty for
+/// a single set-up.
 fn between(
-    law: BaseLaw,
+    all: &MotionFit,
     setups: &[Vec<Trace>],
     signal: &str,
 ) -> Result<Vec<ParameterSpread>, DataError> {
@@ -201,14 +191,14 @@ fn between(
     }
     let fits = setups
         .iter()
-        .map(|own| fit(law, &Data::of(own, signal)?))
+        .map(|own| refit(&all.chain, &all.values, &Data::of(own, signal)?))
         .collect::<Result<Vec<_>, _>>()?;
     let spread = |(k, parameter): (usize, crate::model::Parameter)| ParameterSpread {
         name: parameter.name.into(),
         unit: parameter.unit.into(),
         values: fits.iter().map(|fit| fit.values[k]).collect(),
     };
-    Ok(law.parameters().into_iter().enumerate().map(spread).collect())
+    Ok(all.chain.base.parameters().into_iter().enumerate().map(spread).collect())
 }
 
 /// Traces of the same compression and loading rate together; where all are alike, each by itself.

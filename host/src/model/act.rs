@@ -52,8 +52,8 @@ pub type Remembered = Vec<f64>;
 pub enum Act {
     /// Changes the compression x, mm.
     Compression(fn(&Scene, &[f64], &mut Remembered, &mut [f64])),
-    /// Changes the compression x, mm (last), by the contact force, N (second to last).
-    Feedback(fn(&Scene, &[f64], &[f64], &mut [f64])),
+    /// What the set-up yields, mm, under a contact force, N.
+    Yield(fn(&[f64], f64) -> f64),
     /// Changes the elastic response N (last), N, at the compression x, mm (second to last).
     Elastic(fn(&Scene, &[f64], &mut Remembered, &[f64], &mut [f64])),
     /// Changes how the elastic response relaxes, at the compression x, mm.

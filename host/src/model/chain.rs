@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use super::act::{Act, Remembered, Stage};
 use super::hereditary::HereditaryState;
-use super::{BaseLaw, Elastic, Parameter, Scene};
+use super::{BaseLaw, Elastic, Parameter, Response, Scene};
 
 /// An effect in a model: its name, the law chosen for it, its parameters and how it acts.
 #[derive(Clone, Debug)]
@@ -80,7 +80,7 @@ impl Elasticity {
 }
 
 /// How often a force that changes the compression is followed back, at most: twice in each round.
-const FEEDBACKS: usize = 12;
+const ROUNDS: usize = 12;
 /// Change of the compression, mm, at which that has settled.
 const SETTLED: f64 = 1e-10;
 
@@ -136,30 +136,31 @@ impl Chain {
         force: &mut Vec<f64>,
     ) {
         let x = self.upstream(parameters, scene, history);
-        let feedbacks: Vec<_> = self
+        let yields: Vec<_> = self
             .effects
             .iter()
             .enumerate()
             .filter_map(|(index, effect)| match effect.act {
-                Act::Feedback(law) => Some((law, &parameters[self.range(index)])),
+                Act::Yield(law) => Some((law, &parameters[self.range(index)])),
                 _ => None,
             })
             .collect();
-        if feedbacks.is_empty() {
+        let next =
+            |x: f64, force: f64| x - yields.iter().map(|(law, own)| law(own, force)).sum::<f64>();
+        if yields.is_empty() {
             self.contact(parameters, scene, (history, elasticity), &x, force);
+        } else if let Some(response) = self.bare_response(parameters) {
+            let stretch = (&scene.motion.time[..], &x[..], scene.motion.rest_before);
+            response.run_yielding(stretch, &mut history.relaxation, next, force);
         } else {
             let before = history.clone();
             let mut follow = |reached: &[f64], history: &mut History, force: &mut Vec<f64>| {
                 history.clone_from(&before);
                 self.contact(parameters, scene, (history, elasticity), reached, force);
-                let mut next = x.to_vec();
-                for (law, own) in &feedbacks {
-                    law(scene, own, force, &mut next);
-                }
-                next
+                x.iter().zip(force.iter()).map(|(&x, &force)| next(x, force)).collect::<Vec<_>>()
             };
             let mut reached = x.to_vec();
-            for _ in 0..FEEDBACKS {
+            for _ in 0..ROUNDS {
                 let first = follow(&reached, history, force);
                 let second = follow(&first, history, force);
                 let change = largest_difference(&second, &first);
@@ -175,6 +176,19 @@ impl Chain {
             }
         }
         self.act_on_force(Stage::Sensor, parameters, scene, history, force);
+    }
+
+    /// The base law's response where nothing but a set-up that yields acts between the commanded motion and
+    /// the contact force, and that can be followed sample by sample.
+    fn bare_response(&self, parameters: &[f64]) -> Option<Response> {
+        let bare = self.effects.iter().all(|effect| match effect.act {
+            Act::Compression(_) | Act::Yield(_) => true,
+            Act::Force(_) => effect.stage == Stage::Sensor,
+            Act::Own(_) => matches!(effect.stage, Stage::Motion | Stage::Sensor),
+            _ => false,
+        });
+        let response = bare.then(|| self.base.response(parameters));
+        response.filter(Response::can_yield)
     }
 
     /// Whether every effect acts before the base law or after it: on the compression that reaches the

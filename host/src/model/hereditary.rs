@@ -81,11 +81,7 @@ impl Hereditary {
         state: &mut HereditaryState,
         force: &mut Vec<f64>,
     ) {
-        state.begin(self.branches.len());
-        match rest {
-            Some(rest) => self.rest(state, rest),
-            None => state.forget(),
-        }
+        self.start(state, rest);
         force.clear();
         let mut before = f64::NAN;
         for (k, (&time, &elastic)) in time.iter().zip(elastic).enumerate() {
@@ -98,6 +94,38 @@ impl Hereditary {
             };
             force.push(if self.separation == Separation::Bonded { value } else { value.max(0.0) });
         }
+    }
+
+    /// Goes from one stretch to the next.
+    pub(super) fn start(&self, state: &mut HereditaryState, rest: Option<f64>) {
+        state.begin(self.branches.len());
+        match rest {
+            Some(rest) => self.rest(state, rest),
+            None => state.forget(),
+        }
+    }
+
+    /// Whether the force at a sample is affine in the elastic response there, whatever was before.
+    pub(super) fn is_affine(&self) -> bool {
+        !self.retarded && self.growth.is_none()
+    }
+
+    /// The force at sample `k`, N, before contact breaks, of a law that is affine: what is held, N, and what
+    /// the elastic response is multiplied by. No interval is that of a first sample, reached at once.
+    pub(super) fn affine(
+        &self,
+        state: &mut HereditaryState,
+        k: usize,
+        interval: Option<f64>,
+    ) -> (f64, f64) {
+        match interval {
+            Some(interval) => self.prepare(state, k, interval, state.driven),
+            None => {
+                state.steps.fill((1.0, 1.0));
+                state.interval = f64::NAN;
+            }
+        }
+        self.held(state, k, interval.unwrap_or(f64::INFINITY))
     }
 
     /// One sample: the force, N, or where retarded the settled response.
@@ -139,7 +167,8 @@ impl Hereditary {
         self.jump(state, elastic)
     }
 
-    fn jump(&self, state: &mut HereditaryState, elastic: f64) -> f64 {
+    /// The first sample of a stretch: the force, N, or where retarded the settled response.
+    pub(super) fn jump(&self, state: &mut HereditaryState, elastic: f64) -> f64 {
         if self.retarded {
             state.steps.fill((1.0, 1.0));
             state.interval = f64::NAN;
@@ -183,6 +212,13 @@ impl Hereditary {
 
     /// The elastic response that would leave the surface free of force at sample `k`, N.
     fn free(&self, state: &HereditaryState, k: usize, interval: f64) -> f64 {
+        let (held, immediate) = self.held(state, k, interval);
+        -held / immediate
+    }
+
+    /// The force at sample `k`, prepared for, without any elastic response, N, and what an elastic response
+    /// adds to it for each newton.
+    fn held(&self, state: &HereditaryState, k: usize, interval: f64) -> (f64, f64) {
         let (share, drive) = (at(&self.share_factor, k), at(&self.drive_factor, k));
         let viscous = self.viscosity / interval;
         let mut held = -viscous * state.input;
@@ -193,7 +229,7 @@ impl Hereditary {
             held += branch.share * share * (decay * x - gain * state.driven);
             immediate += branch.share * share * drive * (gain - 1.0);
         }
-        -held / immediate
+        (held, immediate)
     }
 
     /// Where retarded: prepares the step to sample `k` and gives the settled response to this input.

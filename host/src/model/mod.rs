@@ -26,6 +26,7 @@ mod relaxation;
 mod response;
 mod scene;
 mod segments;
+mod yielding;
 
 pub use act::{Act, Remembered, Stage};
 pub use base_law::{BaseLaw, Constants, EXPONENTS_N, MAX_TERMS, TERMS};

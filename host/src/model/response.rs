@@ -3,6 +3,7 @@
 use std::borrow::Cow;
 
 use super::hereditary::{Hereditary, HereditaryState};
+use super::yielding::Yielding;
 use super::{Elastic, Elasticity, Separation};
 
 /// What the memory of a law acts on.
@@ -82,6 +83,39 @@ impl Response {
         let step = 1e-4 * x.abs().max(1e-3);
         let sudden = |to: f64| self.begin(&mut HereditaryState::default(), to);
         (sudden(x + step) - sudden(x - step)) / (2.0 * step)
+    }
+
+    /// Whether a set-up that yields can be followed sample by sample.
+    #[must_use]
+    pub fn can_yield(&self) -> bool {
+        self.form != Form::Compression && self.hereditary.is_affine()
+    }
+
+    /// Runs over one stretch of a set-up that yields: times, s, commanded compressions x, mm, and the rest
+    /// before, s. `next` is where the set-up comes to, mm, at a commanded compression, mm, under a force, N.
+    /// The force, N, goes to `force`. Only where it [can yield](Self::can_yield).
+    pub fn run_yielding(
+        &self,
+        (time, x, rest): (&[f64], &[f64], Option<f64>),
+        state: &mut HereditaryState,
+        next: impl Fn(f64, f64) -> f64,
+        force: &mut Vec<f64>,
+    ) {
+        self.hereditary.start(state, rest);
+        force.clear();
+        let mut yielding = Yielding::default();
+        let mut before = None;
+        for (k, (&time, &x)) in time.iter().zip(x).enumerate() {
+            let interval = before.map(|before: f64| time - before);
+            before = Some(time);
+            let (held, immediate) = self.hereditary.affine(state, k, interval);
+            let under = |z: f64| self.sample(z, |input| held + immediate * input);
+            let reached = yielding.reached(x, |z| next(x, under(z)));
+            force.push(self.sample(reached, |input| match interval {
+                Some(interval) => self.hereditary.advance(state, k, interval, input),
+                None => self.hereditary.jump(state, input),
+            }));
+        }
     }
 
     /// Runs over one stretch: times, s, compressions x, mm, and the rest before, s (none where all is

@@ -16,7 +16,7 @@ import resource
 import shutil
 import subprocess
 import sys
-from math import exp
+from math import exp, pi, sin
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
@@ -27,45 +27,70 @@ PACKAGES = ["numpy", "scipy", "lmfit", "numba"]
 # p, q, c1, c2, v1, v2 of Fung's law.
 LAW = (0.08, 0.8, 0.25, 0.24, 4.0, 0.55)
 # Longest run of a command that is waited for, s of CPU.
-PATIENCE = 600
+PATIENCE = 120
 
 
-def press(samples, rate, deep, speed, seed, extra):
-    """One press with a hold, as CSV: Fung's law, a force it lacks (`extra`, N at 1 mm), and white noise."""
-    p, q, *rest = LAW
-    shares, rates = rest[:2], rest[2:]
-    step = 1.0 / rate
+def force_of(samples, step, course, rates, shares):
+    """Force of Fung's law along a course of compressions, sample by sample."""
+    p, q = LAW[:2]
     decay = [exp(-v * step) for v in rates]
     gain = [(1 - a) / (v * step) for a, v in zip(decay, rates)]
-    normal = random.Random(seed).gauss
-    lasts = samples * step
-    down, up = 0.1 * lasts, 0.75 * lasts
-    states, before, lines = [0.0, 0.0], 0.0, ["time_s,displacement_mm,force_N"]
+    states, before = [0.0] * len(rates), 0.0
     for k in range(samples):
-        time = k * step
-        x = min(deep, speed * (time - down), deep - speed * (time - up))
-        pressed = max(x, 0.0)
-        elastic = p / (q + 1) * pressed ** (q + 1)
+        x = course(k * step)
+        elastic = p / (q + 1) * max(x, 0.0) ** (q + 1)
         states = [a * s + b * (elastic - before) for s, a, b in zip(states, decay, gain)]
         before = elastic
-        force = elastic + sum(c * (s - elastic) for c, s in zip(shares, states))
-        force = max(force, 0.0) + extra * pressed**1.5
-        lines.append(f"{time:.6g},{x:.6f},{force + normal(0.0, 0.02):.6f}")
+        yield k * step, x, max(elastic + sum(c * (s - elastic) for c, s in zip(shares, states)), 0.0)
+
+
+def table(rows, seed, noise, extra=lambda x: 0.0):
+    """Rows as CSV with white noise, and with a force that the law lacks."""
+    normal = random.Random(seed).gauss
+    lines = ["time_s,displacement_mm,force_N"]
+    lines += [f"{t:.6g},{x:.6f},{f + extra(x) + normal(0.0, noise):.6f}" for t, x, f in rows]
     return "\n".join(lines) + "\n"
 
 
-def data(name, traces, samples, rate, extra=0.0):
+def press(samples, rate, k, extra):
+    """The k-th press with a hold, as CSV."""
+    step = 1.0 / rate
+    lasts = samples * step
+    deep, speed, down, up = 4.0 + k % 10, 10.0 + 5.0 * (k % 10), 0.1 * lasts, 0.75 * lasts
+    course = lambda t: min(deep, speed * (t - down), deep - speed * (t - up))
+    return table(force_of(samples, step, course, LAW[4:], LAW[2:4]), k, 0.02, extra)
+
+
+def hold(samples, rate, k):
+    """The k-th of long holds: relaxation over four decades, which two exponentials cannot follow."""
+    course = lambda t: min(4.0 + k, 20.0 * t - 1.0)
+    rates, shares = (20.0, 2.0, 0.2, 0.02), (0.1, 0.12, 0.1, 0.08)
+    return table(force_of(samples, 1.0 / rate, course, rates, shares), k, 0.005)
+
+
+def folder(name, traces, make):
     """A folder of traces, made once."""
-    folder = WORK / name
-    if not folder.exists():
-        making = folder.with_suffix(".making")
+    made = WORK / name
+    if not made.exists():
+        making = made.with_suffix(".making")
         shutil.rmtree(making, ignore_errors=True)
         making.mkdir(parents=True)
         for k in range(traces):
-            deep, speed = 4.0 + k % 10, 10.0 + 5.0 * (k % 10)
-            (making / f"t{k:03}.csv").write_text(press(samples, rate, deep, speed, k, extra))
-        making.rename(folder)
-    return folder
+            (making / f"t{k:03}.csv").write_text(make(k))
+        making.rename(made)
+    return made
+
+
+def presses(traces, samples, rate, extra=lambda x: 0.0, name=""):
+    return folder(f"{traces}x{samples}{name}", traces, lambda k: press(samples, rate, k, extra))
+
+
+def practice(palpate, name, *arguments):
+    """A practice set of ten traces with something hidden, made once."""
+    made = WORK / name
+    if not made.exists():
+        subprocess.run([palpate, "hide", *arguments, "-o", made], check=True, stdout=subprocess.DEVNULL)
+    return made
 
 
 def cpu(command):
@@ -109,29 +134,49 @@ def shown(measured):
     return f"> {PATIENCE}" if seconds is None else f"{seconds:.3g} s, {memory:.0f} MB"
 
 
-def commands(large):
+def commands(palpate, large):
     """What is measured: its name, and the arguments of palpate."""
-    model = WORK / "model.toml"
-    small = data("10x1400", 10, 1_400, 200.0)
-    many = data("100x1400", 100, 1_400, 200.0)
-    middle = data("10x10k", 10, 10_000, 500.0, extra=0.01)
-    one = data("1x200k", 1, 200_000, 1000.0)
-    rows = [
-        ("`fit fung`, 10 × 1,400 rows", ["fit", "fung", small, "-o", model]),
+    lacks = lambda x: 0.01 * max(x, 0.0) ** 1.5
+    outside = lambda x: 0.05 * sin(2 * pi * x / 0.8) if x > 0 else 0.0
+    small, many = presses(10, 1_400, 200.0), presses(100, 1_400, 200.0)
+    middle = presses(10, 10_000, 500.0, lacks, "-lacking")
+    one, hour = presses(1, 200_000, 1000.0), folder("hold", 1, lambda k: hold(90_104, 50.0, k))
+    holds = folder("holds", 3, lambda k: hold(72_000, 50.0, k))
+    hidden = {
+        "one effect": practice(palpate, "one-effect", "mullins", "--seed", "7"),
+        "two effects": practice(palpate, "two-effects", "--any", "2", "--seed", "11"),
+        "outside the library": presses(10, 1_900, 200.0, outside, "-outside"),
+    }
+    fits = {"small": small, "middle": middle, "hour": hour, "holds": holds, "one": one, **hidden}
+    models = {name: WORK / f"{name.replace(' ', '-')}.toml" for name in fits}
+    for name, traces in fits.items():
+        if not models[name].exists():
+            cpu([palpate, "fit", "fung", traces, "-o", models[name]])
+    diagnose = lambda name: ["diagnose", "--model", models[name], fits[name]]
+    rows = [(f"`diagnose`, ten traces, 19,000 samples, {name}", diagnose(name)) for name in hidden]
+    rows += [
+        ("`diagnose`, 10 × 1,400 rows, nothing missing", diagnose("small")),
+        ("`diagnose`, 10 × 10,000 rows, a force missing", diagnose("middle")),
+        ("`diagnose`, one hold of 90,104 rows", diagnose("hour")),
+        ("`diagnose`, three holds, 216,000 rows", diagnose("holds")),
+        ("`fit fung`, 10 × 1,400 rows", ["fit", "fung", small]),
         ("`fit fung`, 100 × 1,400 rows", ["fit", "fung", many]),
         ("`fit fung`, 10 × 10,000 rows", ["fit", "fung", middle]),
         ("`fit --all`, 10 × 1,400 rows", ["fit", "--all", small]),
-        ("`compare`, 10 × 1,400 rows", ["compare", model, small]),
-        ("`compare`, one trace of 200,000 rows", ["compare", model, one]),
-        ("`diagnose`, 10 × 1,400 rows, nothing missing", ["diagnose", "--model", model, small]),
-        ("`diagnose`, 10 × 10,000 rows, a force missing", ["diagnose", "--model", model, middle]),
+        ("`compare`, 10 × 1,400 rows", ["compare", models["small"], small]),
+        ("`compare`, one trace of 200,000 rows", ["compare", models["one"], one]),
+        ("`relaxation`, one hold of 90,104 rows", ["relaxation", hour]),
     ]
     if large:
-        big = data("10x100k", 10, 100_000, 1000.0)
-        long = data("1x1M", 1, 1_000_000, 1000.0)
+        big = presses(10, 100_000, 1000.0, lacks, "-lacking")
+        long = presses(1, 1_000_000, 1000.0)
+        eight = folder("eight-holds", 8, lambda k: hold(63_250, 50.0, k))
         rows += [
+            ("`fit --all`, 10 × 2,350 rows", ["fit", "--all", presses(10, 2_350, 200.0)]),
             ("`fit fung`, 10 × 100,000 rows", ["fit", "fung", big]),
-            ("`compare`, one trace of 1,000,000 rows", ["compare", model, long]),
+            ("`diagnose`, 10 × 100,000 rows", ["diagnose", "--model", models["middle"], big]),
+            ("`compare`, one trace of 1,000,000 rows", ["compare", models["one"], long]),
+            ("`relaxation`, eight holds, 506,000 rows", ["relaxation", eight]),
         ]
     return rows
 
@@ -146,9 +191,7 @@ def main():
     given = options.parse_args()
     WORK.mkdir(parents=True, exist_ok=True)
     builds = [given.before, given.palpate] if given.before else [given.palpate]
-    rows = commands(given.large)
-    # The model that the others take is that of the first row.
-    cpu([given.palpate, *rows[0][1]])
+    rows = commands(given.palpate, given.large)
     print("| work | " + " | ".join(["before", "palpate"][-len(builds) :]) + " |")
     print("|-" * (len(builds) + 1) + "|")
     for name, arguments in rows:
@@ -157,7 +200,7 @@ def main():
             print(f"| {name} | " + " | ".join(found) + " |", flush=True)
     if given.no_rivals:
         return
-    python, folder = environment(), data("10x1400", 10, 1_400, 200.0)
+    python, folder = environment(), presses(10, 1_400, 200.0)
     print("\n| one fit of Fung's law, 10 × 1,400 rows | the fit | the whole process | sum of squares |")
     print("|-|-|-|-|")
     whole = cpu([given.palpate, "fit", "fung", folder, "--json"])

@@ -7,6 +7,7 @@ use super::fit::{
     ExponentialSum, Fit, MOST_PARAMETERS, Normalisation, Note, Options, Parameter, Term,
 };
 use super::grid::Grid;
+use super::means::Means;
 use super::point::{Problem, Signs};
 use super::profile::{Interval, interval};
 use super::refine::{Cholesky, Refined, touching};
@@ -40,35 +41,39 @@ pub(super) struct Core<const R: usize> {
     table: Table<R>,
     grids: [Option<Grids<R>>; MOST_TERMS],
     options: Options,
+    sampling: Sampling,
+}
+
+/// The samples behind the times that an engine works on.
+#[derive(Clone, Debug)]
+pub(super) struct Sampling {
+    /// How they are taken together; none where each stands for itself.
+    pub means: Option<Means>,
     /// Samples with a weight above 0.
-    samples: usize,
+    pub samples: usize,
 }
 
 impl<const R: usize> Core<R> {
-    /// Prepares up to `terms` exponentials.
+    /// Prepares fits of up to as many exponentials as the options say.
     pub fn new(
         family: &Family,
         roots: Vec<f64>,
-        terms: usize,
+        sampling: Sampling,
         options: &Options,
     ) -> Result<Self, TooNarrow> {
-        let samples = match roots.len() {
-            0 => family.times.len(),
-            _ => roots.iter().filter(|root| **root > 0.0).count(),
-        };
         let (basis, coordinates) = Basis::new(family, roots)?;
         let lowest = family.rates[0].ln();
         let highest = lowest + family.spacing * (family.rates.len() - 1) as f64;
         let table = Table::new(coordinates, lowest, highest, family.spacing);
         let mut grids = [const { None }; MOST_TERMS];
         let without = signs(options, 1.0).constant != 0.0;
-        for n in 1..=terms {
+        for n in 1..=options.terms {
             grids[n - 1] = Some(Grids {
                 with_constant: Grid::new(&table, n, true),
                 without_constant: without.then(|| Grid::new(&table, n, false)),
             });
         }
-        Ok(Self { basis, table, grids, options: options.clone(), samples })
+        Ok(Self { basis, table, grids, options: options.clone(), sampling })
     }
 
     fn fit_terms<const N: usize>(&self, values: &[f64]) -> Result<Fit, Error> {
@@ -109,12 +114,19 @@ impl<const R: usize> Core<R> {
             _ => Fewer::default(),
         };
         let grids = self.grids[N - 1].as_ref().expect("grids of all fewer terms are prepared");
-        search(problem, grids, (self.samples - (2 * N + 1)) as f64, fewer)
+        search(problem, grids, (self.sampling.samples - (2 * N + 1)) as f64, fewer)
     }
 
     /// Projects a trace, refusing one that cannot be fitted.
     fn project(&self, values: &[f64]) -> Result<Projection<R>, Error> {
-        let projection = self.basis.project(values);
+        let projection = match &self.sampling.means {
+            Some(means) => {
+                let (means, within) = means.of(values);
+                let on_means = self.basis.project(&means);
+                Projection { outside: on_means.outside + within, ..on_means }
+            }
+            None => self.basis.project(values),
+        };
         let total = dot(&projection.coordinates, &projection.coordinates) + projection.outside;
         if !total.is_finite() {
             return Err(match values.iter().position(|value| !value.is_finite()) {
@@ -143,7 +155,7 @@ impl<const R: usize> Core<R> {
         let free = usize::from(point.face.constant)
             + point.face.terms.iter().filter(|free| **free).count()
             + refined.curvature.directions.count;
-        let degrees = self.samples - free;
+        let degrees = self.sampling.samples - free;
         let variance = point.rss / degrees as f64;
         let mut covariance = described.covariance;
         for row in covariance.iter_mut().take(2 + 2 * N) {
@@ -166,10 +178,10 @@ impl<const R: usize> Core<R> {
             },
             notes,
             rss: point.rss,
-            residual_rms: (point.rss / self.samples as f64).sqrt(),
+            residual_rms: (point.rss / self.sampling.samples as f64).sqrt(),
             noise: variance.sqrt(),
             r_squared: 1.0 - point.rss / variation(projection),
-            samples: self.samples,
+            samples: self.sampling.samples,
             free,
             degrees_of_freedom: degrees,
             stop: refined.stop,

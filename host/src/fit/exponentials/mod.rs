@@ -26,6 +26,7 @@ mod error;
 mod family;
 mod fit;
 mod grid;
+mod means;
 pub mod plan;
 #[allow(clippy::needless_range_loop, reason = "indices as in the formulas")]
 mod point;
@@ -48,8 +49,9 @@ pub use profile::Interval;
 pub use refine::Stop;
 pub use terms::{Row, SIGNIFICANCE, Terms};
 
-use engine::{Core, Engine};
+use engine::{Core, Engine, Sampling};
 use family::Family;
+use means::Means;
 use std::sync::Arc;
 
 /// Duration times the slowest rate fitted by default.
@@ -117,10 +119,10 @@ impl Prepared {
         if !(slowest > 0.0 && fastest >= 1.01 * slowest && fastest < f64::INFINITY) {
             return Err(Error::RateLimits { slowest, fastest });
         }
-        let since = times.iter().map(|time| time - times[0]).collect();
-        let family = Family::new(since, slowest, fastest);
+        let since: Vec<f64> = times.iter().map(|time| time - times[0]).collect();
+        let engine = engine(since, &roots, samples, (slowest, fastest), options);
         Ok(Self {
-            engine: engine(&family, &roots, options).ok_or(Error::TooWide { slowest, fastest })?,
+            engine: engine.ok_or(Error::TooWide { slowest, fastest })?,
             samples: times.len(),
             terms,
             limits: (slowest, fastest),
@@ -184,12 +186,26 @@ impl Prepared {
     }
 }
 
-/// The smallest engine that spans the family.
-fn engine(family: &Family, roots: &[f64], options: &Options) -> Option<Arc<dyn Engine>> {
-    if let Ok(core) = Core::<24>::new(family, roots.to_vec(), options.terms, options) {
+/// The smallest engine that spans the exponentials on these times since the first sample, s; so many
+/// `samples` have a weight.
+fn engine(
+    since: Vec<f64>,
+    roots: &[f64],
+    samples: usize,
+    (slowest, fastest): (f64, f64),
+    options: &Options,
+) -> Option<Arc<dyn Engine>> {
+    let means = Means::new(&since, roots);
+    let (times, roots) = match &means {
+        Some(means) => (means.of(&since).0, means.block_roots()),
+        None => (since, roots.to_vec()),
+    };
+    let family = Family::new(times, slowest, fastest);
+    let sampling = Sampling { means, samples };
+    if let Ok(core) = Core::<24>::new(&family, roots.clone(), sampling.clone(), options) {
         return Some(Arc::new(core));
     }
-    let core = Core::<96>::new(family, roots.to_vec(), options.terms, options).ok()?;
+    let core = Core::<96>::new(&family, roots, sampling, options).ok()?;
     Some(Arc::new(core))
 }
 

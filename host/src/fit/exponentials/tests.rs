@@ -379,3 +379,50 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn a_long_hold_on_its_means_is_fitted_as_its_samples_are() {
+    let times = uniform(20_000, 50.0);
+    let truth = sum(1.0, &[(0.5, 8.0), (0.4, 0.3), (0.3, 0.01)]);
+    let values = disturbed(&truth, &times, 0.01);
+    let prepared = Prepared::new(&times, &terms(3)).unwrap();
+    let fit = prepared.fit(&values).unwrap();
+    // The weighted fit of the samples one by one: least squares cannot be lower.
+    let exact: f64 = times.iter().zip(&values).map(|(t, y)| (y - fit.sum.at(*t)).powi(2)).sum();
+    assert_close(fit.rss, exact, 1e-5);
+    assert_eq!((fit.samples, fit.degrees_of_freedom), (20_000, 20_000 - 7));
+    for parameter in fit.parameters() {
+        let (value, error) =
+            (fit.value(parameter).unwrap(), fit.standard_error(parameter).unwrap());
+        let off = (value - truth.value(parameter).unwrap()).abs();
+        assert!(off < 4.0 * error, "{parameter}: off by {off} with an error of {error}");
+    }
+    // A step of any parameter by a tenth of its error raises the sum of squares: the minimum is that of
+    // the samples.
+    for parameter in fit.parameters().skip(1) {
+        for sign in [-0.1, 0.1] {
+            let mut moved = fit.sum.clone();
+            let step = sign * fit.standard_error(parameter).unwrap();
+            match parameter {
+                Parameter::Coefficient(0) => moved.constant += step,
+                Parameter::Coefficient(i) => moved.terms[i - 1].coefficient += step,
+                Parameter::Rate(i) => moved.terms[i - 1].rate += step,
+                Parameter::Scale => {}
+            }
+            let there: f64 =
+                times.iter().zip(&values).map(|(t, y)| (y - moved.at(*t)).powi(2)).sum();
+            assert!(there > exact, "{parameter}");
+        }
+    }
+}
+
+#[test]
+fn preparing_a_long_hold_costs_as_its_decades_not_as_its_samples() {
+    let blocks = |samples: u32| {
+        let since = uniform(samples, 50.0);
+        Means::new(&since, &[]).map(|means| means.of(&since).0.len())
+    };
+    assert_eq!(blocks(4000), None);
+    let (short, long) = (blocks(5000).unwrap(), blocks(500_000).unwrap());
+    assert!(long < short + 500 && long < 1100, "{long} for {short}");
+}

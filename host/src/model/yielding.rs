@@ -1,0 +1,138 @@
+//! A set-up that yields under the force, so that less of the commanded motion reaches the specimen.
+
+/// Finds, sample by sample, the compression z, mm, that a yielding set-up comes to: z = next(z).
+#[derive(Clone, Copy, Debug)]
+pub struct Yielding {
+    /// What the set-up yielded at the last sample, mm.
+    yielded: f64,
+    /// Slope of z − next(z) there.
+    slope: f64,
+}
+
+impl Default for Yielding {
+    fn default() -> Self {
+        Self { yielded: 0.0, slope: 1.0 }
+    }
+}
+
+/// Part of the compression, over 1 mm and itself, that is left open.
+const SETTLED: f64 = 1e-13;
+/// Most evaluations at one sample.
+const MOST: usize = 60;
+
+impl Yielding {
+    /// The compression, mm, at a commanded one, x, mm; `next` is where the set-up comes to, mm, under the
+    /// force at a compression, mm.
+    ///
+    /// The root is kept between two compressions once it is known to lie there: secants that leave them
+    /// are halved.
+    pub fn reached(&mut self, x: f64, next: impl Fn(f64) -> f64) -> f64 {
+        let open = |z: f64| z - next(z);
+        let settled = SETTLED * (1.0 + x.abs());
+        let (mut below, mut above) = (f64::NEG_INFINITY, f64::INFINITY);
+        let mut z = x - self.yielded;
+        let mut rest = open(z);
+        for _ in 0..MOST {
+            if rest.abs() <= settled || !rest.is_finite() {
+                break;
+            }
+            if rest < 0.0 {
+                below = z
+            } else {
+                above = z
+            }
+            let mut to = z - rest / self.slope;
+            if !(below < to && to < above) {
+                let between = below.is_finite() && above.is_finite();
+                to = if between { 0.5 * (below + above) } else { z - rest };
+            }
+            let there = open(to);
+            let slope = (there - rest) / (to - z);
+            if slope.is_finite() && slope > 0.0 {
+                self.slope = slope;
+            }
+            (z, rest) = (to, there);
+        }
+        self.yielded = x - z;
+        z
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::effects::candidates;
+    use crate::fit::data::Data;
+    use crate::fit::whole_motion::predict;
+    use crate::model::{Act, BaseLaw, Chain, Family, Motion, Separation};
+    use crate::trace::{Column, DISPLACEMENT, FORCE, Trace};
+    use proptest::prelude::*;
+
+    #[test]
+    fn a_chain_that_yields_is_the_base_law_on_what_is_left_of_the_motion() {
+        let time: Vec<f64> =
+            (0..400).map(|k| 0.01 * f64::from(k) + 1e-3 * f64::from(k % 3)).collect();
+        let x: Vec<f64> =
+            time.iter().map(|t| (6.0 * t - 2.0).min(5.0).min(20.0 - 6.0 * t)).collect();
+        let trace = Trace {
+            columns: vec![
+                Column { name: DISPLACEMENT.into(), values: x.clone() },
+                Column { name: FORCE.into(), values: vec![0.0; time.len()] },
+            ],
+            time: time.clone(),
+            ..Trace::default()
+        };
+        let traces = [trace];
+        let data = Data::of(&traces, FORCE).unwrap();
+        let setting = data.setting();
+        let candidates = candidates(&setting, &[]).unwrap();
+        let fixture = candidates.iter().find(|c| c.name == "fixture-compliance").unwrap();
+        for separation in [Separation::Clamp, Separation::Bonded, Separation::Free] {
+            for law in [BaseLaw::fung(2, separation), BaseLaw::new(Family::Latency, 1, separation)]
+            {
+                let base = Chain::new(law);
+                let parameters: Vec<f64> =
+                    vec![0.4, 0.6, 0.3, 0.2, 4.0, 0.5][..law.count()].to_vec();
+                for form in &fixture.forms {
+                    let chain = base.with(form.applied.clone());
+                    let own = [vec![0.15], form.grid[0].clone()].concat();
+                    let all = [parameters.clone(), own.clone()].concat();
+                    let force = predict(&chain, &all, &data).remove(0);
+                    let Act::Yield(yields) = form.applied.act else {
+                        panic!("no set-up that yields")
+                    };
+                    let left =
+                        x.iter().zip(&force).map(|(x, f)| x - yields(&own, *f)).collect::<Vec<_>>();
+                    let motion = Motion {
+                        time: time.clone().into(),
+                        displacement: left.into(),
+                        rest_before: None,
+                    };
+                    let again = law.predict(&parameters, &[motion]).remove(0);
+                    for (k, (a, b)) in force.iter().zip(&again).enumerate() {
+                        assert!((a - b).abs() < 1e-8, "{} {k}: {a} for {b}", form.applied.law);
+                    }
+                }
+            }
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn what_is_reached_is_what_the_force_there_leaves(
+            x in proptest::collection::vec(-1.0f64..10.0, 1..30),
+            compliance in 0.0f64..2.0,
+            exponent in 1.0f64..4.0,
+            closing in 0.01f64..5.0,
+        ) {
+            let force = |z: f64| 0.3 * z.max(0.0).powf(exponent);
+            let yields = |force: f64| compliance * (1.0 - (-force / closing).exp());
+            let mut yielding = Yielding::default();
+            for x in x {
+                let z = yielding.reached(x, |z| x - yields(force(z)));
+                prop_assert!((z - (x - yields(force(z)))).abs() < 1e-11, "{z} at {x}");
+                prop_assert!(z <= x);
+            }
+        }
+    }
+}
