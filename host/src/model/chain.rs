@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use super::act::{Act, Remembered, Stage};
 use super::hereditary::HereditaryState;
+use super::yielding::StretchYielding;
 use super::{BaseLaw, Elastic, Parameter, Response, Scene};
 
 /// An effect in a model: its name, the law chosen for it, its parameters and how it acts.
@@ -43,10 +44,13 @@ pub struct History {
     effects: Vec<Remembered>,
 }
 
-/// The elastic response of a unit stiffness at the compressions it was last asked for: most of the runs
-/// of a fit ask for the same. Copies share it.
+/// What most of the runs of a fit have in common: the elastic response of a unit stiffness at the compressions
+/// it was last asked for, which copies share, and where a set-up that yields came to.
 #[derive(Clone, Debug, Default)]
-pub struct Elasticity(Arc<Unit>);
+pub struct Elasticity {
+    unit: Arc<Unit>,
+    yielding: StretchYielding,
+}
 
 #[derive(Debug, Default)]
 struct Unit {
@@ -61,7 +65,7 @@ impl Elasticity {
     #[must_use]
     pub fn at(elastic: Elastic, shape: f64, x: &[f64]) -> Self {
         let response = x.iter().map(|&x| elastic.unit(shape, x)).collect();
-        Self(Arc::new(Unit { elastic, shape, x: x.to_vec(), response }))
+        Self { unit: Arc::new(Unit { elastic, shape, x: x.to_vec(), response }), ..Self::default() }
     }
 
     /// Elastic response N, N, of this stiffness and shape at each displacement x, mm.
@@ -71,18 +75,13 @@ impl Elasticity {
         (p, shape): (f64, f64),
         x: &[f64],
     ) -> Vec<f64> {
-        let same = self.0.shape.to_bits() == shape.to_bits() && self.0.elastic == elastic;
-        if !same || self.0.x != x {
-            *self = Self::at(elastic, shape, x);
+        let same = self.unit.shape.to_bits() == shape.to_bits() && self.unit.elastic == elastic;
+        if !same || self.unit.x != x {
+            self.unit = Self::at(elastic, shape, x).unit;
         }
-        self.0.response.iter().map(|unit| p * unit).collect()
+        self.unit.response.iter().map(|unit| p * unit).collect()
     }
 }
-
-/// How often a force that changes the compression is followed back, at most: twice in each round.
-const ROUNDS: usize = 12;
-/// Change of the compression, mm, at which that has settled.
-const SETTLED: f64 = 1e-10;
 
 impl Chain {
     /// The base law alone.
@@ -154,26 +153,13 @@ impl Chain {
             response.run_yielding(stretch, &mut history.relaxation, next, force);
         } else {
             let before = history.clone();
-            let mut follow = |reached: &[f64], history: &mut History, force: &mut Vec<f64>| {
+            let mut yielding = std::mem::take(&mut elasticity.yielding);
+            yielding.settle(scene.motion.time.first().copied().unwrap_or(0.0), &x, |reached| {
                 history.clone_from(&before);
                 self.contact(parameters, scene, (history, elasticity), reached, force);
-                x.iter().zip(force.iter()).map(|(&x, &force)| next(x, force)).collect::<Vec<_>>()
-            };
-            let mut reached = x.to_vec();
-            for _ in 0..ROUNDS {
-                let first = follow(&reached, history, force);
-                let second = follow(&first, history, force);
-                let change = largest_difference(&second, &first);
-                // Each sample answers mostly to itself: its own geometric series is summed (Aitken).
-                for ((x, first), second) in reached.iter_mut().zip(&first).zip(&second) {
-                    let (step, next) = (first - *x, second - first);
-                    let ratio = if step == 0.0 { 0.0 } else { next / step };
-                    *x = if ratio.abs() < 0.9 { first + next / (1.0 - ratio) } else { *second };
-                }
-                if change < SETTLED || !change.is_finite() {
-                    break;
-                }
-            }
+                x.iter().zip(force.iter()).map(|(&x, &force)| next(x, force)).collect()
+            });
+            elasticity.yielding = yielding;
         }
         self.act_on_force(Stage::Sensor, parameters, scene, history, force);
     }
@@ -334,8 +320,4 @@ impl Chain {
         };
         (0..self.effects.len()).flat_map(own).collect()
     }
-}
-
-fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()))
 }

@@ -1,6 +1,6 @@
 //! Covariance of (N, c0 … cn, v1 … vn) at a minimum, conditional on what is held there.
 
-use super::fit::{MOST_PARAMETERS, Normalisation};
+use super::fit::{ExponentialSum, MOST_PARAMETERS, Normalisation, Term};
 use super::point::Problem;
 use super::refine::{Cholesky, Refined};
 
@@ -17,6 +17,18 @@ pub(super) struct Described<const N: usize> {
     /// Place of each term at the minimum, where they are ascending.
     pub order: [usize; N],
     pub covariance: Matrix,
+}
+
+impl<const N: usize> Described<N> {
+    /// As a function of time.
+    pub fn sum(&self) -> ExponentialSum {
+        let terms = self.coefficients.into_iter().zip(self.rates);
+        ExponentialSum {
+            scale: self.scale,
+            constant: self.constant,
+            terms: terms.map(|(coefficient, rate)| Term { coefficient, rate }).collect(),
+        }
+    }
 }
 
 /// Amplitudes and logarithms of rates, or their change with one unit of noise.

@@ -3,9 +3,7 @@
 use super::basis::{Basis, Projection, TooNarrow};
 use super::covariance::{Described, describe};
 use super::family::Family;
-use super::fit::{
-    ExponentialSum, Fit, MOST_PARAMETERS, Normalisation, Note, Options, Parameter, Term,
-};
+use super::fit::{Fit, MOST_PARAMETERS, Normalisation, Note, Options, Parameter};
 use super::grid::Grid;
 use super::means::Means;
 use super::point::{Problem, Signs};
@@ -79,7 +77,7 @@ impl<const R: usize> Core<R> {
     fn fit_terms<const N: usize>(&self, values: &[f64]) -> Result<Fit, Error> {
         let projection = self.project(values)?;
         let problem = self.problem(&projection);
-        let refined = self.search::<N>(&problem).signed;
+        let mut refined = self.search::<N>(&problem).signed;
         let described = describe(&problem, &refined, self.options.normalisation);
         // Not relative to the amplitudes: those of rates that coincide are large and cancel.
         let size = dot(problem.target, problem.target).sqrt() / self.basis.constant_norm;
@@ -90,6 +88,10 @@ impl<const R: usize> Core<R> {
                 Normalisation::Asymptotic => "in the limit of long times",
             };
             return Err(Error::ZeroScale { place });
+        }
+        if let Some(means) = &self.sampling.means {
+            let sum = described.sum();
+            refined.point.rss = means.left(values, |time| sum.at(time));
         }
         Ok(self.report(&projection, &refined, &described))
     }
@@ -169,13 +171,8 @@ impl<const R: usize> Core<R> {
         if described.scale * described.scale < 9.0 * covariance[0][0] {
             notes.push(Note::ScaleNearZero);
         }
-        let terms = described.coefficients.into_iter().zip(described.rates);
         Fit {
-            sum: ExponentialSum {
-                scale: described.scale,
-                constant: described.constant,
-                terms: terms.map(|(coefficient, rate)| Term { coefficient, rate }).collect(),
-            },
+            sum: described.sum(),
             notes,
             rss: point.rss,
             residual_rms: (point.rss / self.sampling.samples as f64).sqrt(),

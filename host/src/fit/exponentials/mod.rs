@@ -197,7 +197,7 @@ fn engine(
 ) -> Option<Arc<dyn Engine>> {
     let means = Means::new(&since, roots);
     let (times, roots) = match &means {
-        Some(means) => (means.of(&since).0, means.block_roots()),
+        Some(means) => (means.times(), means.block_roots()),
         None => (since, roots.to_vec()),
     };
     let family = Family::new(times, slowest, fastest);
