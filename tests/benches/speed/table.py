@@ -27,7 +27,7 @@ PACKAGES = ["numpy", "scipy", "lmfit", "numba"]
 # p, q, c1, c2, v1, v2 of Fung's law.
 LAW = (0.08, 0.8, 0.25, 0.24, 4.0, 0.55)
 # Longest run of a command that is waited for, s of CPU.
-PATIENCE = 120
+PATIENCE = 200
 
 
 def force_of(samples, step, course, rates, shares):
