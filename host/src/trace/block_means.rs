@@ -19,8 +19,11 @@ const REST: f64 = 2e-3;
 /// Blocks that a set at rest throughout would have, and the fewest of a trace.
 const BLOCKS: usize = 3000;
 const FEWEST: usize = 300;
-/// Samples of each trace that stay as they are off the specimen: the noise is seen there.
-const QUIET: usize = 1000;
+/// Samples of a set that stay as they are off the specimen, and the fewest and most of a trace: the noise is
+/// seen there.
+const QUIET: usize = 3000;
+const FEWEST_QUIET: usize = 200;
+const MOST_QUIET: usize = 1000;
 
 /// The traces of a set in block means; none where they are not long, hardly fewer or without a motion.
 #[must_use]
@@ -32,12 +35,13 @@ pub fn block_means(traces: &[Trace]) -> Option<Vec<Trace>> {
     let motions: Vec<&[f64]> = traces.iter().map(Trace::displacement).collect::<Option<_>>()?;
     let largest = motions.iter().flat_map(|x| x.iter().copied()).fold(0.0, f64::max);
     let blocks = (BLOCKS / traces.len()).max(FEWEST) as f64;
+    let quiet = (QUIET / traces.len()).clamp(FEWEST_QUIET, MOST_QUIET);
     let means: Vec<Trace> = traces
         .iter()
         .zip(motions)
         .map(|(trace, x)| {
             let lasts = trace.time.last().zip(trace.time.first()).map_or(0.0, |(b, a)| b - a);
-            means_of(trace, &begins(&trace.time, x, REST * largest, lasts / blocks))
+            means_of(trace, &begins(&trace.time, x, REST * largest, (lasts / blocks, quiet)))
         })
         .collect();
     let left: usize = means.iter().map(Trace::len).sum();
@@ -62,9 +66,9 @@ fn means_of(trace: &Trace, begins: &[usize]) -> Trace {
     }
 }
 
-/// Where the blocks of a motion begin; motions within `band` are rest, and no block is longer than
-/// `longest`, s.
-fn begins(time: &[f64], x: &[f64], band: f64, longest: f64) -> Vec<usize> {
+/// Where the blocks of a motion begin; motions within `band` are rest, no block is longer than `longest`, s,
+/// and so many samples off the specimen stay as they are.
+fn begins(time: &[f64], x: &[f64], band: f64, (longest, most_quiet): (f64, usize)) -> Vec<usize> {
     let Some((&first, &start)) = x.first().zip(time.first()) else { return Vec::new() };
     let mut begins = vec![0];
     // The last place that the motion has left, and when.
@@ -73,7 +77,7 @@ fn begins(time: &[f64], x: &[f64], band: f64, longest: f64) -> Vec<usize> {
     for k in 1..time.len() {
         let moved = (x[k] - place).abs() > band;
         quiet += usize::from(x[k] <= 0.0);
-        let kept = x[k] <= 0.0 && quiet <= QUIET;
+        let kept = x[k] <= 0.0 && quiet <= most_quiet;
         let most = longest.min(PART * (time[begin] - since));
         if moved || kept || time[k] - time[begin] > most {
             begins.push(k);
