@@ -394,8 +394,7 @@ mod tests {
                 moved[j] += step;
                 problem.predict(&moved)
             };
-            let slopes: Vec<(Vec<Vec<f64>>, Vec<Vec<f64>>)> =
-                (0..point.len()).map(|j| (at(j, -1e-5), at(j, 1e-5))).collect();
+            let slopes: Vec<_> = (0..point.len()).map(|j| (at(j, -1e-5), at(j, 1e-5))).collect();
             let mut piece_index = 0;
             problem.derivatives(&point, |piece, residual, columns| {
                 assert_eq!(columns.len(), point.len());

@@ -37,9 +37,9 @@ impl Yielding {
                 break;
             }
             if rest < 0.0 {
-                below = z
+                below = z;
             } else {
-                above = z
+                above = z;
             }
             let mut to = z - rest / self.slope;
             if !(below < to && to < above) {
