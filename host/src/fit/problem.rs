@@ -2,7 +2,7 @@
 //!
 //! The search runs over the simulated force, never over differentiated measurements, in the coordinates
 //! of the base law ([`super::coordinates`]) and the parameters of the effects as they are. Derivatives by
-//! the coordinates of a linear base law are carried along ([`super::carried`]); all others are differences,
+//! the coordinates of a linear base law are carried along (`carried.rs`); all others are differences,
 //! so that a law is one plain function.
 
 use std::borrow::Cow;
