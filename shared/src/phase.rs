@@ -308,9 +308,10 @@ impl State {
             (Region::Rest, Direction::Advancing) if self.before(self.entered_at, moved_at) => {
                 Some((Region::Preloading, moved_at))
             }
-            // What recovers into contact without a motion is no second grasp, nor is it one when it has settled.
+            // What recovers into contact without a motion is no second grasp: the next begins with its motion. Nor is it one when it has settled.
             (Region::Recovery, Direction::Advancing) if touching => {
-                Some((Region::Preloading, below_at))
+                let moved_first = self.before(moved_at, below_at);
+                Some((Region::Preloading, if moved_first { below_at } else { moved_at }))
             }
             (Region::Rest, _) if touching && !self.before(contact_since, self.entered_at) => {
                 Some((Region::Preloading, below_at))

@@ -336,6 +336,11 @@ fn a_signal_that_recovers_through_the_touch_level_without_a_motion_is_no_second_
         let found = regions_of_gauge(&seen, rate_hz);
         let touches = found.iter().filter(|(region, ..)| *region == Loading).count();
         assert_eq!(touches, 3, "{offset}: {found:.2?}");
+        // Nor does the next grasp begin while the last one recovers: it begins with its motion, every 8 s.
+        for (_, _, entered) in found.iter().filter(|(region, ..)| *region == Loading) {
+            let into_press_s = (entered + 0.05) % 8.0;
+            assert!(into_press_s < 0.3, "{offset}: {found:.2?}");
+        }
     }
     // Nor when it has settled: only a motion, or a rise out of rest, begins the next grasp.
     let mut rested = pressed_again_and_again(1, rate_hz);

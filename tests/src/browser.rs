@@ -237,6 +237,28 @@ impl Browser {
         file
     }
 
+    /// Keeps a picture of the whole page in a window of this width, px, however far it would have to be scrolled.
+    #[must_use]
+    pub fn whole_picture(&self, name: &str, width: u32) -> PathBuf {
+        self.resize(width, 900);
+        self.settled();
+        let high = self.script(
+            "return document.scrollingElement.scrollHeight + outerHeight - innerHeight + 8",
+        );
+        self.resize(width, high.as_u64().and_then(|high| u32::try_from(high).ok()).unwrap_or(900));
+        self.settled();
+        self.picture(name)
+    }
+
+    /// Waits until what was asked of the page is laid out and drawn.
+    fn settled(&self) {
+        let _ = self.later(
+            "await new Promise((done) => setTimeout(done, 300));
+             await new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
+             return true",
+        );
+    }
+
     /// How many pages of A4 it is on paper.
     #[must_use]
     pub fn printed_pages(&self) -> usize {

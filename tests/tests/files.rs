@@ -56,6 +56,7 @@ const WRITERS: &[(&[&str], &str, Option<&str>)] = &[
     (&["import", "lab.txt", "--map", "map.toml", "-o", "OUT"], "csv", None),
     (&["record", "-o", "OUT"], "palpate", None),
     (&["plot", "press.csv", "-o", "OUT"], "svg", None),
+    (&["events", "press.csv", "--report", "OUT"], "html", None),
     (&["demo", "--report", "OUT"], "html", None),
     (&["demo", "--trace", "OUT"], "csv", None),
     (&["hide", "mullins", "-o", "practice", "--report", "OUT"], "html", None),

@@ -50,6 +50,11 @@ fn a_plan() {
 }
 
 #[test]
+fn a_plot_in_the_terminal() {
+    golden("plot", &["plot", "press.csv"]);
+}
+
+#[test]
 fn the_help() {
     golden("help", &["--help"]);
 }

@@ -51,6 +51,8 @@ enum Task {
         #[arg(long, default_value_t = 3_600)]
         steady: u32,
     },
+    /// Take the pictures of the docs anew, in a real browser.
+    Pictures,
     /// Give every parser and the device hostile bytes, and the line losses; each for so many seconds.
     Fuzz {
         /// Seconds for each target.
@@ -88,6 +90,7 @@ fn main() -> ExitCode {
         }
         Task::Model { kills } => firmware::build().and_then(|_| modelled::run(kills)),
         Task::Browser { steady } => browser::run(steady),
+        Task::Pictures => browser::pictures(),
         Task::Fuzz { seconds, seed, target } => check::fuzz(seconds, seed, target.as_deref()),
         Task::Supply => supply::run(),
         Task::Sbom => generate("sbom"),

@@ -6,46 +6,79 @@ use super::Failure;
 use super::output::{Force, print, terminal, write_file, write_report};
 use crate::files::plan::{DRAWING, Plan, REPORT};
 use crate::report::{Figure, Section};
-use crate::summary::{loops, overview, trace_panels};
+use crate::summary::{loops, name_of, overview, trace_panels, unit_of};
 use crate::trace::{Trace, has_extension, read_set};
 
-/// Draw traces.
+/// Draw traces, in the terminal or into a file.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
-  palpate plot press.csv                    writes press.html
+  palpate plot press.csv                    in the terminal
+  palpate plot press.csv -o press.html      a page to look at closely
   palpate plot press.csv -o press.svg       one figure, for a document
   palpate plot traces/ -o all.html          every trace, and the loops of force over displacement")]
 pub struct Args {
     /// Traces, or folders of traces
     #[arg(required = true, value_name = "TRACE")]
     traces: Vec<PathBuf>,
-    /// Where to draw: .html for any number of traces, .svg for one
+    /// Where to draw: .html for any number of traces, .svg for one [default: in the terminal]
     #[arg(short, long, value_name = "FILE.html|FILE.svg")]
     output: Option<PathBuf>,
     #[command(flatten)]
     over: Force,
 }
 
-/// Draws the traces and prints what they hold.
+/// Draws the traces and prints what they hold. A file is written only where one is named.
 pub fn run(args: &Args) -> Result<(), Failure> {
     let traces = read_set(&args.traces).map_err(Failure::input)?;
-    let path = args.output.clone().unwrap_or_else(|| default_path(&traces));
     let mut files = Plan::reading(&args.traces, args.over.into());
-    if has_extension(&path, "svg") {
-        files.writes(&path, &DRAWING)?;
-        svg(&path, &traces)?;
-    } else {
-        files.writes(&path, &REPORT)?;
-        html(&path, &traces)?;
-    }
-    print(&terminal().table(&overview(&traces)))
+    let drawn = match &args.output {
+        None => in_terminal(&traces),
+        Some(path) if has_extension(path, "svg") => {
+            files.writes(path, &DRAWING)?;
+            svg(path, &traces)?;
+            String::new()
+        }
+        Some(path) => {
+            files.writes(path, &REPORT)?;
+            html(path, &traces)?;
+            String::new()
+        }
+    };
+    print(&(drawn + &terminal().table(&overview(&traces))))
 }
 
-/// The first trace's name with .html, in this folder.
-fn default_path(traces: &[Trace]) -> PathBuf {
-    let label = traces.first().map_or("traces".into(), Trace::label);
-    PathBuf::from(label).with_extension("html")
+/// Most traces of which every column is a plot of its own; of more, every column is one line.
+const MOST_PLOTTED: usize = 2;
+/// Rows of characters of a plot.
+const HEIGHT: usize = 7;
+
+fn in_terminal(traces: &[Trace]) -> String {
+    let terminal = terminal();
+    let mut text = String::new();
+    for trace in traces {
+        text += &terminal.text("", &trace.label());
+        if traces.len() <= MOST_PLOTTED {
+            for column in &trace.columns {
+                let label = with_unit(&name_of(&column.name), unit_of(&column.name));
+                text += &terminal.chart(&trace.time, &column.values, &label, "time (s)", HEIGHT);
+            }
+        } else {
+            let names: Vec<String> = trace.columns.iter().map(|c| name_of(&c.name)).collect();
+            let widest = names.iter().map(|name| name.chars().count()).max().unwrap_or(0);
+            let width = terminal.width.saturating_sub(widest + 3).min(80);
+            for (name, column) in names.iter().zip(&trace.columns) {
+                text +=
+                    &format!("  {name:<widest$} {}\n", terminal.sparkline(&column.values, width));
+            }
+        }
+        text += "\n";
+    }
+    text
+}
+
+fn with_unit(name: &str, unit: &str) -> String {
+    if unit.is_empty() { name.to_owned() } else { format!("{name} ({unit})") }
 }
 
 fn svg(path: &Path, traces: &[Trace]) -> Result<(), Failure> {

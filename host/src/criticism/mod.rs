@@ -11,6 +11,7 @@
 pub mod adequacy;
 pub mod agreement;
 pub mod change;
+pub mod character;
 pub mod compare;
 pub mod dependence;
 pub mod diagnose;

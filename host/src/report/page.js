@@ -565,7 +565,7 @@
       if (!isWide) continue;
       box.tabIndex = 0;
       box.setAttribute("role", "region");
-      box.setAttribute("aria-label", box.querySelector("caption")?.textContent || "Table");
+      box.setAttribute("aria-label", box.querySelector("caption")?.textContent || `Table ${[...document.querySelectorAll("div.table")].indexOf(box) + 1}`);
     }
   };
   scrollable();

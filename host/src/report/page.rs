@@ -310,16 +310,20 @@ fn html_table(table: &Table) -> Markup {
                 @if !table.caption.is_empty() { caption { (inline(&table.caption)) } }
                 thead { tr {
                     @for column in &table.columns {
-                        th scope="col" class=[class(column)] {
-                            (inline(&column.name))
-                            @if !column.unit.is_empty() { " " span.unit { "(" (column.unit) ")" } }
+                        @if column.name.is_empty() && column.unit.is_empty() {
+                            td {}
+                        } @else {
+                            th scope="col" class=[class(column)] {
+                                (inline(&column.name))
+                                @if !column.unit.is_empty() { " " span.unit { "(" (column.unit) ")" } }
+                            }
                         }
                     }
                 } }
                 tbody {
                     @for row in 0..table.rows.len() { tr {
                         @for (index, column) in table.columns.iter().enumerate() {
-                            @if index == 0 {
+                            @if index == 0 && !table.cell(row, 0).is_empty() {
                                 th scope="row" class=[row_class(table, row)] { (html_cell(table, row, index)) }
                             } @else {
                                 td class=[class(column)] { (html_cell(table, row, index)) }

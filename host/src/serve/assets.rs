@@ -43,6 +43,7 @@ const FILES: &[(&str, &str, &[u8])] = &[
     ("/lab/bench.js", SCRIPT, include_bytes!("page/lab/bench.js")),
     ("/lab/beside.js", SCRIPT, include_bytes!("page/lab/beside.js")),
     ("/lab/candidates.js", SCRIPT, include_bytes!("page/lab/candidates.js")),
+    ("/lab/closer.js", SCRIPT, include_bytes!("page/lab/closer.js")),
     ("/lab/covariate.js", SCRIPT, include_bytes!("page/lab/covariate.js")),
     ("/lab/guide.js", SCRIPT, include_bytes!("page/lab/guide.js")),
     ("/lab/heatmap.js", SCRIPT, include_bytes!("page/lab/heatmap.js")),

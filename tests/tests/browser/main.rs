@@ -4,6 +4,7 @@
 mod device;
 mod lab;
 mod live;
+mod pictures;
 mod reports;
 mod rooms;
 

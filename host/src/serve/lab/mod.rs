@@ -11,12 +11,14 @@
 //! - `job`: a task at work.
 //! - `session`: traces, models, answers, undo.
 //! - `choices`, `comparison`: what there is to choose from, and where the model fails.
+//! - `closer`: one trace looked at more closely.
 //! - `drawing`, `envelope`, `spans`: traces as few points as a plot is wide.
 //! - `forecast`: what candidates would make of the prediction.
 //! - `own_law`: a law of one's own, and what is wrong with it.
 //! - `routes`: all of it over HTTP.
 
 mod choices;
+mod closer;
 mod comparison;
 mod drawing;
 mod envelope;

@@ -26,6 +26,7 @@ pub fn routes<S: Clone + Send + Sync + 'static>(session: Session) -> Router<S> {
         .route("/state", get(state))
         .route("/progress", get(progress))
         .route("/overlay", get(overlay))
+        .route("/closer", get(closer))
         .route("/forecast", get(forecast))
         .route("/report", get(report))
         .route("/relaxation", get(relaxation))
@@ -74,6 +75,15 @@ async fn progress(State(session): State<Shared>) -> Answer {
 
 async fn overlay(State(session): State<Shared>, Query(view): Query<View>) -> Answer {
     with(session, move |session| session.overlay(&view)).await
+}
+
+#[derive(Deserialize)]
+struct Which {
+    trace: usize,
+}
+
+async fn closer(State(session): State<Shared>, Query(which): Query<Which>) -> Answer {
+    with(session, move |session| session.closer(which.trace)).await
 }
 
 #[derive(Deserialize)]

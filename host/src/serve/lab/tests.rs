@@ -57,6 +57,16 @@ fn a_hidden_effect_is_found_and_added_until_the_ladder_is_at_the_noise_floor() {
     let overlay = session.overlay(&view(0)).unwrap();
     assert_eq!(overlay["time"].as_array().unwrap().len(), 200);
     assert_eq!(overlay["residual"].as_array().unwrap().len(), 200);
+    let closer = session.closer(0).unwrap();
+    let course = &closer["loop"][0];
+    let points = |name: &str| course[name].as_array().unwrap().len();
+    assert!(points("displacement") > 500 && points("displacement") <= 1500);
+    assert_eq!(points("displacement"), points("measured"));
+    assert_eq!(closer["residual"]["correlation"][0], 1.0);
+    // What friction leaves lasts much longer than the noise.
+    let later = |name: &str| closer["residual"][name][3].as_f64().unwrap();
+    assert!(later("correlation") > later("noise_correlation") + 0.2, "{closer}");
+    assert!(session.closer(99).is_err());
 
     let state = done(&mut session, json!("diagnose"));
     let diagnosis = &state["answers"]["diagnosis"];

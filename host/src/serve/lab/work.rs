@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use serde_json::Value;
 
+use super::closer::closer_json;
 use super::drawing::Drawing;
 use super::error::LabError;
 use super::folder::Folder;
@@ -76,6 +77,8 @@ pub struct Compared {
     pub comparison: Comparison,
     /// Every trace.
     pub drawings: Vec<Drawing>,
+    /// Every trace, looked at more closely.
+    pub closer: Vec<Value>,
 }
 
 /// Another model beside the same traces.
@@ -95,8 +98,10 @@ impl Compared {
         let preparation = Preparation::of(traces, &comparison.signal);
         let indices = 0..comparison.labels.len();
         let drawings = indices.map(|trace| Drawing::of_comparison(&comparison, trace)).collect();
+        let indices = 0..comparison.labels.len();
+        let closer = indices.map(|trace| closer_json(&comparison, trace)).collect();
         comparison.stretches = Vec::new();
-        Self { comparison, preparation, drawings }
+        Self { comparison, preparation, drawings, closer }
     }
 }
 

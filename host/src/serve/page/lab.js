@@ -5,6 +5,7 @@ import { choice, counted, enter, h, isForPage, keepingFocus, number } from "./do
 import { bench, fitTask } from "./lab/bench.js";
 import { beside } from "./lab/beside.js";
 import { candidates } from "./lab/candidates.js";
+import { closer } from "./lab/closer.js";
 import { covariate } from "./lab/covariate.js";
 import { guide } from "./lab/guide.js";
 import { heatmap } from "./lab/heatmap.js";
@@ -55,6 +56,7 @@ export function open(root, api) {
     trace: panel("Measurement and model", "trace", "The values under the pointer stand beside it; a click marks a place to measure from. Drag over a stretch to zoom, double click for the whole trace."),
     heat: panel("Where it fails", "where", "How the error beyond the noise is shared among traces and parts of the press. A click shows the place."),
     against: panel("What the failure depends on", "against", "A model that lacks nothing leaves the same, zero, everywhere. A slope or a step here is a hint."),
+    closer: panel("A closer look at the trace", "closer", "Left over is measured minus model. What nothing but noise would show is dashed: where the two part, the model lacks something."),
     ladder: panel("Ladder", "rungs", "The error (RMS, root mean square) after each addition. Fitted: of these traces. Held out: of each trace, predicted by a fit to the others. No model gets below the noise."),
     missing: panel("What is missing", "missing", "Diagnose looks for physical effects that the model lacks. Then add the one you believe."),
     model: panel("Model", "model"),
@@ -64,7 +66,7 @@ export function open(root, api) {
   };
   const work = h("div", { class: "lab-work", role: "status", "aria-live": "polite" });
   const way = h("div", {});
-  const left = [panels.trace, panels.heat, panels.against].map((of) => of.place);
+  const left = [panels.trace, panels.heat, panels.against, panels.closer].map((of) => of.place);
   const right = [panels.ladder, panels.missing, panels.model, panels.beside, panels.law, panels.practice].map((of) => of.place);
   const columns = h("div", { class: "lab-columns" }, h("div", { class: "lab-column" }, left), h("div", { class: "lab-column" }, right));
   // Shown when all of it is drawn, so that nothing jumps.
@@ -220,9 +222,11 @@ export function open(root, api) {
       h("div", { class: "tools" }, copy({ compare: null })),
     ]);
     fill(panels.against, comparison, unfitted, against);
+    panels.closer.place.classList.toggle("lab-later", !comparison);
+    if (!comparison) panels.closer.show(h("p", { class: "lab-note" }, unfitted));
     fill(panels.ladder, now?.ladder, "Its first rung is the base law.", rungs);
     fill(panels.missing, now, unfitted, missing);
-    fill(panels.model, now, "Its parameters, once a base law is fitted.", () => [model(state, act)]);
+    fill(panels.model, now, "Its parameters, once a base law is fitted.", () => [model(state, choices, act)]);
     panels.beside.hide(!comparison);
     if (comparison) panels.beside.show(beside(state, drafts.beside, act));
     panels.law.hide(!now);
@@ -268,7 +272,18 @@ export function open(root, api) {
     trace = Math.min(trace, labels.length - 1);
     picker.replaceChildren(choice("Trace", labels.map((label, k) => [String(k), label]), String(trace), (k) => show(Number(k))));
     plots.update(drawn());
+    drawCloser();
   }
+
+  /** Of a comparison and a trace that are still the ones at hand when they are answered. */
+  const drawCloser = guarded(async () => {
+    const { comparison } = state;
+    if (!comparison) return;
+    const mine = trace;
+    const found = await api.get(`/lab/closer?trace=${mine}`);
+    if (closed || !found || mine !== trace || comparison !== state.comparison) return;
+    panels.closer.show(closer(found, comparison));
+  });
 
   /** What is drawn: of the signal of the model where it was compared. */
   function drawn() {
@@ -285,6 +300,7 @@ export function open(root, api) {
   const goTo = guarded(async (k, region) => {
     trace = k;
     picker.querySelector("select").value = String(k);
+    drawCloser();
     await plots.update(drawn());
     const found = plots.extent(region);
     if (found) {

@@ -96,6 +96,17 @@ impl Session {
         Ok(found)
     }
 
+    /// One trace looked at more closely; null before there is a comparison.
+    ///
+    /// # Errors
+    /// When there is no such trace.
+    pub fn closer(&mut self, trace: usize) -> Result<Value, LabError> {
+        self.settle();
+        let Some(compared) = &self.known.compared else { return Ok(Value::Null) };
+        let unknown = || LabError::Unknown { what: "trace", name: trace.to_string() };
+        compared.closer.get(trace).cloned().ok_or_else(unknown)
+    }
+
     /// A trace without a model.
     fn measured(&mut self, trace: usize) -> Option<&Drawing> {
         let known = &mut self.known.measured;

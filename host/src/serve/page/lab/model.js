@@ -3,7 +3,7 @@
 import { fold, h, number } from "../dom.js";
 
 /** The panel. `act` has `drop(effect)`, `add(effect)`, `undo()`, `save()`, `export(kind)` and `copy(task or text)`. */
-export function model(state, act) {
+export function model(state, choices, act) {
   const { model: of, versions } = state;
   const last = versions.at(-1);
   return h(
@@ -16,14 +16,23 @@ export function model(state, act) {
       h("button", { class: "lab-save", onclick: act.save }, last.saved ? `Saved: ${last.file}` : `Save ${last.file}`),
       state.reports.map((kind) => h("button", { title: "Download the report that --report writes: one HTML file", onclick: () => act.export(kind) }, `Report: ${kind}`)),
     ),
-    parameters(of),
-    of.effect?.length ? h("ul", { class: "lab-effects" }, of.effect.map((effect) => inModel(effect, act))) : null,
+    parameters(of, choices),
+    of.effect?.length ? h("ul", { class: "lab-effects" }, of.effect.map((effect) => inModel(effect, choices, act))) : null,
     of.candidate?.length ? h("ul", { class: "lab-effects" }, of.candidate.map((own) => candidate(own, act))) : null,
     fold("history", "how it came about", h("ol", {}, versions.map((version) => came(version, state.comparison?.unit ?? state.unit, act)))),
   );
 }
 
-function parameters(of) {
+/** What the base law says, with its elastic response and its relaxation function where the file names no others. */
+function formula(base, choices) {
+  const law = choices.laws.find((known) => known.name === base.law)?.formula;
+  if (!law) return null;
+  const elastic = /N\(/.test(law) && !base.elastic ? ", N(x) = p/(q + 1) x^(q + 1)" : "";
+  const relaxing = /g\(/.test(law) && !base.relaxation ? ", g(t) = c0 + Σ ci e^(−vi t), c0 = 1 − Σ ci" : "";
+  return law + elastic + relaxing;
+}
+
+function parameters(of, choices) {
   const rows = [[of.base.law, of.base.parameters], ...(of.effect ?? []).map((effect) => [effect.name, effect.parameters])];
   const row = (name) => ([parameter, value]) =>
     h(
@@ -35,12 +44,20 @@ function parameters(of) {
       h("td", { class: "lab-number" }, value.standard_error === undefined ? "" : `± ${number(value.standard_error, 2)}`),
       h("td", {}, value.unit ?? ""),
     );
-  return fold("parameters", "parameters", h("table", { class: "lab-parameters" }, h("tbody", {}, rows.flatMap(([name, list]) => Object.entries(list).map(row(name))))));
+  const head = h("tr", {}, ["of", "parameter", "value", "standard error", "unit"].map((name, k) => h("th", { scope: "col", class: k === 2 || k === 3 ? "lab-number" : null }, name)));
+  const body = rows.flatMap(([name, list]) => Object.entries(list).map(row(name)));
+  const law = formula(of.base, choices);
+  return h(
+    "div",
+    { class: "lab-scroll" },
+    law ? h("p", { class: "lab-formula" }, h("strong", {}, of.base.law), " ", h("span", {}, law)) : null,
+    h("table", { class: "lab-parameters" }, h("thead", {}, head), h("tbody", {}, body)),
+  );
 }
 
-function inModel(effect, act) {
+function inModel(effect, choices, act) {
   const task = { drop: { effect: effect.name } };
-  return h("li", {}, h("strong", {}, effect.name), effect.expression ? h("code", {}, effect.expression) : ` (${effect.law})`, h("button", { class: "lab-drop", onclick: () => act.start(task) }, "Drop", h("span", { class: "spoken" }, ` ${effect.name}`)), act.copy(task));
+  return h("li", {}, h("strong", {}, effect.name), effect.expression ? h("code", {}, effect.expression) : ` (${effect.law}) ${choices.formulas[effect.name]?.[effect.law] ?? ""}`, h("button", { class: "lab-drop", onclick: () => act.start(task) }, "Drop", h("span", { class: "spoken" }, ` ${effect.name}`)), act.copy(task));
 }
 
 function candidate(own, act) {

@@ -35,6 +35,8 @@ export function overlay(root, picker, ask, fail) {
   let shown = { from: null, to: null };
   let data = null;
   let forecast = null;
+  /** What was asked for what is drawn: a forecast is of the same pixels. */
+  let asFor = "";
   let plots = null;
   let flight = null;
   let wanted = false;
@@ -53,7 +55,7 @@ export function overlay(root, picker, ask, fail) {
       const [mine, asked] = [info, query()];
       const found = await ask(`/lab/overlay?${asked}`);
       if (mine !== info) continue;
-      [data, forecast] = [found, null];
+      [data, forecast, asFor] = [found, null, asked];
       draw();
     }
     clearTimeout(again);
@@ -198,7 +200,7 @@ export function overlay(root, picker, ask, fail) {
     if (!info || !data?.predicted) return;
     waiting = setTimeout(async () => {
       const mine = data;
-      const found = effect && (await ask(`/lab/forecast?effect=${encodeURIComponent(effect)}&${query()}`).catch(() => null));
+      const found = effect && (await ask(`/lab/forecast?effect=${encodeURIComponent(effect)}&${asFor}`).catch(() => null));
       if (mine !== data || effect !== hovered) return;
       forecast = found;
       draw();
