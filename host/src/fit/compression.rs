@@ -8,11 +8,8 @@
 
 use super::data::{Data, Piece};
 use crate::model::Motion;
+use crate::trace::{REST, block_begins};
 
-/// Duration of a block, over the time since the motion.
-const PART: f64 = 0.05;
-/// Change of the compression, over the largest of the set, within which a motion is at rest.
-const REST: f64 = 2e-3;
 /// Samples for each mean from which on it is worth to search on the means first.
 const WORTH: usize = 4;
 
@@ -99,23 +96,7 @@ impl Compressed {
 
 /// Where blocks begin, and the number of samples.
 fn ends(time: &[f64], x: &[f64], band: f64) -> Vec<usize> {
-    let mut ends = vec![0];
-    // The last place that the motion has left, and when.
-    let (mut place, mut since) =
-        (x.first().copied().unwrap_or(0.0), time.first().copied().unwrap_or(0.0));
-    let mut begin = 0;
-    for k in 1..time.len() {
-        let moved = (x[k] - place).abs() > band;
-        if moved || time[k] - time[begin] > PART * (time[begin] - since) {
-            ends.push(k);
-            begin = k;
-        }
-        if moved {
-            (place, since) = (x[k], time[k]);
-        }
-    }
-    ends.push(time.len());
-    ends
+    block_begins(time, x, band).into_iter().chain([time.len()]).collect()
 }
 
 #[cfg(test)]

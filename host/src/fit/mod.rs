@@ -19,6 +19,7 @@ pub mod hold;
 pub mod least_squares;
 pub mod levels;
 pub mod line;
+mod log_blocks;
 pub mod power_law;
 pub mod problem;
 pub mod ranking;

@@ -8,6 +8,7 @@ use nalgebra::DVector;
 
 use super::exponentials::{Options, Prepared, correlated_covariance};
 use super::least_squares::{LeastSquares, Normal, minimise};
+use super::log_blocks::log_blocks;
 
 /// Form of a relaxation function.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -96,8 +97,6 @@ struct Thinned {
     weight: Vec<f64>,
 }
 
-/// Samples whose times since the start differ by less than this part are averaged.
-const STEP: f64 = 0.01;
 /// Spans of time for each decade, and fewest and most of them.
 const SPANS_PER_DECADE: f64 = 2.0;
 const SPANS: (usize, usize) = (4, 12);
@@ -246,17 +245,11 @@ fn shape(form: Form, time: f64, log: f64, order: f64) -> [f64; 3] {
 impl Thinned {
     fn of(time: &[f64], values: &[f64]) -> Self {
         let mut thinned = Self { time: vec![], value: vec![], weight: vec![] };
-        let mut begin = 0;
-        while begin < time.len() {
-            let since = time[begin] - time[0];
-            let end =
-                begin + time[begin..].partition_point(|t| t - time[0] <= since * (1.0 + STEP));
-            let end = end.max(begin + 1);
-            let count = (end - begin) as f64;
-            thinned.time.push(time[begin..end].iter().sum::<f64>() / count - time[0]);
-            thinned.value.push(values[begin..end].iter().sum::<f64>() / count);
+        for block in log_blocks(time) {
+            let count = block.len() as f64;
+            thinned.time.push(time[block.clone()].iter().sum::<f64>() / count - time[0]);
+            thinned.value.push(values[block].iter().sum::<f64>() / count);
             thinned.weight.push(count);
-            begin = end;
         }
         thinned.time[0] = 0.0;
         thinned

@@ -376,38 +376,40 @@ fn sort_branches(fit: &mut MotionFit) {
 mod tests {
     use super::*;
     use crate::model::{Motion, Separation};
-    use crate::trace::{Column, DISPLACEMENT, FORCE, Trace};
+    use crate::trace::{DISPLACEMENT, FORCE, Trace};
     use rand::{RngExt, SeedableRng};
     use rand_chacha::ChaCha8Rng;
     use std::sync::Arc;
+
+    /// What a law answers to a motion, with noise.
+    fn noisy(
+        (truth, constants): (BaseLaw, &[f64]),
+        time: Vec<f64>,
+        course: impl Fn(&f64) -> f64,
+        random: &mut ChaCha8Rng,
+    ) -> Trace {
+        let x: Vec<f64> = time.iter().map(course).collect();
+        let motion =
+            Motion { time: time.clone().into(), displacement: x.clone().into(), rest_before: None };
+        let force = truth.predict(constants, &[motion]).remove(0);
+        let force = force.iter().map(|f| f + random.random_range(-0.03..0.03)).collect();
+        let mut trace = Trace { time, ..Trace::default() };
+        trace.set_column(DISPLACEMENT, x);
+        trace.set_column(FORCE, force);
+        trace
+    }
 
     /// Presses of several depths into a specimen that relaxes twice, with noise.
     fn traces(count: usize) -> Vec<Trace> {
         let mut random = ChaCha8Rng::seed_from_u64(17);
         let truth = BaseLaw::fung(2, Separation::Clamp);
-        (0..count)
-            .map(|trace| {
-                let time: Vec<f64> = (0..160).map(|k| 0.05 * f64::from(k)).collect();
-                let deep = 2.0 + (trace % 5) as f64;
-                let course = |t: &f64| (3.0 * t - 0.5).min(deep).min(24.0 - 3.5 * t);
-                let x: Vec<f64> = time.iter().map(course).collect();
-                let motion = Motion {
-                    time: time.clone().into(),
-                    displacement: x.clone().into(),
-                    rest_before: None,
-                };
-                let force = truth.predict(&[0.3, 0.7, 0.25, 0.2, 4.0, 0.4], &[motion]).remove(0);
-                let noisy = force.iter().map(|f| f + random.random_range(-0.03..0.03)).collect();
-                Trace {
-                    time,
-                    columns: vec![
-                        Column { name: DISPLACEMENT.into(), values: x },
-                        Column { name: FORCE.into(), values: noisy },
-                    ],
-                    ..Trace::default()
-                }
-            })
-            .collect()
+        let press = |trace: usize| {
+            let time = (0..160).map(|k| 0.05 * f64::from(k)).collect();
+            let deep = 2.0 + (trace % 5) as f64;
+            let course = |t: &f64| (3.0 * t - 0.5).min(deep).min(24.0 - 3.5 * t);
+            noisy((truth, &[0.3, 0.7, 0.25, 0.2, 4.0, 0.4]), time, course, &mut random)
+        };
+        (0..count).map(press).collect()
     }
 
     /// The error on each trace by a whole fit to the others.
@@ -440,29 +442,13 @@ mod tests {
     fn holds() -> Vec<Trace> {
         let mut random = ChaCha8Rng::seed_from_u64(5);
         let truth = BaseLaw::fung(3, Separation::Clamp);
-        [4.0, 2.0, 3.0]
-            .into_iter()
-            .map(|deep: f64| {
-                let time: Vec<f64> = (0..8000).map(|k| 0.05 * f64::from(k)).collect();
-                let x: Vec<f64> = time.iter().map(|t| (2.0 * t - 1.0).min(deep)).collect();
-                let motion = Motion {
-                    time: time.clone().into(),
-                    displacement: x.clone().into(),
-                    rest_before: None,
-                };
-                let constants = [0.3, 0.7, 0.2, 0.15, 0.1, 2.0, 0.1, 0.01];
-                let force = truth.predict(&constants, &[motion]).remove(0);
-                let noisy = force.iter().map(|f| f + random.random_range(-0.03..0.03)).collect();
-                Trace {
-                    time,
-                    columns: vec![
-                        Column { name: DISPLACEMENT.into(), values: x },
-                        Column { name: FORCE.into(), values: noisy },
-                    ],
-                    ..Trace::default()
-                }
-            })
-            .collect()
+        let hold = |deep: f64| {
+            let time = (0..8000).map(|k| 0.05 * f64::from(k)).collect();
+            let course = |t: &f64| (2.0 * t - 1.0).min(deep);
+            let constants = [0.3, 0.7, 0.2, 0.15, 0.1, 2.0, 0.1, 0.01];
+            noisy((truth, &constants), time, course, &mut random)
+        };
+        [4.0, 2.0, 3.0].map(hold).to_vec()
     }
 
     #[test]

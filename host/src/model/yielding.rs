@@ -130,24 +130,41 @@ mod tests {
     use crate::fit::data::Data;
     use crate::fit::whole_motion::predict;
     use crate::model::{Act, BaseLaw, Chain, Family, Motion, Separation};
-    use crate::trace::{Column, DISPLACEMENT, FORCE, Trace};
+    use crate::trace::{DISPLACEMENT, FORCE, Trace};
     use proptest::prelude::*;
+
+    /// A press, a hold and a release, 0.01 s and a little apart: times, s, and compressions, mm.
+    fn press(jitter: f64) -> (Vec<f64>, Vec<f64>) {
+        let time: Vec<f64> =
+            (0..400).map(|k| 0.01 * f64::from(k) + jitter * f64::from(k % 3)).collect();
+        let x = time.iter().map(|t| (6.0 * t - 2.0).min(5.0).min(20.0 - 6.0 * t)).collect();
+        (time, x)
+    }
+
+    fn trace(time: &[f64], x: &[f64]) -> Trace {
+        let mut trace = Trace { time: time.to_vec(), ..Trace::default() };
+        trace.set_column(DISPLACEMENT, x.to_vec());
+        trace.set_column(FORCE, time.to_vec());
+        trace
+    }
+
+    /// What a set-up leaves of a motion under these forces, N.
+    fn left(x: &[f64], force: &[f64], act: &Act, own: &[f64]) -> Vec<f64> {
+        let Act::Yield(yields) = act else { panic!("no set-up that yields") };
+        x.iter().zip(force).map(|(x, force)| x - yields(own, *force)).collect()
+    }
+
+    #[track_caller]
+    fn same(force: &[f64], again: &[f64], law: &str) {
+        for (k, (a, b)) in force.iter().zip(again).enumerate() {
+            assert!((a - b).abs() < 1e-8, "{law} {k}: {a} for {b}");
+        }
+    }
 
     #[test]
     fn a_chain_that_yields_is_the_base_law_on_what_is_left_of_the_motion() {
-        let time: Vec<f64> =
-            (0..400).map(|k| 0.01 * f64::from(k) + 1e-3 * f64::from(k % 3)).collect();
-        let x: Vec<f64> =
-            time.iter().map(|t| (6.0 * t - 2.0).min(5.0).min(20.0 - 6.0 * t)).collect();
-        let trace = Trace {
-            columns: vec![
-                Column { name: DISPLACEMENT.into(), values: x.clone() },
-                Column { name: FORCE.into(), values: time.clone() },
-            ],
-            time: time.clone(),
-            ..Trace::default()
-        };
-        let traces = [trace];
+        let (time, x) = press(1e-3);
+        let traces = [trace(&time, &x)];
         let data = Data::of(&traces, FORCE).unwrap();
         let setting = data.setting();
         let candidates = candidates(&setting, &[]).unwrap();
@@ -163,20 +180,14 @@ mod tests {
                     let own = [vec![0.15], form.grid[0].clone()].concat();
                     let all = [parameters.clone(), own.clone()].concat();
                     let force = predict(&chain, &all, &data).remove(0);
-                    let Act::Yield(yields) = form.applied.act else {
-                        panic!("no set-up that yields")
-                    };
-                    let left =
-                        x.iter().zip(&force).map(|(x, f)| x - yields(&own, *f)).collect::<Vec<_>>();
+                    let left = left(&x, &force, &form.applied.act, &own);
                     let motion = Motion {
                         time: time.clone().into(),
                         displacement: left.into(),
                         rest_before: None,
                     };
                     let again = law.predict(&parameters, &[motion]).remove(0);
-                    for (k, (a, b)) in force.iter().zip(&again).enumerate() {
-                        assert!((a - b).abs() < 1e-8, "{} {k}: {a} for {b}", form.applied.law);
-                    }
+                    same(&force, &again, &form.applied.law);
                 }
             }
         }
@@ -184,18 +195,8 @@ mod tests {
 
     #[test]
     fn a_chain_that_yields_beside_another_effect_is_that_chain_on_what_is_left_of_the_motion() {
-        let time: Vec<f64> = (0..400).map(|k| 0.01 * f64::from(k)).collect();
-        let x: Vec<f64> =
-            time.iter().map(|t| (6.0 * t - 2.0).min(5.0).min(20.0 - 6.0 * t)).collect();
-        let trace = |x: &[f64]| Trace {
-            columns: vec![
-                Column { name: DISPLACEMENT.into(), values: x.to_vec() },
-                Column { name: FORCE.into(), values: time.clone() },
-            ],
-            time: time.clone(),
-            ..Trace::default()
-        };
-        let traces = [trace(&x)];
+        let (time, x) = press(0.0);
+        let traces = [trace(&time, &x)];
         let data = Data::of(&traces, FORCE).unwrap();
         let candidates = candidates(&data.setting(), &[]).unwrap();
         let named = |name: &str| &candidates.iter().find(|c| c.name == name).unwrap().forms[0];
@@ -209,14 +210,9 @@ mod tests {
             let strength = [vec![0.15], form.grid[0].clone()].concat();
             let all = [parameters.clone(), strength.clone()].concat();
             let force = predict(&alone.with(form.applied.clone()), &all, &data).remove(0);
-            let Act::Yield(yields) = form.applied.act else { panic!("no set-up that yields") };
-            let left: Vec<f64> =
-                x.iter().zip(&force).map(|(x, f)| x - yields(&strength, *f)).collect();
-            let left = [trace(&left)];
+            let left = [trace(&time, &left(&x, &force, &form.applied.act, &strength))];
             let again = predict(&alone, &parameters, &Data::of(&left, FORCE).unwrap()).remove(0);
-            for (k, (a, b)) in force.iter().zip(&again).enumerate() {
-                assert!((a - b).abs() < 1e-8, "{} {k}: {a} for {b}", form.applied.law);
-            }
+            same(&force, &again, &form.applied.law);
         }
     }
 

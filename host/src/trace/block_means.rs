@@ -15,7 +15,7 @@ const WORTH: usize = 4;
 /// Duration of a block, over the time since the motion.
 const PART: f64 = 0.05;
 /// Change of the compression, over the largest of the set, within which a motion is at rest.
-const REST: f64 = 2e-3;
+pub const REST: f64 = 2e-3;
 /// Blocks that a set at rest throughout would have, and the fewest of a trace.
 const BLOCKS: usize = 3000;
 const FEWEST: usize = 300;
@@ -64,6 +64,12 @@ fn means_of(trace: &Trace, begins: &[usize]) -> Trace {
         time: means(&trace.time),
         columns: trace.columns.iter().map(column).collect(),
     }
+}
+
+/// Where the blocks of a motion begin, motions within `band`, mm, being rest.
+#[must_use]
+pub fn block_begins(time: &[f64], x: &[f64], band: f64) -> Vec<usize> {
+    begins(time, x, band, (f64::INFINITY, 0))
 }
 
 /// Where the blocks of a motion begin; motions within `band` are rest, no block is longer than `longest`, s,

@@ -34,7 +34,7 @@ mod tare;
 pub mod units;
 mod write;
 
-pub use block_means::block_means;
+pub use block_means::{REST, block_begins, block_means};
 pub use control::control;
 pub use error::{Error, Place, SignalError};
 pub use gaps::{Gap, gaps, runs};

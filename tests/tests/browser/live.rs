@@ -142,15 +142,21 @@ fn no_line_is_drawn_over_the_time_between_two_streams() {
     }
 }
 
-#[test]
-#[ignore = "needs a browser: cargo xtask browser"]
-fn the_values_under_the_pointer_stand_beside_it_and_differences_from_a_mark() {
+/// A bundled press, replayed until region CD is there, and paused.
+fn paused_press() -> (Server, Browser) {
     let press = bundled("press.csv").display().to_string();
     let server = Server::begin(&["--replay", &press, "--speed", "4"]);
     let browser = opened(&server);
     browser.says(".gauge .reading", "CD");
     browser.click(".live .tools button");
     browser.says(".live .where", "…");
+    (server, browser)
+}
+
+#[test]
+#[ignore = "needs a browser: cargo xtask browser"]
+fn the_values_under_the_pointer_stand_beside_it_and_differences_from_a_mark() {
+    let (_server, browser) = paused_press();
     browser.point(".gauge .u-over");
     browser.says(".plot-reading", "signal");
     let seen = browser.text(".plot-reading");
@@ -177,12 +183,7 @@ fn the_values_under_the_pointer_stand_beside_it_and_differences_from_a_mark() {
 #[test]
 #[ignore = "needs a browser: cargo xtask browser"]
 fn the_wheel_zooms_about_the_pointer_and_moves_along() {
-    let press = bundled("press.csv").display().to_string();
-    let server = Server::begin(&["--replay", &press, "--speed", "4"]);
-    let browser = opened(&server);
-    browser.says(".gauge .reading", "CD");
-    browser.click(".live .tools button");
-    browser.says(".live .where", "…");
+    let (_server, browser) = paused_press();
     let wheel = |keys: &str, by: i32| {
         let _ = browser.script(&format!(
             "const over = document.querySelector('.gauge .u-over'), place = over.getBoundingClientRect();

@@ -6,10 +6,10 @@
 
 use std::ops::Range;
 
+use crate::fit::log_blocks::log_blocks;
+
 /// Samples from which on a hold is taken in means.
 const LONG: usize = 4096;
-/// Duration of a block, over the time since the first sample.
-const STEP: f64 = 0.01;
 
 /// How samples are taken together.
 #[derive(Clone, Debug)]
@@ -27,16 +27,7 @@ impl Means {
         if times.len() < LONG {
             return None;
         }
-        let mut blocks = Vec::new();
-        let mut begin = 0;
-        while begin < times.len() {
-            let reach = times[begin] * (1.0 + STEP);
-            let end = begin + times[begin..].partition_point(|time| *time <= reach);
-            let end = end.max(begin + 1);
-            blocks.push(begin..end);
-            begin = end;
-        }
-        Some(Self { blocks, times: times.to_vec(), roots: roots.to_vec() })
+        Some(Self { blocks: log_blocks(times), times: times.to_vec(), roots: roots.to_vec() })
     }
 
     /// Mean time of every block, s.
