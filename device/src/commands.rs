@@ -7,6 +7,7 @@ use shared::wire::{
 
 use crate::board::{Board, Restart};
 use crate::conversation::{Device, Exchange, Stopping};
+use crate::felt;
 use crate::front_end::Setting;
 use crate::outgoing::Due;
 use crate::self_test::SelfTest;
@@ -81,7 +82,7 @@ impl Device<'_> {
             self.configure(&self.settings.clone(), board)?;
             self.count_lost(board.listen(true));
         }
-        self.stream.start(start, &config);
+        self.stream.start(start, &config, felt::config(interval_s));
         self.set_temperature(self.temperature);
         Ok(())
     }
@@ -118,7 +119,8 @@ impl Device<'_> {
                 == settings.calibration
                 && self.settings.tare == settings.tare
                 && self.exchange.as_ref().is_none_or(|before| before.same_strain);
-            self.exchange = Some(Exchange { config, same_strain });
+            let events = felt::config(self.interval_s(settings.oversampling));
+            self.exchange = Some(Exchange { config, events, same_strain });
             self.settings = settings;
         } else {
             self.take(settings, &config);
@@ -149,7 +151,7 @@ impl Device<'_> {
     }
 
     fn take(&mut self, settings: Settings, config: &Config) {
-        self.stream.pipeline().configure(config);
+        self.stream.configure(config);
         self.settings = settings;
         self.changed();
     }
@@ -157,8 +159,8 @@ impl Device<'_> {
     /// The first sample of other gains or of another rate comes next.
     #[cold]
     pub(crate) fn exchange(&mut self) {
-        if let Some(Exchange { config, same_strain }) = self.exchange.take() {
-            self.stream.pipeline().exchange(&config, same_strain);
+        if let Some(exchange) = self.exchange.take() {
+            self.stream.exchange(&exchange);
             self.changed();
         }
     }
@@ -180,7 +182,7 @@ impl Device<'_> {
         if self.stream.rows() == 0 || self.exchange.is_some() {
             return Err(Refusal::NoSample);
         }
-        self.stream.pipeline().tare();
+        self.stream.tare();
         self.settings.tare =
             self.stream.pipeline().config().calibration.map(|calibration| calibration.tare());
         self.changed();

@@ -1,5 +1,6 @@
 //! The device as the host sees it.
 
+use shared::events;
 use shared::pipeline::{Config, Pipeline};
 use shared::wire::{
     self, Answer, ClockSource, ConverterFault, Counters, Done, FRAME_MAX, Formats, Head, Hello,
@@ -126,6 +127,8 @@ pub(crate) struct Stopping {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Exchange {
     pub(crate) config: Config,
+    /// What is an event at the new rate.
+    pub(crate) events: Option<events::Config>,
     /// Whether strain means what it did.
     pub(crate) same_strain: bool,
 }
@@ -347,7 +350,12 @@ impl<'a> Device<'a> {
         log: &mut impl Log,
         frame: &'f mut [u8; FRAME_MAX],
     ) -> Option<&'f [u8]> {
-        if self.outgoing.is_empty() && self.stream.blocks.is_empty() && !log.is_waiting() {
+        let nothing_felt = self.stream.feeling.is_empty();
+        if self.outgoing.is_empty()
+            && nothing_felt
+            && self.stream.blocks.is_empty()
+            && !log.is_waiting()
+        {
             return None;
         }
         self.encode_next(now_us, log, frame)
@@ -371,6 +379,8 @@ impl<'a> Device<'a> {
             wire::encode(head, &settings, frame)
         } else if let Some(answer) = self.outgoing.next_answer() {
             wire::encode(head, &ToHost::Answer(answer), frame)
+        } else if let Some(felt) = self.next_felt() {
+            wire::encode(head, &ToHost::Event(felt), frame)
         } else if let Some(rows) = self.stream.blocks.next() {
             let sent = rows.encode(self.sequence, frame);
             self.stream.blocks.sent();
@@ -387,6 +397,12 @@ impl<'a> Device<'a> {
         };
         self.sequence = self.sequence.wrapping_add(1);
         sent.ok()
+    }
+
+    /// The next event, for a host whose release knows events.
+    fn next_felt(&mut self) -> Option<wire::Felt> {
+        let felt = self.stream.feeling.next();
+        felt.filter(|_| self.host == Host::Speaks(wire::SCHEMA))
     }
 
     /// Blocks of older settings go before the new ones, so that a host always has those of the block it hears.

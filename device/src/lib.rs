@@ -36,6 +36,7 @@ mod board;
 mod commands;
 mod conversation;
 pub mod converters;
+mod felt;
 mod front_end;
 mod outgoing;
 mod self_test;

@@ -1,10 +1,13 @@
 //! From samples to blocks of rows.
 
 use heapless::{Deque, Vec};
+use shared::events;
 use shared::pipeline::{Config, Counters, GAUGES, Pipeline};
 use shared::wire::{self, CodingError, INJECT_ROWS, Inject, REFERENCE_TEMPERATURE, Source, Start};
 
 use crate::blocks::Blocks;
+use crate::conversation::Exchange;
+use crate::felt::Feeling;
 
 /// Injected rows that may wait for the filter.
 pub const INJECTED_ROWS: usize = 2 * INJECT_ROWS;
@@ -52,6 +55,7 @@ impl Lost {
 pub(crate) struct Stream<'a> {
     pipeline: Pipeline,
     pub(crate) blocks: &'a mut Blocks,
+    pub(crate) feeling: Feeling,
     injected: Deque<([i32; GAUGES], Option<i16>), INJECTED_ROWS>,
     on: Option<Start>,
     /// Of what comes next, 2^-8 °C, and what is taken for it where there is no sensor.
@@ -75,6 +79,7 @@ impl<'a> Stream<'a> {
         Self {
             pipeline,
             blocks,
+            feeling: Feeling::new(None),
             injected: Deque::new(),
             on: None,
             temperature: None,
@@ -88,8 +93,9 @@ impl<'a> Stream<'a> {
         }
     }
 
-    pub(crate) fn start(&mut self, start: Start, config: &Config) {
+    pub(crate) fn start(&mut self, start: Start, config: &Config, events: Option<events::Config>) {
         self.pipeline = Pipeline::new(config);
+        self.feeling = Feeling::new(events);
         self.blocks.clear();
         self.injected.clear();
         (self.on, self.first, self.seen_waiting) = (Some(start), 0, 0);
@@ -114,8 +120,29 @@ impl<'a> Stream<'a> {
         self.pipeline.counters()
     }
 
-    pub(crate) fn pipeline(&mut self) -> &mut Pipeline {
-        &mut self.pipeline
+    pub(crate) const fn pipeline(&self) -> &Pipeline {
+        &self.pipeline
+    }
+
+    /// Another configuration from the next row on.
+    pub(crate) fn configure(&mut self, config: &Config) {
+        let recalibrated = config.calibration != self.pipeline.config().calibration;
+        self.pipeline.configure(config);
+        if recalibrated {
+            self.feeling.begin_anew();
+        }
+    }
+
+    /// Another configuration together with gains or rate of the converter, from the next row on.
+    pub(crate) fn exchange(&mut self, exchange: &Exchange) {
+        self.pipeline.exchange(&exchange.config, exchange.same_strain);
+        self.feeling.configure(exchange.events, exchange.same_strain);
+    }
+
+    /// Reads zero from now on.
+    pub(crate) fn tare(&mut self) {
+        self.pipeline.tare();
+        self.feeling.begin_anew();
     }
 
     /// Rows that are lost before the next one. A block has no gaps.
@@ -193,6 +220,9 @@ impl<'a> Stream<'a> {
     #[inline(never)]
     pub(crate) fn row(&mut self, counts: &[i32; GAUGES], time_us: u64) {
         self.pipeline.process(counts, self.used_temperature);
+        if let Some(event) = self.feeling.step(&self.pipeline) {
+            self.feeling.note(event, self.rows(), time_us);
+        }
         let mut rows = self.blocks.filling();
         if rows.is_empty() {
             self.begin(time_us);

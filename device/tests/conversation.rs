@@ -2,12 +2,14 @@
 
 use device::{Board, Device, INJECTED_ROWS, Identity, Lost, Restart, Sample, Setting, begin_with};
 use proptest::prelude::*;
+use shared::adaptation;
 use shared::calibration::Sheet;
+use shared::events;
 use shared::pipeline::{GAUGES, Pipeline};
 use shared::wire::{
-    self, Accumulated, Accumulator, ClockSource, Columns, ConverterFault, Done, FRAME_MAX, Head,
-    HelloToDevice, INJECT_ROWS, Inject, Kept, Oversampling, Refusal, ResetCause, Row, Rows, SCHEMA,
-    Settings, Source, Start, Status, StoreFault, ToDevice, ToHost,
+    self, Accumulated, Accumulator, ClockSource, Columns, ConverterFault, Done, EARLIER, FRAME_MAX,
+    Felt, Head, HelloToDevice, INJECT_ROWS, Inject, Kept, Oversampling, Refusal, ResetCause, Row,
+    Rows, SCHEMA, Settings, Source, Start, Status, StoreFault, ToDevice, ToHost,
 };
 
 const IDENTITY: Identity<'static> = Identity {
@@ -63,6 +65,7 @@ struct Host {
     status: Option<Status>,
     hello: Option<(u64, String)>,
     kept: Option<Kept>,
+    felt: Vec<Felt>,
 }
 
 impl Host {
@@ -87,6 +90,7 @@ impl Host {
             status: None,
             hello: None,
             kept: None,
+            felt: Vec::new(),
         }
     }
 
@@ -138,6 +142,7 @@ impl Host {
                             self.rows.extend(rows.iter(&calibration));
                         }
                         ToHost::Kept(kept) => self.kept = Some(kept),
+                        ToHost::Event(felt) => self.felt.push(felt),
                         ToHost::Log(_) => unreachable!("nothing is logged here"),
                     }
                 }
@@ -195,6 +200,77 @@ fn a_host_of_our_schema_is_told_who_we_are_and_how_we_are_set() {
     assert_eq!(host.settings, Some((0, Settings::DEFAULT)));
 }
 
+/// A touch, a knock and a release as counts of all gauges: 2.4 s at 1 kHz.
+fn touch_and_release() -> Vec<[i32; GAUGES]> {
+    let up = |t: f64| ((t - 0.5) / 0.02).clamp(0.0, 1.0) - ((t - 1.5) / 0.02).clamp(0.0, 1.0);
+    (0..2_400).map(|row| [(2e6 * up(f64::from(row) * 1e-3)) as i32; GAUGES]).collect()
+}
+
+/// Rows, one millisecond apart, through a device whose host speaks a schema.
+fn felt_by_a_host_of(schema: u64) -> (Host, u64) {
+    let mut host = Host::new();
+    host.say(&ToDevice::Hello(HelloToDevice { schema, version: "1" })).unwrap();
+    host.start(Source::Link { interval_ns: 1_000_000 });
+    for rows in touch_and_release().chunks(INJECT_ROWS) {
+        host.inject(rows).unwrap();
+        host.process();
+    }
+    let rows = host.rows.len() as u64;
+    (host, rows)
+}
+
+#[test]
+fn a_touch_and_a_release_are_told_at_the_row_at_which_the_same_code_finds_them() {
+    let (host, rows) = felt_by_a_host_of(SCHEMA);
+    assert_eq!(rows, 2_400);
+    let settings = events::Settings::DEFAULT.at_interval(1e-3);
+    let config = events::Config::new(&settings, 1.0 / 256.0, 1e-3).unwrap();
+    let outputs = |row: &Row| {
+        let (elastic, equilibrium) = row.rest.unwrap();
+        let channel = |gauge: usize| adaptation::Output {
+            signal: row.fa[gauge] + row.sa[gauge],
+            fa: row.fa[gauge],
+            equilibrium: equilibrium[gauge],
+            elastic: elastic[gauge],
+        };
+        std::array::from_fn(channel)
+    };
+    let first = outputs(&host.rows[0]).map(|out| out.equilibrium);
+    let mut state = events::State::<GAUGES>::at_rest(first);
+    let step = |row: &Row| state.step(&config, &outputs(row)).map(|event| (row.number, event));
+    let expected: Vec<_> = host.rows.iter().filter_map(step).collect();
+    let told: Vec<_> = host.felt.iter().map(|felt| (felt.row, felt.event)).collect();
+    assert_eq!(told, expected);
+    let kinds: Vec<_> = told.iter().map(|(_, event)| event.kind).collect();
+    assert_eq!(kinds, [events::Kind::Touch, events::Kind::Release]);
+    assert!((500..520).contains(&told[0].0) && (1_500..1_550).contains(&told[1].0), "{told:?}");
+    for (number, felt) in (0..).zip(&host.felt) {
+        assert_eq!((felt.number, felt.time_us), (number, felt.row * 1_000));
+    }
+}
+
+#[test]
+fn a_host_of_release_0_1_is_told_no_event_and_misses_no_row() {
+    let (host, rows) = felt_by_a_host_of(EARLIER[0]);
+    assert_eq!((host.felt.len(), rows), (0, 2_400));
+}
+
+#[test]
+fn a_tare_under_load_is_no_touch() {
+    let mut host = Host::introduced();
+    host.start(Source::Link { interval_ns: 1_000_000 });
+    for rows in vec![[1_000_000; GAUGES]; 640].chunks(INJECT_ROWS) {
+        host.inject(rows).unwrap();
+        host.process();
+    }
+    host.say(&ToDevice::Tare).unwrap();
+    for rows in vec![[1_000_000; GAUGES]; 640].chunks(INJECT_ROWS) {
+        host.inject(rows).unwrap();
+        host.process();
+    }
+    assert_eq!(host.felt, []);
+}
+
 #[test]
 fn a_host_of_another_schema_is_told_so_and_nothing_is_done_for_it() {
     let mut host = Host::new();
@@ -224,7 +300,7 @@ fn a_host_of_any_release_may_stop_restart_and_ask_for_the_status() {
 
 #[test]
 fn a_host_of_an_earlier_release_is_spoken_to_in_its_own_schema() {
-    for schema in wire::EARLIER {
+    for schema in EARLIER {
         let mut host = Host::new();
         let hello = ToDevice::Hello(HelloToDevice { schema, version: "0.1.0" });
         host.say(&hello).unwrap();
@@ -458,7 +534,7 @@ fn settings_change_between_two_rows_and_blocks_say_which_made_them() {
     host.start(LINK);
     host.inject(&[press(0); 5]).unwrap();
     host.process();
-    let filter = shared::adaptation::Relaxation { c1: 0.3, v1: 10.0, c2: 0.1, v2: 1.0 };
+    let filter = adaptation::Relaxation { c1: 0.3, v1: 10.0, c2: 0.1, v2: 1.0 };
     host.say(&ToDevice::SetFilter(filter)).unwrap();
     assert_eq!(host.settings.unwrap().0, 1);
     host.inject(&[press(1); 5]).unwrap();
@@ -525,7 +601,7 @@ fn what_became_of_kept_settings_is_told_after_hello() {
 fn what_is_out_of_range_is_refused_by_kind_and_changes_nothing() {
     let mut host = Host::introduced();
     let sheet = Sheet { gain: 0.0, ..Settings::DEFAULT.calibration[0] };
-    let filter = shared::adaptation::Relaxation { c1: 2.0, ..Settings::DEFAULT.relaxation };
+    let filter = adaptation::Relaxation { c1: 2.0, ..Settings::DEFAULT.relaxation };
     for (command, refusal) in [
         (ToDevice::SetCalibration { gauge: 0, sheet }, Refusal::Calibration),
         (ToDevice::SetCalibration { gauge: 4, sheet }, Refusal::Gauge(4)),

@@ -202,7 +202,7 @@ impl Heard {
                 self.last_words = hello.panic.to_owned();
                 self.hello = Some(format!("{} {:?} {:?}", hello.board, hello.clock, hello.reset));
             }
-            ToHost::Log(_) | ToHost::Kept(_) => {}
+            ToHost::Log(_) | ToHost::Kept(_) | ToHost::Event(_) => {}
         }
     }
 }

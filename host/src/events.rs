@@ -8,6 +8,16 @@ use crate::decomposition::{Channel, DecompositionError, decompose, signals};
 use crate::sensor::HAPPENED;
 use crate::trace::{GAUGES as NAMES, Trace, noise, runs, sampling};
 
+/// The name of a kind of event.
+#[must_use]
+pub const fn name(kind: Kind) -> &'static str {
+    match kind {
+        Kind::Touch => "touch",
+        Kind::Release => "release",
+        Kind::Slip => "slip",
+    }
+}
+
 /// An event of a recording.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Found {
@@ -151,8 +161,7 @@ fn settings(
     let mut chosen = Settings { only_up: !is_gauge, ..Settings::DEFAULT };
     chosen.corner_hz = asked.corner_hz.unwrap_or(chosen.corner_hz);
     chosen.within_s = asked.within_s.unwrap_or(chosen.within_s);
-    let sought = if chosen.corner_hz <= 0.25 * rate_hz { chosen.jolts } else { 0 };
-    chosen.jolts = asked.jolts.unwrap_or(sought);
+    chosen.jolts = asked.jolts.unwrap_or(chosen.at_interval(1.0 / rate_hz).jolts);
     let (smoothed, jolting) = gains(&chosen, rate_hz);
     let fa_noise = relaxation.c1 * noise;
     let least = if is_gauge {

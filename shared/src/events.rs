@@ -18,6 +18,9 @@
 //!
 //! Nothing here depends on the gauge but levels, so any signal that goes through [`adaptation`](crate::adaptation) will do.
 
+use postcard_schema::Schema;
+use serde::{Deserialize, Serialize};
+
 use crate::adaptation::Output;
 
 mod channel;
@@ -28,7 +31,7 @@ use channel::{Change, Channel};
 pub use config::{Config, ConfigError, JOLTS_MOST, Settings};
 
 /// What happened.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub enum Kind {
     /// Something is touched.
     Touch,
@@ -39,7 +42,7 @@ pub enum Kind {
 }
 
 /// An event, at the sample at which it became known.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub struct Event {
     /// What happened.
     pub kind: Kind,

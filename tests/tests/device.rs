@@ -297,6 +297,26 @@ fn a_file_that_cannot_be_flashed_leaves_the_device_as_it_is() {
     simulated.json(&["device", "info"]);
 }
 
+#[test]
+fn a_touch_is_told_while_it_is_recorded_and_found_again_in_the_recording() {
+    let simulated = Simulated::begin();
+    let record = ["record", "-o", "touch.palpate", "--duration", "3.5", "--json"];
+    let (status, out, error) = simulated.call(&record);
+    assert_eq!(status, 0, "{error}");
+    let objects = out.lines().map(|line| serde_json::from_str::<Value>(line).unwrap());
+    let told: Vec<Value> =
+        objects.filter_map(|object| object["events"].as_array().cloned()).flatten().collect();
+    let mut events = palpate();
+    events.arg("events").arg(simulated.file("touch.palpate")).arg("--json");
+    let (status, again, error) = said(&events.output().unwrap());
+    assert_eq!(status, 0, "{error}");
+    let again: Value = serde_json::from_str(&again).unwrap();
+    let found = again["traces"][0]["events"].as_array().unwrap();
+    let kinds = |events: &[Value], key| events.iter().map(|it| it[key].clone()).collect::<Vec<_>>();
+    assert_eq!(kinds(&told, "event")[0], "touch", "{out}");
+    assert_eq!(kinds(&told, "event")[..], kinds(found, "kind")[..told.len()], "{again}");
+}
+
 /// Rows and gaps of a recording, and whether it was ended in order.
 fn contents(file: &Path) -> (u64, Vec<Gap>, bool) {
     let mut reader = Reader::open(file).unwrap();

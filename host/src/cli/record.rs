@@ -4,13 +4,13 @@ use std::io::IsTerminal;
 use std::path::PathBuf;
 use std::time::Duration;
 
-use serde_json::json;
-use shared::wire::{Columns, Source, Start};
+use serde_json::{Value, json};
+use shared::wire::{Columns, Felt, Source, Start};
 
 use super::device::At;
 use super::output::{Force, print};
 use super::{Failure, interrupt};
-use crate::device::describe::{live_line, view_json};
+use crate::device::describe::{felt_in_words, felt_json, live_line, view_json};
 use crate::device::record::{Beside, Plan, RecordError, View, overload, record};
 use crate::files::plan::{self, RECORDING};
 
@@ -22,12 +22,13 @@ damaged line, a full queue, a reset, an unplugged cable) the file says so, and t
 on when the device is there again. Ctrl-C ends it in order; after a kill, a crash or a full disk
 all whole blocks written until then are readable. `palpate convert` makes traces of it.
 
-On a terminal a line shows time, rate, rows, gaps, what the device dropped, FA and SA of each gauge.
+On a terminal a line shows time, rate, rows, gaps, what the device dropped, FA and SA of each gauge;
+a touch, a release and a slip are printed above it as the device tells them.
 
 Examples:
   palpate record -o press.palpate                    until Ctrl-C
   palpate record -o press.palpate --duration 60
-  palpate record -o press.palpate --json             an object a second, for programs")]
+  palpate record -o press.palpate --json             an object a second, with the events in it")]
 pub struct Args {
     #[command(flatten)]
     at: At,
@@ -62,6 +63,8 @@ struct Screen {
     live: bool,
     json: bool,
     shown_s: u64,
+    /// Events since the last object.
+    felt: Vec<Value>,
     ended: fn() -> bool,
 }
 
@@ -70,14 +73,25 @@ impl Beside for Screen {
         (self.ended)()
     }
 
+    fn feel(&mut self, felt: &Felt) {
+        if self.live {
+            eprintln!("\r{}\x1b[K", felt_in_words(felt));
+        }
+        if self.json {
+            self.felt.push(felt_json(felt));
+        }
+    }
+
     fn watch(&mut self, view: &View) {
         if self.live {
             eprint!("\r{}\x1b[K", live_line(view));
         }
         if self.json && view.passed.as_secs() > self.shown_s {
             self.shown_s = view.passed.as_secs();
+            let mut object = view_json(view);
+            object["events"] = std::mem::take(&mut self.felt).into();
             // A reader that has gone away is no reason to end a recording.
-            let _ = print(&format!("{}\n", view_json(view)));
+            let _ = print(&format!("{object}\n"));
         }
     }
 }
@@ -94,7 +108,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     }
     let plan = Plan { port, start, duration: args.duration };
     let live = !args.quiet && !args.json && std::io::stderr().is_terminal();
-    let mut screen = Screen { live, json: args.json, shown_s: 0, ended };
+    let mut screen = Screen { live, json: args.json, shown_s: 0, felt: Vec::new(), ended };
     let outcome = record(session, &plan, &args.output, args.over.force, &mut screen);
     if live {
         eprintln!();

@@ -2,12 +2,13 @@
 
 use serde_json::{Value, json};
 use shared::fixed::{celsius, microstrain};
-use shared::wire::{ClockSource, Counters, Kept, ResetCause, Settings, Source, Status};
+use shared::wire::{ClockSource, Counters, Felt, Kept, ResetCause, Settings, Source, Status};
 
 use super::change::{Threshold, rate_hz};
 use super::heard::Identity;
 use super::record::{View, parts};
 use super::refusal::Fault;
+use crate::events::name;
 use crate::report::number::significant;
 use crate::report::{Block, Column, Section, Table};
 
@@ -222,6 +223,26 @@ pub fn live_line(view: &View) -> String {
         "{time:7.1} s {:6.1} Hz {:9} rows  {} gaps {} drops{gauges}",
         view.rate_hz, view.tally.rows, view.gaps, view.drops
     )
+}
+
+/// An event that a device tells: what, when by its clock, and on which gauge.
+#[must_use]
+pub fn felt_in_words(felt: &Felt) -> String {
+    let (time_s, gauge) = (felt.time_us as f64 * 1e-6, felt.event.channel + 1);
+    format!("{} at {time_s:.3} s of the device, gauge {gauge}", name(felt.event.kind))
+}
+
+/// An event that a device tells, for programs.
+#[must_use]
+pub fn felt_json(felt: &Felt) -> Value {
+    json!({
+        "event": name(felt.event.kind),
+        "number": felt.number,
+        "row": felt.row,
+        "device_time_s": felt.time_us as f64 * 1e-6,
+        "began_rows_before": felt.event.began_samples_ago,
+        "gauge": u32::from(felt.event.channel) + 1,
+    })
 }
 
 /// How a recording goes.

@@ -3,8 +3,8 @@
 use std::time::Instant;
 
 use shared::wire::{
-    Answer, ClockSource, Counters, FrameError, Head, Hello, Introduction, Kept, ResetCause, Rows,
-    Settings, Status, ToHost, introduction, is_understood, open, read,
+    Answer, ClockSource, Counters, Felt, FrameError, Head, Hello, Introduction, Kept, ResetCause,
+    Rows, Settings, Status, ToHost, introduction, is_understood, open, read,
 };
 
 use super::line::Arrival;
@@ -44,6 +44,8 @@ pub enum Said {
     Log(Vec<u8>),
     /// What became of the settings that it had kept.
     Kept(Kept),
+    /// A touch, a release or a slip.
+    Event(Felt),
 }
 
 /// Who a device is.
@@ -151,6 +153,7 @@ fn understand(frame: &mut [u8]) -> Result<(Head, Said), FrameError> {
         ToHost::Settings { generation, settings } => Said::Settings(generation, Box::new(settings)),
         ToHost::Log(log) => Said::Log(log.bytes.into()),
         ToHost::Kept(kept) => Said::Kept(kept),
+        ToHost::Event(felt) => Said::Event(felt),
     };
     Ok((head, said))
 }

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use shared::pipeline::GAUGES;
-use shared::wire::{BAUD, ClockSource, Columns, Counters, Row, Start, ToDevice};
+use shared::wire::{BAUD, ClockSource, Columns, Counters, Felt, Row, Start, ToDevice};
 
 use super::heard::{Heard, Identity, Said};
 use super::session::{LinkError, Session};
@@ -102,6 +102,9 @@ pub trait Beside {
 
     /// Sees the recording about ten times in a second, and at the end.
     fn watch(&mut self, view: &View);
+
+    /// Hears of a touch, a release or a slip as soon as the device tells it.
+    fn feel(&mut self, _: &Felt) {}
 
     /// May give commands, as to inject rows; about twenty times in a second.
     ///
@@ -242,7 +245,8 @@ impl<'p> Recorder<'p> {
         while !self.is_over(beside) {
             let Some(session) = present else { return Ok(()) };
             let until = Instant::now() + SLICE;
-            let listened = self.listen(session, until).and_then(|()| Ok(beside.command(session)?));
+            let listened = self.listen(session, until, beside);
+            let listened = listened.and_then(|()| Ok(beside.command(session)?));
             let silent = self.heard_at.elapsed() > SILENCE;
             match listened {
                 Ok(()) if !silent => {}
@@ -259,7 +263,7 @@ impl<'p> Recorder<'p> {
                 beside.watch(&self.view());
             }
         }
-        present.as_mut().map_or(Ok(()), |session| self.finish(session))
+        present.as_mut().map_or(Ok(()), |session| self.finish(session, beside))
     }
 
     fn is_over(&self, beside: &mut dyn Beside) -> bool {
@@ -267,11 +271,20 @@ impl<'p> Recorder<'p> {
     }
 
     /// Writes what is heard until then.
-    fn listen(&mut self, session: &mut Session, until: Instant) -> Result<(), Stop> {
+    fn listen(
+        &mut self,
+        session: &mut Session,
+        until: Instant,
+        beside: &mut dyn Beside,
+    ) -> Result<(), Stop> {
         while let Some(heard) = session.hear(until)? {
             self.take(&heard)?;
-            if let Ok((_, Said::Rows(rows))) = &heard.said {
-                self.row = session.rows(rows).and_then(|rows| rows.last().copied());
+            match &heard.said {
+                Ok((_, Said::Rows(rows))) => {
+                    self.row = session.rows(rows).and_then(|rows| rows.last().copied());
+                }
+                Ok((_, Said::Event(felt))) => beside.feel(felt),
+                _ => {}
             }
             self.backlog = (session.backlog().now(), session.backlog().most().max(self.backlog.1));
             if Instant::now() >= until {
@@ -351,13 +364,13 @@ impl<'p> Recorder<'p> {
     }
 
     /// Ends the stream and writes the rest of it.
-    fn finish(&mut self, session: &mut Session) -> Result<(), Stop> {
+    fn finish(&mut self, session: &mut Session, beside: &mut dyn Beside) -> Result<(), Stop> {
         match session.quiet().and_then(|()| session.status().map(drop)) {
             // Then it just ends here.
             Ok(()) | Err(LinkError::Line(_) | LinkError::Silent { .. }) => {}
             Err(error) => return Err(error.into()),
         }
-        match self.listen(session, Instant::now() + SLICE) {
+        match self.listen(session, Instant::now() + SLICE, beside) {
             Err(Stop::Link(_)) => Ok(()),
             listened => listened,
         }

@@ -97,9 +97,11 @@ impl Clock {
                 reset
             }
             ToHost::Samples(block) => self.hear_rows(head, block, host_us),
-            ToHost::Answer(_) | ToHost::Settings { .. } | ToHost::Log(_) | ToHost::Kept(_) => {
-                self.anchor(head.time_us, host_us)
-            }
+            ToHost::Answer(_)
+            | ToHost::Settings { .. }
+            | ToHost::Log(_)
+            | ToHost::Kept(_)
+            | ToHost::Event(_) => self.anchor(head.time_us, host_us),
         }
     }
 

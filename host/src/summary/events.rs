@@ -4,20 +4,12 @@ use serde_json::{Value, json};
 use shared::events::Kind;
 
 use super::{name_of, unit_of};
-use crate::events::{Events, Judged, happened, judge};
+use crate::events::{Events, Judged, happened, judge, name};
 use crate::report::number::significant;
 use crate::report::{
     Axis, Callout, Colour, Column, Dash, Legend, Panels, Plot, Section, Series, Table,
 };
 use crate::trace::Trace;
-
-const fn word(kind: Kind) -> &'static str {
-    match kind {
-        Kind::Touch => "touch",
-        Kind::Release => "release",
-        Kind::Slip => "slip",
-    }
-}
 
 /// The events of a trace, what they are found by, and how they compare with what is known to have happened.
 #[must_use]
@@ -87,7 +79,7 @@ fn event_table(events: &Events) -> Table {
     let mut table = Table::new("Events", columns);
     for found in &events.found {
         table = table.row([
-            word(found.kind).to_owned(),
+            name(found.kind).to_owned(),
             format!("{:.3}", found.told_s),
             format!("{:.3}", found.began_s),
             format!("{:.0}", 1e3 * (found.told_s - found.began_s)),
@@ -107,13 +99,13 @@ fn judged_table(known: &[(Kind, f64)], judged: &Judged, events: &Events) -> Tabl
     let mut table = Table::new("What the simulation says happened", columns);
     for ((kind, at), (_, delay)) in known.iter().zip(&judged.delay_s) {
         let delay = delay.map_or("missed".into(), |delay| format!("{:.0}", 1e3 * delay));
-        table = table.row([word(*kind).to_owned(), format!("{at:.3}"), delay]);
+        table = table.row([name(*kind).to_owned(), format!("{at:.3}"), delay]);
     }
     let false_alarms: Vec<String> = judged
         .false_alarms
         .iter()
         .filter_map(|place| events.found.get(*place))
-        .map(|found| format!("{} at {:.3} s", word(found.kind), found.told_s))
+        .map(|found| format!("{} at {:.3} s", name(found.kind), found.told_s))
         .collect();
     table.note(if false_alarms.is_empty() {
         "No false alarm.".into()
@@ -137,7 +129,7 @@ fn figure(trace: &Trace, events: &Events) -> Panels {
         fa = fa.series(line(&channel.fa));
     }
     for found in &events.found {
-        reading = reading.mark(found.told_s, word(found.kind));
+        reading = reading.mark(found.told_s, name(found.kind));
         fa = fa.mark(found.told_s, "");
     }
     let burst = events.settings.burst;
@@ -161,7 +153,7 @@ pub fn events_json(traces: &[(&Trace, Events)]) -> Value {
             .enumerate()
             .map(|(place, found)| {
                 json!({
-                    "kind": word(found.kind),
+                    "kind": name(found.kind),
                     "told_s": found.told_s,
                     "began_s": found.began_s,
                     "delay_s": found.told_s - found.began_s,
@@ -174,7 +166,7 @@ pub fn events_json(traces: &[(&Trace, Events)]) -> Value {
             .iter()
             .zip(&judged.delay_s)
             .map(|((kind, at), (_, delay))| {
-                json!({"kind": word(*kind), "time_s": at, "told_after_s": delay})
+                json!({"kind": name(*kind), "time_s": at, "told_after_s": delay})
             })
             .collect();
         json!({

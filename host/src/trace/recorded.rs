@@ -170,7 +170,8 @@ impl Stream {
             }
             ToHost::Status(status) => self.source = status.streaming,
             ToHost::Samples(block) => self.hear_rows(head, block),
-            ToHost::Answer(_) | ToHost::Log(_) | ToHost::Kept(_) => {}
+            // Events follow from the rows.
+            ToHost::Answer(_) | ToHost::Log(_) | ToHost::Kept(_) | ToHost::Event(_) => {}
         }
     }
 

@@ -47,6 +47,14 @@ impl Settings {
         settle_s: 0.5,
         only_up: false,
     };
+
+    /// These for samples `interval_s` seconds apart: without a search for slip where fewer than four of them fall on a period of
+    /// the corner.
+    #[must_use]
+    pub fn at_interval(self, interval_s: f64) -> Self {
+        let fast_enough = self.corner_hz * interval_s <= 0.25;
+        Self { jolts: if fast_enough { self.jolts } else { 0 }, ..self }
+    }
 }
 
 /// Why a [`Config`] cannot be made.

@@ -8,6 +8,7 @@ use super::samples::Block;
 use super::settings::{Oversampling, Settings};
 use crate::adaptation::Relaxation;
 use crate::calibration::Sheet;
+use crate::events;
 use crate::phase::Thresholds;
 use crate::pipeline::{self, GAUGES};
 
@@ -34,6 +35,8 @@ pub enum ToHost<'a> {
     Log(Log<'a>),
     /// What became of the settings that were kept; after `Hello`.
     Kept(Kept),
+    /// A touch, a release or a slip, as soon as it is known: before the block that its row is in.
+    Event(Felt),
 }
 
 /// What the host says: commands, each answered by one [`Answer`].
@@ -200,6 +203,19 @@ pub struct Counters {
     pub frames_damaged: u32,
     /// Frames from the host that never came, by their sequence numbers.
     pub frames_missed: u32,
+}
+
+/// An event of the stream, with [`events::Settings::DEFAULT`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
+pub struct Felt {
+    /// Events since the start of the stream, from 0; a number that is left out was lost.
+    pub number: u32,
+    /// Row at which it became known.
+    pub row: u64,
+    /// Time of that row, µs.
+    pub time_us: u64,
+    /// What happened, and how many rows before that it began.
+    pub event: events::Event,
 }
 
 /// How the device is.
@@ -459,6 +475,6 @@ mod tests {
     #[test]
     fn the_schema_changes_with_the_messages_and_with_nothing_else() {
         // A change of any message must change this number, and this number must not change without one.
-        assert_eq!(SCHEMA, 0x351a_c94b_e9f7_5020, "{SCHEMA:#018x}");
+        assert_eq!(SCHEMA, 0xd904_012d_a005_8063, "{SCHEMA:#018x}");
     }
 }

@@ -42,9 +42,9 @@ pub use frame::{
     introduction, open, read,
 };
 pub use message::{
-    Answer, ClockSource, Columns, ConverterFault, Counters, Done, Formats, Hello, HelloToDevice,
-    INJECT_ROWS, Inject, Introduction, Log, Refusal, ResetCause, SelfTest, Source, Start, Status,
-    StoreFault, ToDevice, ToHost,
+    Answer, ClockSource, Columns, ConverterFault, Counters, Done, Felt, Formats, Hello,
+    HelloToDevice, INJECT_ROWS, Inject, Introduction, Log, Refusal, ResetCause, SelfTest, Source,
+    Start, Status, StoreFault, ToDevice, ToHost,
 };
 pub use record::Kept;
 pub use releases::{EARLIER, is_of_core, is_understood};

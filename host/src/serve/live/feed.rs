@@ -17,6 +17,7 @@ use super::recorder::Recorder;
 use super::replay::{Replay, Step};
 use super::store::{Event, Store};
 use super::wish::{Request, Wish, command, file_name};
+use crate::device::describe::felt_in_words;
 use crate::device::heard::{Heard, Said};
 use crate::device::record::begin;
 use crate::device::release::verdict;
@@ -220,6 +221,7 @@ impl Feed {
                 self.log.take(piece);
                 store.health.log = self.log.words();
             }
+            Said::Event(felt) => store.say(felt_in_words(felt)),
             Said::Answer(_) | Said::Foreign { .. } | Said::Kept(_) => {}
         }
     }
