@@ -1,7 +1,7 @@
 //! `inertia`: the sensor feels the mass that it moves.
 
-use super::memory::low_pass;
 use super::{Count, Covariate, Effect, Law, Needs, Role, Shape, Sign, Strength};
+use crate::model::low_pass;
 use crate::model::{Act, Stage};
 
 /// Newtons for each kg mm/s².

@@ -1,6 +1,6 @@
 //! Operators with a memory that several laws share; each keeps it in what the law remembers.
 
-use crate::model::{Remembered, Scene};
+use crate::model::{Remembered, Scene, low_pass};
 
 /// Largest value so far, this one among them; not below 0.
 pub(super) fn largest(remembered: &mut Remembered, value: f64) -> f64 {
@@ -30,17 +30,6 @@ pub(super) fn direction(
         remembered[0]
     };
     path.iter().map(turn).collect()
-}
-
-/// Output of a first-order low pass after an interval in which its input goes straight from `before`
-/// to `ahead`; `turns` is the interval over the time constant.
-pub(super) fn low_pass(output: f64, before: f64, ahead: f64, turns: f64) -> f64 {
-    if turns <= 0.0 {
-        return output;
-    }
-    let decay = (-turns).exp();
-    let mean = -(-turns).exp_m1() / turns;
-    decay * output + (mean - decay) * before + (1.0 - mean) * ahead
 }
 
 /// Temperature above the reference, K, of a body that follows that of the air with a time constant,

@@ -1,7 +1,7 @@
 //! `sensor-lag`: the signal follows the force with a delay and rounds its corners.
 
-use super::memory::low_pass;
 use super::{Count, Covariate, Effect, Law, Needs, Role, Shape, Sign, Strength};
+use crate::model::low_pass;
 use crate::model::{Act, Remembered, Scene, Stage};
 
 const TIME: Strength = Strength {

@@ -32,7 +32,7 @@ pub use act::{Act, Remembered, Stage};
 pub use base_law::{BaseLaw, Constants, EXPONENTS_N, MAX_TERMS, TERMS};
 pub use chain::{Applied, Chain, Elasticity, History};
 pub use elastic::{Elastic, Hyperelastic, POWER, elastic_response};
-pub use expression::{Expression, ExpressionError, MAX_LAW_CHARS, VARIABLES};
+pub use expression::{Expression, ExpressionError, MAX_LAW_CHARS, VARIABLES, low_pass};
 pub use family::{Family, Separation};
 pub use file::{Base, FileError, FitRecord, Model, Rung, StoredEffect, StoredParameter, VERSION};
 pub use force_control::{Controlled, ForceProfile, ForceProfileError, ForceStep, Loading};

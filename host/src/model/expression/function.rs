@@ -1,5 +1,7 @@
 //! The functions and constants of expressions.
 
+use super::memory::MEMORIES;
+
 /// A function of one number.
 pub(super) type OfOne = fn(f64) -> f64;
 /// A function of two numbers.
@@ -59,5 +61,6 @@ pub(super) fn of<T: Copy>(table: &[(&str, T)], name: &str) -> Option<T> {
 
 /// Names of all functions.
 pub(super) fn names() -> Vec<&'static str> {
-    ONE.iter().map(|(name, _)| *name).chain(TWO.iter().map(|(name, _)| *name)).collect()
+    let plain = ONE.iter().map(|(name, _)| *name).chain(TWO.iter().map(|(name, _)| *name));
+    plain.chain(MEMORIES.iter().map(|(name, _)| *name)).collect()
 }

@@ -1,9 +1,13 @@
 //! Laws of the user's own: an expression over what is known at every sample.
 
 mod function;
+mod memory;
 mod parser;
 mod token;
 
+pub use self::memory::low_pass;
+
+use self::memory::Kept;
 use self::parser::Step;
 use super::{Hereditary, Scene};
 
@@ -30,6 +34,8 @@ pub struct Expression {
     text: String,
     /// In postfix order.
     program: Vec<Step>,
+    /// How many of its functions have a memory.
+    memories: usize,
 }
 
 /// What is wrong with an expression, and where.
@@ -74,6 +80,22 @@ impl Sample<'_> {
     }
 }
 
+/// What an evaluation needs from sample to sample.
+struct Workspace {
+    stack: Vec<f64>,
+    /// Of each function with a memory, in the order of the program.
+    kept: Vec<Option<Kept>>,
+    /// Time since the sample before, s.
+    interval: f64,
+}
+
+impl Workspace {
+    fn of(expression: &Expression) -> Self {
+        let stack = Vec::with_capacity(expression.program.len());
+        Self { stack, kept: vec![None; expression.memories], interval: 0.0 }
+    }
+}
+
 impl Expression {
     /// Reads an expression in which `parameters` may occur beside the [`VARIABLES`].
     ///
@@ -91,7 +113,8 @@ impl Expression {
             length: fault.length,
             message: fault.message,
         })?;
-        Ok(Self { text: text.into(), program })
+        let memories = program.iter().filter(|step| matches!(step, Step::Remember(_))).count();
+        Ok(Self { text: text.into(), program, memories })
     }
 
     /// The expression as it was written.
@@ -153,10 +176,14 @@ impl Expression {
         values: &mut [f64],
         sample: impl Fn(usize, f64) -> Sample<'a>,
     ) {
-        let mut stack = Vec::with_capacity(self.program.len());
+        let mut workspace = Workspace::of(self);
         for (k, value) in values.iter_mut().enumerate() {
             let at = sample(k, *value);
-            let change = self.value(parameters, |variable| at.value(variable), &mut stack);
+            if self.memories > 0 && k > 0 {
+                let time = &at.scene.motion.time;
+                workspace.interval = time[k] - time[k - 1];
+            }
+            let change = self.value(parameters, |variable| at.value(variable), &mut workspace);
             if change.is_finite() {
                 *value += change;
             }
@@ -168,15 +195,26 @@ impl Expression {
         &self,
         parameters: &[f64],
         variable: impl Fn(usize) -> f64,
-        stack: &mut Vec<f64>,
+        workspace: &mut Workspace,
     ) -> f64 {
+        let Workspace { stack, kept, interval } = workspace;
         stack.clear();
-        let mut top = 0.0;
+        let (mut top, mut kept) = (0.0, kept.iter_mut());
         for step in &self.program {
             // The topmost value stays out of the stack.
             match step {
                 Step::One(apply) => top = apply(top),
                 Step::Two(apply) => top = apply(stack.pop().unwrap_or_default(), top),
+                Step::Remember((memory, values)) => {
+                    let time = if *values == 2 {
+                        std::mem::replace(&mut top, stack.pop().unwrap_or_default())
+                    } else {
+                        0.0
+                    };
+                    if let Some(kept) = kept.next() {
+                        top = memory.follow(kept, top, time, *interval);
+                    }
+                }
                 known => {
                     stack.push(top);
                     top = match *known {
@@ -204,7 +242,8 @@ mod tests {
             "a" => 2.0,
             _ => 0.0,
         };
-        Expression::parse(text, &["k"]).unwrap().value(&[5.0], of, &mut Vec::new())
+        let expression = Expression::parse(text, &["k"]).unwrap();
+        expression.value(&[5.0], of, &mut Workspace::of(&expression))
     }
 
     #[test]
@@ -233,6 +272,44 @@ mod tests {
         assert_eq!(value("sign(v) + signum(0 * x)"), -1.0);
         assert_eq!(value("TAU / π"), 2.0);
         assert_eq!(value("tanh(t)"), 0.0);
+    }
+
+    /// The values over a press to 2 mm and back at 1 mm/s, a sample each 0.1 s.
+    fn over_a_press(text: &str) -> Vec<f64> {
+        let time: Vec<f64> = (0..41).map(|k| 0.1 * f64::from(k)).collect();
+        let x: Vec<f64> = time.iter().map(|t| 2.0 - (t - 2.0_f64).abs()).collect();
+        let expression = Expression::parse(text, &["k"]).unwrap();
+        let mut workspace = Workspace::of(&expression);
+        let value = |k: usize| {
+            workspace.interval = 0.1;
+            let of = |index: usize| if VARIABLES[index].0 == "x" { x[k] } else { 1.0 };
+            expression.value(&[0.7], of, &mut workspace)
+        };
+        (0..41).map(value).collect()
+    }
+
+    #[test]
+    fn functions_with_a_memory_remember_the_stretch() {
+        let close = |a: f64, b: f64| assert!((a - b).abs() < 1e-12, "{a} for {b}");
+        let peak = over_a_press("peak(x)");
+        close(peak[5], 0.5);
+        close(peak[40], 2.0);
+        let total = over_a_press("total(x)");
+        close(total[20], 2.0);
+        close(total[40], 4.0);
+        // A ramp behind a low pass: t − τ (1 − e^(−t/τ)).
+        let lag = over_a_press("lag(x, k)");
+        for k in [1, 7, 20] {
+            let t = 0.1 * f64::from(k);
+            close(lag[k as usize], t - 0.7 * (1.0 - (-t / 0.7_f64).exp()));
+        }
+        let since = over_a_press("since(x - 1.05)");
+        close(since[10], 0.0);
+        close(since[20], 0.9 + 0.1);
+        close(since[40], 0.0);
+        // Two of the same name do not share what they keep.
+        close(over_a_press("peak(x) - peak(-x)")[40], 2.0);
+        close(over_a_press("lag(x, 0)")[13], 1.3);
     }
 
     fn fault(text: &str) -> ExpressionError {
@@ -271,6 +348,8 @@ mod tests {
             ("k ** x", "a power is written `^`"),
             ("2,5 * x", "decimals are written with a point"),
             ("min(x)", "`min` takes two values, not 1"),
+            ("lag(x)", "`lag` takes two values, not 1"),
+            ("peek(x)", "did you mean `peak`?"),
             ("tanh(x, v)", "`tanh` takes one value, not 2"),
             ("k * (x + 1", "never closed"),
             ("1.2.3", "an operator is missing before `0.3`"),

@@ -3,6 +3,7 @@
 
 use super::VARIABLES;
 use super::function::{CONSTANTS, ONE, TWO, names, of};
+use super::memory::{MEMORIES, Memory};
 use super::token::{Fault, Token, Word, tokens};
 
 /// One step of a program over a stack of values.
@@ -15,6 +16,8 @@ pub(super) enum Step {
     Parameter(usize),
     One(fn(f64) -> f64),
     Two(fn(f64, f64) -> f64),
+    /// With a memory, of one value or two.
+    Remember((Memory, usize)),
 }
 
 /// Deepest nesting of an expression: parentheses, functions, signs.
@@ -143,6 +146,7 @@ impl<'a> Parser<'a> {
         let value = value.map(Step::Parameter).or(variable.map(Step::Variable));
         let value = value.or_else(|| of(&CONSTANTS, name).map(Step::Number));
         let function = of(&ONE, name).map(Step::One).or_else(|| of(&TWO, name).map(Step::Two));
+        let function = function.or_else(|| of(&MEMORIES, name).map(Step::Remember));
         match (value, function) {
             (Some(_), _) if called => self.fault(
                 Some(token),
@@ -162,7 +166,11 @@ impl<'a> Parser<'a> {
     }
 
     fn call(&mut self, token: &Token, name: &str, step: Step, depth: usize) -> Result<(), Fault> {
-        let wanted = if matches!(step, Step::One(_)) { 1 } else { 2 };
+        let wanted = match step {
+            Step::One(_) => 1,
+            Step::Remember((_, values)) => values,
+            _ => 2,
+        };
         let opened = &self.tokens[self.next];
         self.next += 1;
         let mut given = 0;
