@@ -1,7 +1,7 @@
 //! palpate: fit viscoelastic contact models to recordings of touch, see where they fail.
 //!
 //! The library behind the `palpate` command. Dependencies between its modules point one way,
-//! [`recording`] ← [`trace`] ← [`model`] ← [`effects`] ← [`fit`] ← [`analysis`], [`criticism`] ← [`summary`] ← [`cli`], and nothing
+//! [`recording`] ← [`trace`] ← [`model`] ← [`effects`] ← [`fit`] ← [`analysis`], [`criticism`] ← [`discover`] ← [`summary`] ← [`cli`], and nothing
 //! below `cli` prints.
 //!
 //! - [`recording`]: what a device says, kept as it comes, and the relation of its clock to the host's.
@@ -11,6 +11,7 @@
 //! - [`fit`]: exponential sums, whole motions, bounded least squares, uncertainty, noise made white.
 //! - [`analysis`]: regions, relaxation, creep, loading rates and strain rates of any recording.
 //! - [`criticism`]: where a model fails, which effect is missing, how sure that is.
+//! - [`discover`]: a formula for what no effect of the library explains.
 //! - [`contact`]: a round tip on an elastic body, and the stress below it.
 //! - [`events`]: touch, release and incipient slip, as a device finds them.
 //! - [`sensor`]: a simulated fingertip.
@@ -30,6 +31,7 @@ pub mod contact;
 pub mod criticism;
 pub mod decomposition;
 pub mod device;
+pub mod discover;
 pub mod dissertation;
 pub mod effects;
 pub mod events;

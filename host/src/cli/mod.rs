@@ -13,6 +13,7 @@ mod decompose;
 mod demo;
 mod device;
 mod diagnose;
+mod discover;
 mod dissertation;
 mod drop;
 mod effects;
@@ -107,6 +108,7 @@ enum Command {
     Drop(drop::Args),
     /// Add what is missing until only noise is left, or say that it does not know
     Explore(explore::Args),
+    Discover(discover::Args),
     /// Show the library of effects, or one effect in depth
     Effects(effects::Args),
     /// Make a practice data set with a hidden effect, or open one
@@ -189,6 +191,7 @@ pub fn run() -> ExitCode {
         Command::Add(args) => add::run(args),
         Command::Drop(args) => drop::run(args),
         Command::Explore(args) => explore::run(args),
+        Command::Discover(args) => discover::run(args),
         Command::Effects(args) => effects::run(args),
         Command::Hide(args) => hide::run(args),
         Command::Simulate(args) => simulate::run(args),

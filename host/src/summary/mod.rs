@@ -6,6 +6,7 @@ mod compare;
 mod creep;
 mod decomposition;
 mod diagnosis;
+mod discovery;
 mod dissertation;
 mod effects;
 mod events;
@@ -39,6 +40,7 @@ pub use decomposition::{
     region_table, shaded,
 };
 pub use diagnosis::{DiagnosisSummary, NextCommand};
+pub use discovery::DiscoverySummary;
 pub use dissertation::{
     COMPARISONS_HEADER, comparisons_csv, dissertation_json, dissertation_overview,
     dissertation_report,

@@ -60,6 +60,11 @@ pub struct NextCommand {
 }
 
 impl NextCommand {
+    /// Puts a law of one's own, a candidate of another model file, into that model.
+    pub(super) fn add_to(&self, name: &str, model: &str) -> String {
+        format!("palpate add {name} {model} {} -o better.toml", self.traces)
+    }
+
     /// Puts one effect into the model.
     fn add(&self, effect: &str, law: Option<&str>) -> String {
         let law = law.map(|law| format!(" --law {law}")).unwrap_or_default();
@@ -77,7 +82,7 @@ impl NextCommand {
     }
 
     /// Diagnoses again.
-    fn diagnose(&self) -> String {
+    pub(super) fn diagnose(&self) -> String {
         format!("palpate diagnose --model {} {}", self.model, self.traces)
     }
 }

@@ -1,0 +1,85 @@
+//! A formula is found for what no effect of the library explains, on data from the generator in `src/hidden`, which shares no
+//! physics with the library and no grammar with the search.
+
+use std::time::Instant;
+
+use palpate::discover::{Discovery, Outcome, discover};
+use palpate::fit::data::Data;
+use palpate::fit::whole_motion::fit;
+use palpate::model::{BaseLaw, Model, Separation};
+use palpate_tests::hidden::laws::{OUTSIDE, OUTSIDE_MORE};
+use palpate_tests::hidden::{DataSet, LawKind, NoiseKind, Scenario, generate};
+
+const LAW: BaseLaw = BaseLaw::fung(2, Separation::Clamp);
+
+fn set(seed: u64, hidden: &[(&str, LawKind)], r: f64) -> DataSet {
+    let hidden = hidden.iter().map(|(effect, kind)| ((*effect).to_owned(), *kind)).collect();
+    generate(&Scenario { seed, hidden, r, noise: NoiseKind::Correlated })
+}
+
+/// Fits the base law and looks for a formula.
+fn ask(set: &DataSet) -> Discovery {
+    let signal = set.truth.signal;
+    let base = fit(LAW, &Data::of(&set.traces, signal).unwrap()).unwrap();
+    let model = Model::of(&LAW, signal, &base.values, &base.standard_errors);
+    discover(&model, &set.traces, "N").unwrap()
+}
+
+/// Error on traces left out of the last model, over the noise that the generator added.
+fn held_out(discovery: &Discovery, set: &DataSet) -> f64 {
+    let last = discovery.ladder.last().and_then(|rung| rung.heldout_rms);
+    last.expect("several traces") / set.truth.noise_rms
+}
+
+#[test]
+fn the_teeth_of_a_drive_are_a_wave_over_the_displacement() {
+    let set = set(31, &[("cogging", LawKind::Outside)], 1.0);
+    let discovery = ask(&set);
+    let Outcome::Formulas(formulas) = &discovery.outcome else {
+        panic!("{:?}", discovery.outcome);
+    };
+    let [formula] = &formulas[..] else { panic!("{} formulas", formulas.len()) };
+    assert_eq!((formula.term.shape.name, formula.term.quantity.symbol), ("periodic in", "x"));
+    assert!(held_out(&discovery, &set) < 1.15, "{:?}", discovery.ladder);
+}
+
+#[test]
+fn no_formula_is_given_where_nothing_is_missing_or_the_library_explains_it() {
+    let nothing = ask(&set(3, &[], 0.0));
+    assert!(matches!(nothing.outcome, Outcome::Adequate), "{:?}", nothing.outcome);
+    let known = ask(&set(11, &[("mullins", LawKind::Reference)], 0.5));
+    assert!(matches!(known.outcome, Outcome::Library), "{:?}", known.outcome);
+}
+
+/// Prints how near the formulas come to the noise for every effect outside the library.
+#[test]
+#[ignore = "minutes; `cargo test -p palpate-tests --test discover -- --ignored --nocapture`"]
+fn what_is_outside_the_library_gets_a_formula() {
+    let laws = [(OUTSIDE, LawKind::Outside), (OUTSIDE_MORE, LawKind::OutsideMore)];
+    for (effects, kind) in laws {
+        for (index, (name, _)) in effects.iter().enumerate() {
+            for (number, r) in [1.0, 2.0].into_iter().enumerate() {
+                let set = set(700 + 10 * index as u64 + number as u64, &[(name, kind)], r);
+                let began = Instant::now();
+                let discovery = ask(&set);
+                let found: Vec<&str> = match &discovery.outcome {
+                    Outcome::Formulas(formulas) => {
+                        formulas.iter().map(|it| it.term.candidate.name.as_str()).collect()
+                    }
+                    Outcome::Adequate => vec!["(adequate)"],
+                    Outcome::Library => vec!["(library)"],
+                    Outcome::Nothing => vec!["(nothing)"],
+                };
+                let rungs: Vec<f64> = discovery
+                    .ladder
+                    .iter()
+                    .map(|rung| rung.heldout_rms.unwrap_or(f64::NAN) / set.truth.noise_rms)
+                    .collect();
+                println!(
+                    "{name} R {r}: {found:?} held out / noise {rungs:.2?}, {:.0} s",
+                    began.elapsed().as_secs_f64()
+                );
+            }
+        }
+    }
+}
