@@ -6,9 +6,9 @@ use shared::wire::Rows;
 const WAITING: usize = 3;
 const PLACES: usize = WAITING + 1;
 
-/// A ring of blocks; the one that is filled follows those that wait. 1 KB, which is why a device borrows it.
+/// A ring of blocks; the one that is filled follows those that wait. 1 KB.
 #[derive(Clone, Debug)]
-pub struct Blocks {
+pub(crate) struct Blocks {
     places: [Rows; PLACES],
     /// Place of the one that is filled.
     filling: usize,
@@ -18,7 +18,7 @@ pub struct Blocks {
 impl Blocks {
     /// Empty.
     #[must_use]
-    pub const fn new() -> Self {
+    pub(crate) const fn new() -> Self {
         Self { places: [const { Rows::new() }; PLACES], filling: 0, waiting: 0 }
     }
 

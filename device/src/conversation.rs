@@ -8,9 +8,9 @@ use shared::wire::{
     ToDevice, ToHost,
 };
 
-use crate::blocks::Blocks;
 use crate::board::{Board, Log, Restart};
 use crate::outgoing::{Due, Outgoing};
+use crate::room::Room;
 use crate::self_test::SelfTest;
 use crate::stream::{Lost, Sample, Stream};
 
@@ -139,13 +139,13 @@ impl<'a> Device<'a> {
     pub fn new(
         identity: Identity<'a>,
         Beginning { settings, config, kept }: &Beginning,
-        blocks: &'a mut Blocks,
+        room: &'a mut Room,
     ) -> Self {
         Self {
             identity,
             settings: *settings,
             kept: *kept,
-            stream: Stream::new(Pipeline::new(config), blocks),
+            stream: Stream::new(Pipeline::new(config), room),
             outgoing: Outgoing::new(),
             counters: Counters::default(),
             test: None,
@@ -350,10 +350,10 @@ impl<'a> Device<'a> {
         log: &mut impl Log,
         frame: &'f mut [u8; FRAME_MAX],
     ) -> Option<&'f [u8]> {
-        let nothing_felt = self.stream.feeling.is_empty();
+        let nothing_felt = self.stream.room.feeling.is_empty();
         if self.outgoing.is_empty()
             && nothing_felt
-            && self.stream.blocks.is_empty()
+            && self.stream.room.blocks.is_empty()
             && !log.is_waiting()
         {
             return None;
@@ -381,9 +381,9 @@ impl<'a> Device<'a> {
             wire::encode(head, &ToHost::Answer(answer), frame)
         } else if let Some(felt) = self.next_felt() {
             wire::encode(head, &ToHost::Event(felt), frame)
-        } else if let Some(rows) = self.stream.blocks.next() {
+        } else if let Some(rows) = self.stream.room.blocks.next() {
             let sent = rows.encode(self.sequence, frame);
-            self.stream.blocks.sent();
+            self.stream.room.blocks.sent();
             sent
         } else if self.outgoing.take(Due::Status) {
             wire::encode(head, &ToHost::Status(self.status()), frame)
@@ -401,7 +401,7 @@ impl<'a> Device<'a> {
 
     /// The next event, for a host whose release knows events.
     fn next_felt(&mut self) -> Option<wire::Felt> {
-        let felt = self.stream.feeling.next();
+        let felt = self.stream.room.feeling.next();
         felt.filter(|_| self.host == Host::Speaks(wire::SCHEMA))
     }
 
@@ -412,7 +412,7 @@ impl<'a> Device<'a> {
             return false;
         }
         let generation = self.stream.generation;
-        self.stream.blocks.next().is_none_or(|rows| rows.generation == generation)
+        self.stream.room.blocks.next().is_none_or(|rows| rows.generation == generation)
     }
 
     /// What to do now that everything was sent, if the host asked for it.

@@ -17,7 +17,7 @@ pub(crate) fn config(interval_s: f64) -> Option<Config> {
 }
 
 /// What is felt of one stream.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Feeling {
     config: Option<Config>,
     /// None before the first row, and after strain got another meaning.
@@ -28,9 +28,16 @@ pub(crate) struct Feeling {
 }
 
 impl Feeling {
-    /// Before the first row.
-    pub(crate) const fn new(config: Option<Config>) -> Self {
-        Self { config, state: None, number: 0, waiting: Deque::new() }
+    /// Of nothing yet.
+    pub(crate) const fn new() -> Self {
+        Self { config: None, state: None, number: 0, waiting: Deque::new() }
+    }
+
+    /// A stream begins.
+    pub(crate) fn begin(&mut self, config: Option<Config>) {
+        self.configure(config, false);
+        self.number = 0;
+        self.waiting.clear();
     }
 
     /// Other settings from the next row on; unless strain means what it did, that is the first.

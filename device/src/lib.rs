@@ -15,7 +15,7 @@
 //! - [`Device`]: the conversation, and what the parts below do in it.
 //! - [`Board`], [`Log`]: what a device asks of its hardware.
 //! - [`FrontEnd`], [`Converter`]: how a converter is read, and what is done when it fails; [`converters`] has those there are.
-//! - [`Sample`], [`Blocks`]: what comes in, and where it waits on its way out.
+//! - [`Sample`], [`Room`]: what comes in, and where it waits on its way out.
 #![cfg_attr(not(test), no_std)]
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]
@@ -39,13 +39,14 @@ pub mod converters;
 mod felt;
 mod front_end;
 mod outgoing;
+mod room;
 mod self_test;
 mod stream;
 mod temperature;
 
-pub use blocks::Blocks;
 pub use board::{Board, Log, Restart};
 pub use conversation::{Beginning, Device, Identity, begin_with};
 pub use front_end::{Converter, Found, FrontEnd, ReadError, Setting};
+pub use room::Room;
 pub use stream::{INJECTED_ROWS, Lost, Sample};
 pub use temperature::Smoothed;

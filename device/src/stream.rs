@@ -5,9 +5,8 @@ use shared::events;
 use shared::pipeline::{Config, Counters, GAUGES, Pipeline};
 use shared::wire::{self, CodingError, INJECT_ROWS, Inject, REFERENCE_TEMPERATURE, Source, Start};
 
-use crate::blocks::Blocks;
 use crate::conversation::Exchange;
-use crate::felt::Feeling;
+use crate::room::Room;
 
 /// Injected rows that may wait for the filter.
 pub const INJECTED_ROWS: usize = 2 * INJECT_ROWS;
@@ -54,8 +53,7 @@ impl Lost {
 #[derive(Debug)]
 pub(crate) struct Stream<'a> {
     pipeline: Pipeline,
-    pub(crate) blocks: &'a mut Blocks,
-    pub(crate) feeling: Feeling,
+    pub(crate) room: &'a mut Room,
     injected: Deque<([i32; GAUGES], Option<i16>), INJECTED_ROWS>,
     on: Option<Start>,
     /// Of what comes next, 2^-8 °C, and what is taken for it where there is no sensor.
@@ -75,11 +73,10 @@ pub(crate) struct Stream<'a> {
 }
 
 impl<'a> Stream<'a> {
-    pub(crate) const fn new(pipeline: Pipeline, blocks: &'a mut Blocks) -> Self {
+    pub(crate) const fn new(pipeline: Pipeline, room: &'a mut Room) -> Self {
         Self {
             pipeline,
-            blocks,
-            feeling: Feeling::new(None),
+            room,
             injected: Deque::new(),
             on: None,
             temperature: None,
@@ -95,8 +92,8 @@ impl<'a> Stream<'a> {
 
     pub(crate) fn start(&mut self, start: Start, config: &Config, events: Option<events::Config>) {
         self.pipeline = Pipeline::new(config);
-        self.feeling = Feeling::new(events);
-        self.blocks.clear();
+        self.room.feeling.begin(events);
+        self.room.blocks.clear();
         self.injected.clear();
         (self.on, self.first, self.seen_waiting) = (Some(start), 0, 0);
         self.span_us = if start.source == Source::Converter { SPAN_US } else { u32::MAX };
@@ -113,7 +110,7 @@ impl<'a> Stream<'a> {
 
     /// Rows since the start, lost ones too.
     pub(crate) fn rows(&self) -> u64 {
-        self.first.saturating_add(self.blocks.filled() as u64)
+        self.first.saturating_add(self.room.blocks.filled() as u64)
     }
 
     pub(crate) fn gauges(&self) -> [Counters; GAUGES] {
@@ -129,20 +126,20 @@ impl<'a> Stream<'a> {
         let recalibrated = config.calibration != self.pipeline.config().calibration;
         self.pipeline.configure(config);
         if recalibrated {
-            self.feeling.begin_anew();
+            self.room.feeling.begin_anew();
         }
     }
 
     /// Another configuration together with gains or rate of the converter, from the next row on.
     pub(crate) fn exchange(&mut self, exchange: &Exchange) {
         self.pipeline.exchange(&exchange.config, exchange.same_strain);
-        self.feeling.configure(exchange.events, exchange.same_strain);
+        self.room.feeling.configure(exchange.events, exchange.same_strain);
     }
 
     /// Reads zero from now on.
     pub(crate) fn tare(&mut self) {
         self.pipeline.tare();
-        self.feeling.begin_anew();
+        self.room.feeling.begin_anew();
     }
 
     /// Rows that are lost before the next one. A block has no gaps.
@@ -186,7 +183,7 @@ impl<'a> Stream<'a> {
     /// Takes one injected row from the queue if blocks are not held up: unlike a converter's, injected rows can wait, and so
     /// does a host that looks at the room they leave. Whether there was one.
     pub(crate) fn injected(&mut self) -> bool {
-        self.blocks.has_room() && self.process_injected()
+        self.room.blocks.has_room() && self.process_injected()
     }
 
     /// Whether injected rows wait.
@@ -220,13 +217,13 @@ impl<'a> Stream<'a> {
     #[inline(never)]
     pub(crate) fn row(&mut self, counts: &[i32; GAUGES], time_us: u64) {
         self.pipeline.process(counts, self.used_temperature);
-        if let Some(event) = self.feeling.step(&self.pipeline) {
-            self.feeling.note(event, self.rows(), time_us);
+        if let Some(event) = self.room.feeling.step(&self.pipeline) {
+            self.room.feeling.note(event, self.rows(), time_us);
         }
-        let mut rows = self.blocks.filling();
+        let mut rows = self.room.blocks.filling();
         if rows.is_empty() {
             self.begin(time_us);
-            rows = self.blocks.filling();
+            rows = self.room.blocks.filling();
         }
         if !rows.push(time_us, counts, &self.pipeline) {
             return self.push_into_next(time_us, counts);
@@ -241,7 +238,7 @@ impl<'a> Stream<'a> {
     #[inline(never)]
     fn push_into_next(&mut self, time_us: u64, counts: &[i32; GAUGES]) {
         self.begin(time_us);
-        let _ = self.blocks.filling().push(time_us, counts, &self.pipeline);
+        let _ = self.room.blocks.filling().push(time_us, counts, &self.pipeline);
     }
 
     #[cold]
@@ -249,7 +246,7 @@ impl<'a> Stream<'a> {
     fn begin(&mut self, time_us: u64) {
         self.close();
         let Some(start) = self.on else { return };
-        let rows = self.blocks.filling();
+        let rows = self.room.blocks.filling();
         rows.begin(start.columns, self.first, time_us, self.last_us);
         (rows.generation, rows.temperature) = (self.generation, self.temperature);
     }
@@ -258,20 +255,20 @@ impl<'a> Stream<'a> {
     #[cold]
     #[inline(never)]
     pub(crate) fn close(&mut self) {
-        if self.blocks.filled() > 0 {
+        if self.room.blocks.filled() > 0 {
             self.first = self.rows();
-            self.last_us = self.blocks.filling().last_us();
-            let lost = self.blocks.close();
+            self.last_us = self.room.blocks.filling().last_us();
+            let lost = self.room.blocks.close();
             self.link_full = self.link_full.saturating_add(lost as u32);
         }
     }
 
     /// Rows that nothing follows are not kept waiting for long.
     pub(crate) fn tick(&mut self) {
-        let waiting = self.blocks.filled();
+        let waiting = self.room.blocks.filled();
         if waiting > 0 && waiting == self.seen_waiting {
             self.close();
         }
-        self.seen_waiting = self.blocks.filled();
+        self.seen_waiting = self.room.blocks.filled();
     }
 }

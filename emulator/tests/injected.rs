@@ -1,7 +1,7 @@
 //! A recording that is injected comes back in the very bytes that the device's program gives on this computer: the guard against
 //! a fault of the emulated processor. On QEMU the same program is held to the same arithmetic.
 
-use device::{Blocks, Board as Hardware, Device, Identity, Lost, Restart, Setting, begin_with};
+use device::{Board as Hardware, Device, Identity, Lost, Restart, Room, Setting, begin_with};
 use emulator::{Board, Setup};
 use shared::pipeline::GAUGES;
 use shared::wire::{
@@ -93,7 +93,7 @@ fn here() -> Vec<u8> {
         panic: "",
     };
     let beginning = begin_with(None, identity.converter_clock_hz).unwrap();
-    let mut room = Blocks::new();
+    let mut room = Room::new();
     let mut device = Device::new(identity, &beginning, &mut room);
     let (mut said, mut sequence) = (Vec::new(), 0);
     let mut say = |command: &ToDevice<'_>| {

@@ -43,7 +43,7 @@ mod app {
     use core::sync::atomic::{AtomicU32, Ordering};
     use defmt::{Debug2Format, info, warn};
     use device::converters::FourChannels;
-    use device::{Blocks, Device, FrontEnd, Identity, Lost, Sample, begin_with};
+    use device::{Device, FrontEnd, Identity, Lost, Room, Sample, begin_with};
     use embedded_hal_bus::spi::{ExclusiveDevice, NoDelay};
     use embedded_hal_nb::serial::Write;
     use heapless::spsc::{Consumer, Producer, Queue};
@@ -100,7 +100,7 @@ mod app {
         sample_queue: Queue<Sample, SAMPLES> = Queue::new(),
         byte_queue: Queue<u8, BYTES> = Queue::new(),
         frame_queue: Queue<Frame, FRAMES> = Queue::new(),
-        blocks: Blocks = Blocks::new(),
+        room: Room = Room::new(),
         device_place: MaybeUninit<Device<'static>> = MaybeUninit::uninit(),
         panic: [u8; Hello::PANIC] = [0; Hello::PANIC],
     ])]
@@ -170,8 +170,7 @@ mod app {
             panic,
         };
         // Made where it stays: the stack has no room for copies.
-        let device =
-            cx.local.device_place.write(Device::new(identity, &beginning, cx.local.blocks));
+        let device = cx.local.device_place.write(Device::new(identity, &beginning, cx.local.room));
         info!("palpate {} on {}, {} MHz", identity.version, board::NAME, sysclk.to_MHz());
 
         let (samples_in, samples) = cx.local.sample_queue.split();

@@ -134,6 +134,11 @@ fn the_walk_from_the_first_comparison_to_the_last_rung_runs_as_printed() {
 }
 
 #[test]
+fn the_walk_from_an_unknown_to_a_formula_runs_as_printed() {
+    run_all("docs/discover.md");
+}
+
+#[test]
 fn the_walk_through_the_simulated_fingertip_says_what_the_commands_print() {
     run_all("docs/sensor.md");
 }

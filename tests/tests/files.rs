@@ -43,6 +43,7 @@ const WRITERS: &[(&[&str], &str, Option<&str>)] = &[
     (&["add", "mullins", "model.toml", "press.csv", "-o", "OUT"], "toml", Some("model.toml")),
     (&["drop", "mullins", "model.toml", "press.csv", "-o", "OUT"], "toml", Some("model.toml")),
     (&["explore", "--model", "model.toml", "press.csv", "-o", "OUT"], "toml", Some("model.toml")),
+    (&["discover", "--model", "model.toml", "press.csv", "-o", "OUT"], "toml", Some("model.toml")),
     (&["compare", "model.toml", "press.csv", "--report", "OUT"], "html", None),
     (&["diagnose", "--model", "model.toml", "press.csv", "--report", "OUT"], "html", None),
     (&["simulate", "model.toml", "--motion", "press.csv", "-o", "OUT"], "csv", Some("press.csv")),

@@ -10,7 +10,7 @@ use core::mem::MaybeUninit;
 
 use cortex_m::peripheral::{SYST, syst::SystClkSource};
 use cortex_m_semihosting::{debug, hprintln};
-use device::{Beginning, Blocks, Device, Identity, Lost, Sample, Setting, begin_with};
+use device::{Beginning, Device, Identity, Lost, Room, Sample, Setting, begin_with};
 use dsp_fixedpoint::Q32;
 use dsp_process::SplitProcess;
 use idsp::iir::{Biquad, DirectForm1, DirectForm1Wide};
@@ -85,12 +85,12 @@ fn pipeline(config: &Config) {
 
 #[inline(never)]
 fn everything(beginning: &Beginning) {
-    let Some(blocks) = cortex_m::singleton!(: Blocks = Blocks::new()) else { return };
+    let Some(room) = cortex_m::singleton!(: Room = Room::new()) else { return };
     let Some(place) = cortex_m::singleton!(: MaybeUninit<Device<'static>> = MaybeUninit::uninit())
     else {
         return;
     };
-    let device = place.write(Device::new(IDENTITY, beginning, blocks));
+    let device = place.write(Device::new(IDENTITY, beginning, room));
     say(device, 1, &ToDevice::Hello(HelloToDevice { schema: SCHEMA, version: "" }));
     let start = Start { source: Source::Converter, columns: wire::Columns::Parts };
     say(device, 2, &ToDevice::Start(start));

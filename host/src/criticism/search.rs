@@ -399,7 +399,8 @@ impl Search<'_> {
     }
 
     /// Whether what a model leaves is noise.
-    fn leaves_noise(&self, fitted: &Fitted) -> bool {
+    #[must_use]
+    pub fn leaves_noise(&self, fitted: &Fitted) -> bool {
         let problem = self.problem.with_chain(&fitted.chain);
         let found = adequacy(&problem, &fitted.point, self.whitening);
         found.p_value >= LEVEL && !self.whitening.is_guess()

@@ -47,12 +47,14 @@ pub struct Shares {
     pub pressing: (f64, f64),
     /// While releasing.
     pub releasing: (f64, f64),
-    /// In each trace.
+    /// In each trace; NaN where it does nothing.
     pub traces: Vec<f64>,
 }
 
 /// Cosine from which on an effect counts as alike.
 const ALIKE: f64 = 0.7;
+/// A trace in which a term does less than this part of what it does in others, in squares, says nothing of its size.
+const FELT: f64 = 0.05;
 /// Most effects that are told as alike.
 const MOST_ALIKE: usize = 3;
 /// Most alternatives that are told.
@@ -189,7 +191,10 @@ fn shares(fitted: &Fitted, place: usize, problem: &Problem, data: &Data) -> Shar
         }
     });
     let [pressing, releasing, all] = sums;
-    let share = |sum: &[f64; 2]| if sum[1] > 0.0 { sum[0] / sum[1] } else { f64::NAN };
+    let usual = all.iter().map(|sum| sum[1]).sum::<f64>() / traces as f64;
+    let share = |sum: &[f64; 2]| {
+        if sum[1] > FELT * usual { sum[0] / sum[1] } else { f64::NAN }
+    };
     Shares {
         pressing: over_traces(&pressing),
         releasing: over_traces(&releasing),

@@ -117,19 +117,20 @@ pub fn discover(
     Ok(discovery)
 }
 
-/// The climb from the model without effects, or from what the library explains of it: whichever predicts traces left out better.
+/// The climb from the model without effects; or from what the library explains of it, where that predicts traces left out better by
+/// more than its uncertainty over the traces: an effect of the library that was named for want of a better one is no part of a formula.
 fn best_climb(search: &Search, library: &Found) -> Found {
     let alone = search.climb(library.base.clone());
-    if library.steps.is_empty() {
+    if library.steps.is_empty() || search.leaves_noise(alone.model()) {
         return alone;
     }
     let beside = search.climb(library.model().clone());
-    let error = |found: &Found| found.held_out_rms().unwrap_or(f64::INFINITY);
-    if !beside.steps.is_empty() && (alone.steps.is_empty() || error(&beside) < error(&alone)) {
-        beside
-    } else {
-        alone
-    }
+    let left_out = |found: &Found| found.evidence.last().and_then(|it| it.left_out().cloned());
+    let better = match (left_out(&beside), left_out(&alone)) {
+        (Some(beside), Some(alone)) => beside.gain(&alone).exceeds(1.0),
+        _ => false,
+    };
+    if !beside.steps.is_empty() && (alone.steps.is_empty() || better) { beside } else { alone }
 }
 
 impl Discovery {

@@ -301,6 +301,7 @@ impl<'a> DiscoverySummary<'a> {
             })
         });
         json!({
+            "palpate_discovery": 1,
             "outcome": outcome,
             "signal": diagnosis.signal,
             "unit": self.unit(),

@@ -1,6 +1,6 @@
 //! A device on a desk: its program with made-up hardware.
 
-use device::{Blocks, Board, Device, Identity, Lost, Restart, Setting, begin_with};
+use device::{Board, Device, Identity, Lost, Restart, Room, Setting, begin_with};
 use shared::wire::{ClockSource, ConverterFault, ResetCause, StoreFault};
 
 /// Clock of its converter, Hz.
@@ -46,7 +46,7 @@ impl Board for Desk {
 /// Does something with a device that was just switched on.
 pub fn desk<T>(with: impl FnOnce(&mut Device<'_>, &mut Desk) -> T) -> T {
     let begun = begin_with(None, CONVERTER_CLOCK_HZ).expect("the defaults are in range");
-    let mut blocks = Blocks::new();
-    let mut device = Device::new(IDENTITY, &begun, &mut blocks);
+    let mut room = Room::new();
+    let mut device = Device::new(IDENTITY, &begun, &mut room);
     with(&mut device, &mut Desk::default())
 }

@@ -7,7 +7,7 @@ mod pace;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use device::{Blocks, Device, Identity, Restart, Sample, begin_with};
+use device::{Device, Identity, Restart, Room, Sample, begin_with};
 use shared::wire::{Accumulated, Accumulator, ClockSource, FRAME_MAX, ResetCause, SettingsError};
 
 use self::board::Board;
@@ -96,8 +96,8 @@ impl Simulated {
     pub fn run(&mut self, ended: impl Fn() -> bool) -> Result<bool, SimulationError> {
         let mut reset = ResetCause::PowerOn;
         loop {
-            let mut blocks = Blocks::new();
-            match self.live(reset, &mut blocks, &ended)? {
+            let mut room = Room::new();
+            match self.live(reset, &mut room, &ended)? {
                 Some(Restart::Firmware) => self.board.reset(),
                 Some(Restart::Bootloader) => return Ok(true),
                 None => return Ok(false),
@@ -110,10 +110,10 @@ impl Simulated {
     fn live(
         &mut self,
         reset: ResetCause,
-        blocks: &mut Blocks,
+        room: &mut Room,
         ended: &impl Fn() -> bool,
     ) -> Result<Option<Restart>, SimulationError> {
-        let mut body = Body::new(self.board.record()?.as_deref(), reset, blocks)?;
+        let mut body = Body::new(self.board.record()?.as_deref(), reset, room)?;
         while !ended() {
             let busy = !body.waiting.is_empty();
             self.pty.wait(self.board.wait(body.now_us()), busy)?;
@@ -166,7 +166,7 @@ impl<'b> Body<'b> {
     fn new(
         kept: Option<&[u8]>,
         reset: ResetCause,
-        blocks: &'b mut Blocks,
+        room: &'b mut Room,
     ) -> Result<Self, SimulationError> {
         let identity = Identity {
             version: env!("CARGO_PKG_VERSION"),
@@ -179,7 +179,7 @@ impl<'b> Body<'b> {
             panic: "",
         };
         let beginning = begin_with(kept, CONVERTER_CLOCK_HZ)?;
-        let mut device = Device::new(identity, &beginning, blocks);
+        let mut device = Device::new(identity, &beginning, room);
         device.set_temperature(Some(TEMPERATURE));
         Ok(Self {
             device,
