@@ -11,6 +11,7 @@ use crate::model::{Act, Applied, Expression, Parameter, Stage};
 pub struct Shape {
     /// What it is, in words that the quantity follows.
     pub name: &'static str,
+    family: Family,
     /// What such a term does; names in braces stand for its parameters, `{c}` for the quantity.
     pub words: &'static str,
     /// Its value as an expression; `{c}` stands for the quantity.
@@ -23,6 +24,21 @@ pub struct Shape {
     size: fn(&Reach) -> f64,
     /// Whether it is tried of quantities that change from trace to trace rather than within one.
     slow: bool,
+}
+
+/// Shapes that suit the same quantities.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Family {
+    /// Linear in the quantity.
+    Straight,
+    /// Bent alike over the whole range.
+    Curve,
+    /// Away from 0.
+    Decay,
+    /// With a place or a period in the range.
+    Local,
+    /// Of what was before.
+    Memory,
 }
 
 /// A parameter of a shape.
@@ -86,6 +102,7 @@ const ONE: fn(&Reach) -> f64 = |_| 1.0;
 pub const SHAPES: [Shape; 11] = [
     Shape {
         name: "proportional to",
+        family: Family::Straight,
         words: "grows by {size} with the {c}",
         text: "{c}",
         power: 1,
@@ -95,6 +112,7 @@ pub const SHAPES: [Shape; 11] = [
     },
     Shape {
         name: "square of",
+        family: Family::Curve,
         words: "grows with the square of the {c}, by {size}",
         text: "{c}^2",
         power: 2,
@@ -104,6 +122,7 @@ pub const SHAPES: [Shape; 11] = [
     },
     Shape {
         name: "saturating with",
+        family: Family::Curve,
         words: "grows with the {c} and levels off at {size} beyond {scale}",
         text: "tanh({c} / scale)",
         power: 0,
@@ -113,6 +132,7 @@ pub const SHAPES: [Shape; 11] = [
     },
     Shape {
         name: "decaying with",
+        family: Family::Decay,
         words: "is {size} where the {c} is 0 and fades over {scale} of it",
         text: "exp(-{c} / scale)",
         power: 0,
@@ -122,6 +142,7 @@ pub const SHAPES: [Shape; 11] = [
     },
     Shape {
         name: "bump at one",
+        family: Family::Local,
         words: "is a bump of {size} where the {c} is {place}, {width} wide",
         text: "exp(-(({c} - place) / width)^2)",
         power: 0,
@@ -131,6 +152,7 @@ pub const SHAPES: [Shape; 11] = [
     },
     Shape {
         name: "bump while pressing at one",
+        family: Family::Local,
         words: "is a bump of {size} where the {c} is {place}, {width} wide, while pressing",
         text: "0.5 * (1 + sign(v)) * exp(-(({c} - place) / width)^2)",
         power: 0,
@@ -140,6 +162,7 @@ pub const SHAPES: [Shape; 11] = [
     },
     Shape {
         name: "periodic in",
+        family: Family::Local,
         words: "repeats every {period} of the {c}, {size} high",
         text: "sin(2 * PI * {c} / period + phase)",
         power: 0,
@@ -162,6 +185,7 @@ pub const SHAPES: [Shape; 11] = [
     },
     Shape {
         name: "step at one",
+        family: Family::Local,
         words: "is a step of {size} where the {c} passes {place}",
         text: "0.5 * (1 + tanh(({c} - place) / width))",
         power: 0,
@@ -171,6 +195,7 @@ pub const SHAPES: [Shape; 11] = [
     },
     Shape {
         name: "from one on proportional to",
+        family: Family::Local,
         words: "begins where the {c} passes {place} and grows by {size}",
         text: "max(0, {c} - place)",
         power: 1,
@@ -180,6 +205,7 @@ pub const SHAPES: [Shape; 11] = [
     },
     Shape {
         name: "while pressing proportional to",
+        family: Family::Straight,
         words: "grows by {size} with the {c}, and only while pressing",
         text: "0.5 * (1 + sign(v)) * {c}",
         power: 1,
@@ -189,6 +215,7 @@ pub const SHAPES: [Shape; 11] = [
     },
     Shape {
         name: "behind",
+        family: Family::Memory,
         words: "follows the {c} with a delay of {time}, by {size}",
         text: "lag({c}, time)",
         power: 1,
@@ -285,7 +312,7 @@ pub fn terms(reaches: &[Option<Reach>], signal_unit: &str) -> Vec<Term> {
             let Some(reach) = reach.as_ref().filter(|_| place.of.contains(&quantity.symbol)) else {
                 continue;
             };
-            let shapes = SHAPES.iter().filter(|shape| suits(shape, quantity));
+            let shapes = SHAPES.iter().filter(|shape| suits(shape, quantity, reach));
             found.extend(
                 shapes.filter_map(|shape| term(place, shape, quantity, reach, signal_unit)),
             );
@@ -295,13 +322,17 @@ pub fn terms(reaches: &[Option<Reach>], signal_unit: &str) -> Vec<Term> {
 }
 
 /// Whether a quantity is tried in a shape.
-fn suits(shape: &Shape, quantity: &Quantity) -> bool {
-    let remembers = shape.text.starts_with("lag");
+fn suits(shape: &Shape, quantity: &Quantity, reach: &Reach) -> bool {
+    // An exponential of what goes far below 0 is no decay.
+    if shape.family == Family::Decay && reach.least < -0.1 * reach.span() {
+        return false;
+    }
     match quantity.kind {
         Kind::Fast => true,
-        Kind::Clock => !remembers,
+        Kind::Clock => shape.family != Family::Memory,
         Kind::Slow => shape.slow,
-        Kind::Plain => shape.name == SHAPES[0].name || (remembers && quantity.symbol == "abs(v)"),
+        Kind::Rate => shape.family != Family::Local,
+        Kind::Plain => matches!(shape.family, Family::Straight | Family::Memory),
     }
 }
 

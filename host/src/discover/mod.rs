@@ -21,7 +21,7 @@ use crate::criticism::diagnose::{DiagnoseError, Diagnosis, Verdict, diagnose};
 use crate::criticism::evidence::Refused;
 use crate::criticism::explore::explored;
 use crate::criticism::fitted::Fitted;
-use crate::criticism::residuals::stretches;
+use crate::criticism::residuals::{Stretch, stretches};
 use crate::criticism::search::{Found, Search};
 use crate::effects::Candidate;
 use crate::fit::data::Data;
@@ -105,7 +105,7 @@ pub fn discover(
         return Ok(discovery);
     }
     let predicted: Vec<Vec<f64>> = left.iter().map(|stretch| stretch.predicted.clone()).collect();
-    let residuals: Vec<Vec<f64>> = left.iter().map(|stretch| stretch.residual()).collect();
+    let residuals: Vec<Vec<f64>> = left.iter().map(Stretch::residual).collect();
     let reach = |quantity| Reach::of(quantity, &data, &predicted, &residuals);
     let reaches: Vec<Option<Reach>> = QUANTITIES.iter().map(reach).collect();
     let terms = terms(&reaches, signal_unit);

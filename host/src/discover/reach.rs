@@ -27,7 +27,9 @@ pub enum Kind {
     Clock,
     /// Few: it changes from trace to trace more than within one.
     Slow,
-    /// A straight line: it is a product or a sign.
+    /// Those without a place or a period: it has the few values at which the rig was run.
+    Rate,
+    /// A straight line, or behind a delay: it is a product or a sign.
     Plain,
 }
 
@@ -43,7 +45,7 @@ const fn quantity(
 /// Every quantity.
 pub const QUANTITIES: [Quantity; 20] = [
     quantity("x", "displacement", "mm", Kind::Fast),
-    quantity("v", "velocity", "mm/s", Kind::Fast),
+    quantity("v", "velocity", "mm/s", Kind::Rate),
     Quantity { symbol: "F", name: "force", unit: None, kind: Kind::Fast },
     quantity("t", "time in the trace", "s", Kind::Clock),
     quantity("since(x)", "time since the touch", "s", Kind::Clock),

@@ -5,6 +5,8 @@ use serde_json::{Value, json};
 use super::diagnosis::NextCommand;
 use super::ladder::{ABOUT, ladder_bars, rung_name};
 use super::unit_of;
+use crate::criticism::covariate::Covariate;
+use crate::criticism::dependence::{Bin, Dependence};
 use crate::criticism::diagnose::Verdict;
 use crate::discover::causes::cause_of;
 use crate::discover::formula::{Alternative, Formula, Shares};
@@ -13,10 +15,16 @@ use crate::discover::surface::Surface;
 use crate::discover::{Discovery, Outcome};
 use crate::model::StoredEffect;
 use crate::report::number::{percent, significant, with_error};
-use crate::report::{Block, Callout, CellFormat, Column, HeatMap, Section, Table};
+use crate::report::{
+    Axis, Block, Callout, CellFormat, Colour, Column, HeatMap, Plot, Section, Series, Table,
+};
 
 /// Shares whose distance from 1 is less than this are all of a term.
 const ALL: f64 = 0.25;
+/// A dependence up to this p value is drawn.
+const CLEAR: f64 = 0.01;
+/// Most that are drawn.
+const DRAWN: usize = 3;
 
 /// A discovery with all that is told about it.
 pub struct DiscoverySummary<'a> {
@@ -222,8 +230,10 @@ impl<'a> DiscoverySummary<'a> {
             "Means of the residual in ten classes of each quantity; each trace left out is predicted by those of the others.",
         ));
         if let Some(best) = self.discovery.surfaces.first() {
-            section = section
-                .figure(self.surface_map(best), "Mean residual; empty where there is no sample.");
+            section = section.figure(
+                self.surface_map(best),
+                "Mean residual over the noise; empty where there is no sample.",
+            );
         }
         let columns = vec![
             Column::text("quantity"),
@@ -238,20 +248,51 @@ impl<'a> DiscoverySummary<'a> {
                 format!("{:.3}", dependence.p_value),
             ]);
         }
-        section.table(single)
+        let clear = self.discovery.dependences.iter().filter(|it| it.p_value <= CLEAR);
+        clear.take(DRAWN).fold(section.table(single), |section, dependence| {
+            section.figure(self.curve(dependence), "")
+        })
+    }
+
+    /// The mean residual over one quantity.
+    fn curve(&self, dependence: &Dependence) -> Plot {
+        let (unit, covariate) = (self.unit(), dependence.covariate);
+        let column =
+            |value: fn(&Bin) -> f64| -> Vec<f64> { dependence.bins.iter().map(value).collect() };
+        let force_unit = if unit == "µε" { "µε" } else { "N" };
+        let (at, mean) = (column(|bin| bin.at), column(|bin| bin.mean));
+        Plot::new(
+            format!("Residual over the {}", covariate.name()),
+            Axis::new(covariate.name(), covariate.unit(force_unit)),
+            Axis::new("mean residual", unit),
+        )
+        .summary(format!(
+            "Mean residual over the {}, which explains {}",
+            covariate.name(),
+            percent(dependence.explained, 2)
+        ))
+        .series(
+            Series::error_bars("", at, mean, column(|bin| bin.standard_error))
+                .colour(Colour::RESIDUAL),
+        )
+        .level(0.0, "")
+        .height(170.0)
     }
 
     fn surface_map(&self, surface: &Surface) -> HeatMap {
         let unit = self.unit();
         let force_unit = if unit == "µε" { "µε" } else { "N" };
         let [a, b] = surface.of;
-        let label = |of: crate::criticism::covariate::Covariate| {
+        let label = |of: Covariate| {
             let unit = of.unit(force_unit);
             if unit.is_empty() { of.name().to_owned() } else { format!("{}, {unit}", of.name()) }
         };
+        let noise = self.discovery.diagnosis.noise.level;
+        // To a tenth: more is not to be told in a cell.
+        let in_noises = |mean: f64| (10.0 * mean / noise).round() / 10.0;
         let names = |at: &[f64]| at.iter().map(|value| significant(*value, 2)).collect();
         HeatMap {
-            title: format!("Residual over {} and {}, {unit}", a.name(), b.name()),
+            title: format!("Residual over {} and {}, in noises", a.name(), b.name()),
             summary: format!("Mean residual in classes of {} and {}", a.name(), b.name()),
             row_label: label(a),
             column_label: label(b),
@@ -260,7 +301,7 @@ impl<'a> DiscoverySummary<'a> {
             values: surface
                 .means
                 .iter()
-                .map(|row| row.iter().map(|mean| mean.unwrap_or(f64::NAN)).collect())
+                .map(|row| row.iter().map(|mean| mean.map_or(f64::NAN, in_noises)).collect())
                 .collect(),
             format: CellFormat::Significant(2),
             strongest: None,
@@ -283,7 +324,7 @@ impl<'a> DiscoverySummary<'a> {
         });
         let surfaces = discovery.surfaces.iter().map(|surface| {
             json!({
-                "quantities": surface.of.map(|it| it.symbol()),
+                "quantities": surface.of.map(Covariate::symbol),
                 "explained": surface.explained,
                 "additive": surface.additive,
                 "interaction": surface.interaction(),
