@@ -370,6 +370,7 @@ fn an_import_writes_over_nothing_unasked_and_leaves_nothing_half_written() {
         map: Some(at("map.toml")),
         output: Some(at("out.csv")),
         every: None,
+        part: None,
         preview: false,
         suggest: false,
         over: Force { force: false },

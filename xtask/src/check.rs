@@ -6,7 +6,7 @@ use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
 use miette::{IntoDiagnostic, bail};
 
-use crate::{browser, emulate, firmware, modelled};
+use crate::{browser, emulate, firmware, formats, modelled};
 
 /// How long a device streams in the whole check, to the emulator's host and to a browser, s.
 const STEADY_S: u32 = 60;
@@ -26,6 +26,8 @@ pub fn run() -> miette::Result<()> {
     component("clippy", "to check the lints")?;
     step("format", &["fmt", "--all", "--check"], &[])?;
     step("lints", &["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"], &[])?;
+    // The program as it is installed, without what the tests turn on.
+    step("lints of the program", &["clippy", "--package", "palpate", "--", "-D", "warnings"], &[])?;
     // The same random cases on every machine; `cargo test` alone draws new ones each time.
     step("tests", &["test", "--workspace"], &[("PROPTEST_RNG_SEED", "1")])?;
     step(
@@ -33,6 +35,7 @@ pub fn run() -> miette::Result<()> {
         &["doc", "--workspace", "--no-deps"],
         &[("RUSTDOCFLAGS", "-D warnings")],
     )?;
+    formats::run()?;
     browser::run(STEADY_S)?;
     firmware::set_up()?;
     firmware::cargo("format of the firmware", &["fmt", "--all", "--check"])?;

@@ -4,6 +4,7 @@ mod browser;
 mod check;
 mod emulate;
 mod firmware;
+mod formats;
 mod golden;
 mod modelled;
 mod packages;
@@ -65,6 +66,8 @@ enum Task {
         #[arg(long)]
         target: Option<String>,
     },
+    /// Let other programs' libraries write a file of each format, and read them: whole, cut off and damaged.
+    Formats,
     /// Check licences, sources, versions and known faults of all crates.
     Supply,
     /// Write the bill of materials of the program to target/palpate.cdx.json (CycloneDX).
@@ -92,6 +95,7 @@ fn main() -> ExitCode {
         Task::Browser { steady } => browser::run(steady),
         Task::Pictures => browser::pictures(),
         Task::Fuzz { seconds, seed, target } => check::fuzz(seconds, seed, target.as_deref()),
+        Task::Formats => formats::run(),
         Task::Supply => supply::run(),
         Task::Sbom => generate("sbom"),
         Task::Effects => generate("effects"),

@@ -23,6 +23,7 @@ const SHOWN: usize = 5;
   palpate import pull.csv --map pull.map.toml --preview
   palpate import pull.csv --map pull.map.toml          writes pull.trace.csv
   palpate import long.csv --map pull.map.toml --every 10 -o long.trace.csv
+  palpate import book.xlsx --part \"Run 1\" --suggest    one sheet of a workbook
   palpate import step_*.csv --map pull.map.toml -o all.trace.csv    one recording in many files")]
 pub struct Args {
     /// The recording; several files are parts of one, put in the order of their times
@@ -34,6 +35,9 @@ pub struct Args {
     /// The trace to write [default: the first FILE's name with .trace.csv, in the current folder]
     #[arg(short, long, value_name = "TRACE")]
     pub output: Option<PathBuf>,
+    /// The table of the file, where it has several: a sheet of a workbook, whatever the mapping says
+    #[arg(long, value_name = "NAME")]
+    pub part: Option<String>,
     /// Keep every N-th sample, whatever the mapping says
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub every: Option<u32>,
@@ -55,9 +59,13 @@ pub struct Args {
 /// trace cannot be written.
 pub fn run(args: &Args) -> Result<(), Failure> {
     let Some(map) = args.map.as_ref().filter(|_| !args.suggest) else {
-        return print(&trace::suggest(first(args)).map_err(|error| input(&error))?);
+        let suggested = trace::suggest(first(args), args.part.as_deref());
+        return print(&suggested.map_err(|error| input(&error))?);
     };
     let mut mapping = Mapping::read(map).map_err(|error| input(&error))?;
+    if args.part.is_some() {
+        mapping.table.part.clone_from(&args.part);
+    }
     if let Some(every) = args.every {
         mapping.every = Some(every as usize);
     }
@@ -80,9 +88,11 @@ fn first(args: &Args) -> &Path {
     args.files.first().map_or_else(|| Path::new(""), PathBuf::as_path)
 }
 
-/// `pull.csv` becomes `pull.trace.csv` in the current folder.
+/// `pull.csv` and `pull.csv.gz` become `pull.trace.csv` in the current folder.
 fn default_output(file: &Path) -> PathBuf {
-    let mut name = file.file_stem().unwrap_or_default().to_os_string();
+    let packed = trace::has_extension(file, "gz") || trace::has_extension(file, "zst");
+    let unpacked = if packed { Path::new(file.file_stem().unwrap_or_default()) } else { file };
+    let mut name = unpacked.file_stem().unwrap_or_default().to_os_string();
     name.push(".trace.csv");
     name.into()
 }

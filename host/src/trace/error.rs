@@ -250,12 +250,87 @@ pub enum Error {
         previous: f64,
     },
     /// A Parquet file that cannot be decoded, or does not hold a trace.
-    #[error("{}: {message}. A trace in Parquet has plain columns of numbers, `time_s` among them.", path.display())]
+    #[error("{}: {message}. A trace in Parquet has plain columns of numbers, `time_s` among them; others come in through `palpate import`.", path.display())]
     Parquet {
         /// The file.
         path: PathBuf,
         /// What is wrong with it.
         message: String,
+    },
+    /// A format whose reader this program was built without.
+    #[error(
+        "{}: {format}. This palpate was built without readers of other programs' files. From palpate's sources: \
+         `cargo install --path host --features formats`.",
+        path.display()
+    )]
+    Unbuilt {
+        /// The file.
+        path: PathBuf,
+        /// What it is.
+        format: &'static str,
+    },
+    /// A format that nothing reads.
+    #[error("{}: {format}, which palpate does not read. {instead}", path.display())]
+    Unread {
+        /// The file.
+        path: PathBuf,
+        /// What it is.
+        format: &'static str,
+        /// What to do.
+        instead: &'static str,
+    },
+    /// A file of another program that is damaged, too large, or has no such table.
+    #[error("{}: {message}.", path.display())]
+    Foreign {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong, with the place.
+        message: String,
+    },
+    /// Several tables in one file and none of them chosen, or one that is not there.
+    #[error(
+        "{}: {format}, {}. {}",
+        path.display(),
+        wanted.as_deref().map_or_else(|| counted(present), |name| format!("no table {}; there are {}", quoted(name), listed(present))),
+        if present.is_empty() { "Check the file with the program that wrote it." }
+        else { "Say which: `--part NAME`, or `part` under `[table]` of the mapping." }
+    )]
+    WhichPart {
+        /// The file.
+        path: PathBuf,
+        /// What it is.
+        format: &'static str,
+        /// The table that was asked for.
+        wanted: Option<String>,
+        /// The tables there are.
+        present: Vec<String>,
+    },
+    /// A table was named in a file that has only one.
+    #[error("{}: a text file is one table, there is no `{wanted}` in it. Leave `part` away.", path.display())]
+    NoParts {
+        /// The file.
+        path: PathBuf,
+        /// The table that was asked for.
+        wanted: String,
+    },
+    /// A file of another program in which no table, or more than one, is a trace as it stands.
+    #[error(
+        "{}: {format} with {} ({}). `palpate import` makes a trace of {}: `palpate import {} --suggest` begins its mapping.",
+        path.display(),
+        if *several { "several traces" } else { "no table that has a column `time_s`" },
+        listed(present),
+        if *several { "one of them" } else { "it" },
+        path.display()
+    )]
+    NotOneTrace {
+        /// The file.
+        path: PathBuf,
+        /// What it is.
+        format: &'static str,
+        /// Whether there are several.
+        several: bool,
+        /// Those several, else all tables.
+        present: Vec<String>,
     },
     /// A recording of a device that cannot be read.
     #[error("{}: {source}", path.display())]
@@ -338,6 +413,14 @@ pub(super) fn listed(names: &[String]) -> String {
     let shown: Vec<String> = names.iter().take(MAX_NAMES).map(|name| shortened(name)).collect();
     let more = names.len().saturating_sub(MAX_NAMES);
     shown.join(", ") + &if more > 0 { format!(" and {more} more") } else { String::new() }
+}
+
+/// How many tables a file has, and which.
+fn counted(parts: &[String]) -> String {
+    match parts {
+        [] => "no table of numbers in it".into(),
+        several => format!("{} tables: {}", several.len(), listed(several)),
+    }
 }
 
 /// Why a signal cannot be cut into segments or judged for its noise.

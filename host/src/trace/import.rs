@@ -3,11 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use super::error::Place;
+use super::first_force::first_force;
 use super::import_error::ImportError;
-use super::mapping::{Change, FirstSample, Mapping, Others, Reference, Repeated, Time};
+use super::mapping::{Change, Mapping, Others, Reference, Repeated, Time, Word};
 use super::names::{self, Fault};
+use super::stamp::{Instant, Stamp};
 use super::table::Rows;
-use super::{Column, TIME, Trace, gaps, head};
+use super::{Column, FORCE, TIME, Trace, gaps, head};
 
 /// A trace, and what became of the file it was made from.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,7 +33,7 @@ pub struct Imported {
 /// # Errors
 /// See [`ImportError`]; each names the file and, where there is one, line and column.
 pub fn import(path: &Path, mapping: &Mapping) -> Result<Imported, ImportError> {
-    Recording::read(path, mapping)?.finish(&[path], mapping)
+    Recording::read(path, mapping, &mut None)?.finish(&[path], mapping)
 }
 
 /// Brings in one recording that its machine wrote into several files, one for each interval or step.
@@ -50,8 +52,9 @@ pub fn import_parts(paths: &[PathBuf], mapping: &Mapping) -> Result<Imported, Im
         return Err(ImportError::PartsWithoutClock);
     }
     let mut parts = Vec::with_capacity(paths.len());
+    let mut origin = None;
     for path in paths {
-        parts.push((path.as_path(), Recording::read(path, mapping)?));
+        parts.push((path.as_path(), Recording::read(path, mapping, &mut origin)?));
     }
     parts.sort_by(|(_, a), (_, b)| a.start().total_cmp(&b.start()));
     let ordered: Vec<&Path> = parts.iter().map(|(path, _)| *path).collect();
@@ -95,7 +98,7 @@ struct Clocked {
 }
 
 /// Rows with one time stamp.
-struct Stamp {
+struct Instants {
     time: f64,
     sums: Vec<f64>,
     count: f64,
@@ -110,22 +113,32 @@ struct Recording {
     every: usize,
     sources: Vec<Source>,
     clocked: Vec<Clocked>,
-    open: Option<Stamp>,
+    open: Option<Instants>,
     time: Vec<f64>,
     values: Vec<Vec<f64>>,
     rows: usize,
     stamps: usize,
+    /// The whole second from which written times are counted, and the last of them.
+    origin: i64,
+    last: Option<Instant>,
 }
 
+/// Seconds in a day.
+const DAY: i64 = 86_400;
+
 impl Recording {
-    /// Takes every row of a file.
-    fn read(path: &Path, mapping: &Mapping) -> Result<Self, ImportError> {
+    /// Takes every row of a file. Written times are counted from `origin`, which the first file of a recording sets.
+    fn read(path: &Path, mapping: &Mapping, origin: &mut Option<i64>) -> Result<Self, ImportError> {
         let mut rows = Rows::open(path, mapping)?;
         let mut recording = None;
         while rows.next()? {
             let recording = match &mut recording {
                 Some(recording) => recording,
-                none => none.insert(Self::plan(&rows, mapping)?),
+                none => {
+                    let mut plan = Self::plan(&rows, mapping)?;
+                    plan.origin = *origin.get_or_insert(plan.first_second(&rows)?);
+                    none.insert(plan)
+                }
             };
             recording.take(&rows)?;
         }
@@ -235,7 +248,36 @@ impl Recording {
             time: Vec::new(),
             rows: 0,
             stamps: 0,
+            origin: 0,
+            last: None,
         })
+    }
+
+    /// The whole second of the first written time, where times are counted from the first in the end: near 0 none of their
+    /// digits are lost.
+    fn first_second(&self, rows: &Rows) -> Result<i64, ImportError> {
+        let from_first = self.plan.reference == Some(Reference::Word(Word::First));
+        match (self.plan.stamp, self.time_from) {
+            (Some(stamp), Some(index)) if from_first => Ok(instant(rows, index, stamp)?.whole),
+            _ => Ok(0),
+        }
+    }
+
+    /// The time of a row, s.
+    fn time(&mut self, rows: &Rows) -> Result<f64, ImportError> {
+        let Some(index) = self.time_from else {
+            let (start, step) = (self.plan.start_s, self.plan.step_s);
+            return Ok(start.unwrap_or(0.0) + self.rows as f64 * step.unwrap_or(1.0));
+        };
+        let Some(stamp) = self.plan.stamp else { return changed(rows, index, &self.time_change) };
+        let mut now = instant(rows, index, stamp)?;
+        // A clock that falls by half a day or more has passed midnight.
+        if let Some(last) = self.last.filter(|_| stamp == Stamp::Clock) {
+            let fallen = (last.whole - now.whole + DAY / 2).div_euclid(DAY);
+            now.whole += fallen.max(0) * DAY;
+        }
+        self.last = Some(now);
+        Ok((now.whole - self.origin) as f64 + now.rest)
     }
 
     /// Takes one row.
@@ -250,13 +292,7 @@ impl Recording {
         if ended && !self.clocked.is_empty() {
             return Ok(());
         }
-        let time = match self.time_from {
-            Some(index) => changed(rows, index, &self.time_change)?,
-            None => {
-                let (start, step) = (self.plan.start_s, self.plan.step_s);
-                start.unwrap_or(0.0) + self.rows as f64 * step.unwrap_or(1.0)
-            }
-        };
+        let time = self.time(rows)?;
         self.rows += 1;
         let mut values = Vec::with_capacity(self.sources.len());
         for source in &mut self.sources {
@@ -284,7 +320,7 @@ impl Recording {
             },
             _ => {
                 self.close();
-                self.open = Some(Stamp { time, sums: values, count: 1.0 });
+                self.open = Some(Instants { time, sums: values, count: 1.0 });
             }
         }
         Ok(())
@@ -305,7 +341,9 @@ impl Recording {
     /// The trace of all that was taken from the files `paths`, in their order.
     fn finish(mut self, paths: &[&Path], mapping: &Mapping) -> Result<Imported, ImportError> {
         let path = paths.first().copied().unwrap_or_else(|| Path::new(""));
-        subtract(self.plan.reference.as_ref(), &mut self.time);
+        subtract(path, TIME, self.plan.reference.as_ref(), None, &mut self.time)?;
+        let force = self.sources.iter().position(|source| source.name == FORCE);
+        let touch = force.and_then(|index| first_force(self.values.get(index)?));
         let mut columns = vec![(self.time_shown, TIME.to_owned())];
         let mut dropped = Vec::new();
         let mut trace = Trace { time: self.time, ..Trace::default() };
@@ -314,7 +352,7 @@ impl Recording {
                 dropped.push((source.shown, reason));
                 continue;
             }
-            subtract(source.reference.as_ref(), &mut values);
+            subtract(path, &source.name, source.reference.as_ref(), touch, &mut values)?;
             columns.push((source.shown, source.name.clone()));
             trace.columns.push(Column { name: source.name, values });
         }
@@ -377,7 +415,7 @@ impl Clocked {
     /// Puts the column onto the clock of the trace. Samples of the trace before its first, after its
     /// last or in one of its gaps are left out: nothing is extrapolated or made up across a gap.
     fn join(mut self, path: &Path, trace: &mut Trace) -> Result<(), ImportError> {
-        subtract(self.source.reference.as_ref(), &mut self.values);
+        subtract(path, &self.source.name, self.source.reference.as_ref(), None, &mut self.values)?;
         let gaps = gaps(&self.time);
         let mut keep = Vec::with_capacity(trace.len());
         let mut values = Vec::new();
@@ -425,13 +463,35 @@ fn changed(rows: &Rows, index: usize, change: &Change) -> Result<f64, ImportErro
     Err(ImportError::NotFinite { place, text: rows.cell(index).into() })
 }
 
-fn subtract(reference: Option<&Reference>, values: &mut [f64]) {
+/// The written time in a cell.
+fn instant(rows: &Rows, index: usize, stamp: Stamp) -> Result<Instant, ImportError> {
+    let text = rows.cell(index);
+    stamp.read(text).ok_or_else(|| ImportError::NotATime {
+        place: rows.place(index),
+        text: text.into(),
+        stamp: stamp.name(),
+    })
+}
+
+/// Subtracts what the mapping says from a column; `touch` is the sample at which contact begins.
+fn subtract(
+    path: &Path,
+    name: &str,
+    reference: Option<&Reference>,
+    touch: Option<usize>,
+    values: &mut [f64],
+) -> Result<(), ImportError> {
+    let no_contact = || ImportError::NoContact { path: path.into(), column: name.into() };
     let zero = match reference {
-        None => return,
+        None => return Ok(()),
         Some(Reference::Value(value)) => *value,
-        Some(Reference::First(FirstSample::First)) => values.first().copied().unwrap_or(0.0),
+        Some(Reference::Word(Word::First)) => values.first().copied().unwrap_or(0.0),
+        Some(Reference::Word(Word::Contact)) => {
+            touch.and_then(|index| values.get(index)).copied().ok_or_else(no_contact)?
+        }
     };
     values.iter_mut().for_each(|value| *value -= zero);
+    Ok(())
 }
 
 fn check_names(path: &Path, columns: &[(String, String)]) -> Result<(), ImportError> {
@@ -645,6 +705,47 @@ mod tests {
         assert_eq!(try_import(&second, file.as_bytes()).unwrap().trace.time, [2.0, 3.0]);
         let third = map("blocks = [2]").replace("\"t;\"", "\"names \"");
         assert!(matches!(try_import(&third, file.as_bytes()), Err(ImportError::NoTable { .. })));
+    }
+
+    #[test]
+    fn a_line_that_begins_a_table_may_name_its_columns() {
+        let map = "[text]\ndelimiter = \"tab\"\n[table]\nblock_prefix = \"t\\t\"\nblock_names = true\n\
+                   skip_lines = 1\n[time]\nfrom = \"t\"";
+        let found = try_import(map, b"about\nt\tF\ns\tN\n0\t1\n1\t2\nt\tF\ns\tN\n2\t3\n").unwrap();
+        assert_eq!(found.trace.time, [0.0, 1.0, 2.0]);
+        assert_eq!(column(&found, "F"), [1.0, 2.0, 3.0]);
+    }
+
+    #[test]
+    fn written_times_keep_their_digits_and_go_on_past_midnight() {
+        let map = |stamp: &str| {
+            format!(
+                "[text]\ndelimiter = \"semicolon\"\n[time]\nfrom = 1\nstamp = \"{stamp}\"\n\
+                 reference = \"first\""
+            )
+        };
+        let dated = b"31.12.2024 23:59:59,7;1\n31.12.2024 23:59:59,8;2\n01.01.2025 00:00:00,2;3\n";
+        let found = try_import(&map("day-first"), dated).unwrap();
+        for (time, expected) in found.trace.time.iter().zip([0.0, 0.1, 0.5]) {
+            assert!((time - expected).abs() < 1e-15, "{time}");
+        }
+        let clock = b"23:59:59.5;1\n00:00:00.5;2\n00:00:01;3\n";
+        let found = try_import(&map("clock"), clock).unwrap();
+        assert_eq!(found.trace.time, [0.0, 1.0, 1.5]);
+        let error = try_import(&map("clock"), b"1.5;2\n2.5;3\n").unwrap_err().to_string();
+        assert!(error.contains("line 1, column 1: `1.5` is not a time written `clock`"), "{error}");
+    }
+
+    #[test]
+    fn a_gap_that_closes_becomes_a_displacement_from_contact() {
+        let map = "[time]\nfrom = 1\n[[column]]\nfrom = 2\nname = \"displacement_mm\"\nnegate = true\n\
+                   reference = \"contact\"\n[[column]]\nfrom = 3\nname = \"force_N\"";
+        let force = |i: i32| if i < 20 { 0.0 } else { f64::from(i - 19) };
+        let rows: String = (0..40).map(|i| format!("{i},{},{}\n", 50 - i, force(i))).collect();
+        let found = try_import(map, rows.as_bytes()).unwrap();
+        assert_eq!(column(&found, "displacement_mm")[19..22], [-1.0, 0.0, 1.0]);
+        let rows: String = (0..40).map(|i| format!("{i},{},0\n", 50 - i)).collect();
+        assert!(matches!(try_import(map, rows.as_bytes()), Err(ImportError::NoContact { .. })));
     }
 
     proptest! {

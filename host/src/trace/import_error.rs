@@ -129,6 +129,27 @@ pub enum ImportError {
         /// Decimal mark of the mapping.
         decimal: char,
     },
+    /// Text where a written time belongs.
+    #[error(
+        "{place}: {} is not a time written `{stamp}`. Correct the cell, or `stamp` or `last_row` in the mapping.",
+        quoted(text)
+    )]
+    NotATime {
+        /// The cell.
+        place: Place,
+        /// What it holds.
+        text: String,
+        /// How the mapping says times are written.
+        stamp: &'static str,
+    },
+    /// No contact from which to count a displacement.
+    #[error("{}: `{column}` is to count from contact, and `force_N` does not show where that begins: it is missing, never leaves its noise, or does so from the start. Give a number as `reference`.", path.display())]
+    NoContact {
+        /// The recording.
+        path: PathBuf,
+        /// The column.
+        column: String,
+    },
     /// NaN, infinity, or out of range after conversion.
     #[error(
         "{place}: {} is not a finite number. Remove the row; a gap in time is allowed.",

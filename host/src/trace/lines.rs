@@ -1,6 +1,5 @@
 //! Lines of a text file in any encoding, one at a time.
 
-use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
@@ -14,7 +13,7 @@ use super::read::MAX_LINE;
 const CHUNK: usize = 1 << 16;
 
 /// A file as lines; ends of line are `\n`, `\r\n` and `\r`.
-pub(super) struct Lines<R = File> {
+pub(super) struct Lines<R = Box<dyn Read>> {
     path: PathBuf,
     input: R,
     decoder: Decoder,
@@ -25,18 +24,6 @@ pub(super) struct Lines<R = File> {
     at_end: bool,
     /// Number of the last line given, from 1.
     pub(super) number: usize,
-}
-
-impl Lines {
-    /// Opens a file.
-    pub(super) fn open(path: &Path, encoding: &'static Encoding) -> Result<Self, ImportError> {
-        let open = |source| Error::Open { path: path.into(), source };
-        let input = File::open(path).map_err(open)?;
-        if input.metadata().map_err(open)?.is_dir() {
-            return Err(open(std::io::Error::from(std::io::ErrorKind::IsADirectory)).into());
-        }
-        Ok(Self::new(path, input, encoding))
-    }
 }
 
 impl<R: Read> Lines<R> {

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::import_error::ImportError;
 use super::units::{self, Conversion, Quantity, Unit};
-use super::{Head, TIME, read};
+use super::{Head, Stamp, TIME, read};
 
 /// Major version of the mapping format this program reads.
 pub const MAP_VERSION: i64 = 1;
@@ -100,6 +100,8 @@ pub enum Delimiter {
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Table {
+    /// Which of several tables of the file: sheet, group, topic; the only one if absent.
+    pub part: Option<String>,
     /// Line of the header row, from 1.
     pub header_line: Option<usize>,
     /// Or what the line that names the columns starts with (`# columns:`).
@@ -118,6 +120,8 @@ pub struct Table {
     pub stop_at_prefix: Option<String>,
     /// A line that starts with this begins a further table.
     pub block_prefix: Option<String>,
+    /// Whether that line is also the one that names the columns.
+    pub block_names: bool,
     /// Which of those tables to join, counted from 0 and increasing; all if absent.
     pub blocks: Option<Vec<usize>>,
 }
@@ -147,16 +151,18 @@ impl std::fmt::Display for From {
 pub enum Reference {
     /// A value in the unit of the trace.
     Value(f64),
-    /// The word `first`: the first sample.
-    First(FirstSample),
+    /// A sample that is found.
+    Word(Word),
 }
 
-/// The word `first`.
+/// Which sample of a column is subtracted from it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum FirstSample {
-    /// The column's first sample.
+pub enum Word {
+    /// The first.
     First,
+    /// The one at which contact begins, by `force_N`.
+    Contact,
 }
 
 /// What to do where a time stamp is the same as the one before.
@@ -182,6 +188,8 @@ pub struct Time {
     pub from: Option<From>,
     /// Its unit, `s` if absent.
     pub unit: Option<String>,
+    /// How it is written, where it is no plain number.
+    pub stamp: Option<Stamp>,
     /// What is subtracted in the end, s.
     pub reference: Option<Reference>,
     /// Without a column: time of the first row, s.
@@ -407,6 +415,12 @@ impl Mapping {
         if table.blocks.is_some() && table.block_prefix.is_none() {
             return fault("blocks", "`blocks` needs `block_prefix`");
         }
+        if table.block_names && (table.block_prefix.is_none() || table.header_prefix.is_some()) {
+            return fault(
+                "block_names",
+                "`block_names` needs `block_prefix` and no `header_prefix`",
+            );
+        }
         let increasing = |blocks: &Vec<usize>| blocks.windows(2).all(|pair| pair[0] < pair[1]);
         if table.blocks.as_ref().is_some_and(|blocks| blocks.is_empty() || !increasing(blocks)) {
             return fault("blocks", "`blocks` lists at least one table, in increasing order");
@@ -423,6 +437,12 @@ impl Mapping {
         }
         if even && (time.unit.is_some() || time.reference.is_some()) {
             return fault("[time", "`unit` and `reference` belong to a time that is in a column");
+        }
+        if time.stamp.is_some() && (even || time.unit.is_some()) {
+            return fault("[time", "`stamp` is of a time in a column, and has no `unit`");
+        }
+        if time.reference == Some(Reference::Word(Word::Contact)) {
+            return fault("[time", "`reference = \"contact\"` is of other columns than time");
         }
         let step = time.step_s.zip(time.start_s);
         if even && !step.is_some_and(|(step, start)| step > 0.0 && (step + start).is_finite()) {
@@ -446,6 +466,7 @@ impl Mapping {
         let sources = self.column.iter().map(|column| &column.from).chain(&time.from);
         if self.table.header_line.is_none()
             && self.table.header_prefix.is_none()
+            && !self.table.block_names
             && let Some(From::Name(name)) =
                 sources.clone().find(|from| matches!(from, From::Name(_)))
         {

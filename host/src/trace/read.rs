@@ -8,10 +8,12 @@ use rayon::prelude::*;
 
 use super::error::{Error, Place};
 use super::names::{self, Fault};
-use super::{Column, Head, TIME, Trace, has_extension, head, parquet};
+use super::{Column, Head, TIME, Trace, foreign, has_extension, head, parquet};
 
 /// Largest file that is read whole, bytes.
 pub const SIZE_LIMIT: u64 = 1 << 30;
+/// Largest text that a packed file may hold to be read whole, bytes.
+pub(super) const UNPACKED_LIMIT: u64 = 128 << 20;
 /// Longest line, bytes of UTF-8.
 pub(super) const MAX_LINE: usize = 1 << 20;
 /// Most lines of a head.
@@ -21,14 +23,17 @@ pub(super) const MAX_COLUMNS: usize = 10_000;
 /// Bytes that one thread reads at a time.
 const STRETCH: usize = 4 << 20;
 
-/// Reads one trace: Parquet if the file's name ends in `.parquet`, else CSV.
+/// Reads one trace: Parquet if the file's name ends in `.parquet`, else CSV, or what is in it if that is another format.
 ///
 /// # Errors
 /// See [`Error`]; each names the file and, where there is one, line and column.
 pub fn read(path: &Path) -> Result<Trace, Error> {
-    match has_extension(path, parquet::EXTENSION) {
-        true => parquet::read(path),
-        false => parse(path, &load(path, SIZE_LIMIT)?),
+    if has_extension(path, parquet::EXTENSION) {
+        return parquet::read(path);
+    }
+    match foreign::trace(path)? {
+        Some(trace) => Ok(trace),
+        None => parse(path, &load(path, SIZE_LIMIT)?),
     }
 }
 

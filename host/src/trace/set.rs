@@ -7,7 +7,8 @@ use super::error::Error;
 use super::{Trace, has_extension, parquet, read, recorded};
 use crate::recording;
 
-/// Reads files and folders; a folder stands for its `.csv` and `.parquet` files by name, a recording of a device (`.palpate`)
+/// Reads files and folders; a folder stands for its `.csv` and `.parquet` files by name (`.csv.gz` and
+/// `.csv.zst` too), a recording of a device (`.palpate`)
 /// for the stretches of its stream, in the time of the device. Where every trace has
 /// `setup.sequence`, else where every trace has `setup.start_s`, the set is put into that order;
 /// otherwise it keeps the order given.
@@ -58,13 +59,20 @@ fn files<P: AsRef<Path>>(paths: &[P]) -> Result<Vec<PathBuf>, Error> {
     Ok(files)
 }
 
-/// The `.csv` and `.parquet` files of a folder, by name.
+/// Whether a file's name is that of a trace: `.csv`, packed or not, or `.parquet`.
+fn named_as_trace(file: &Path) -> bool {
+    let packed = has_extension(file, "gz") || has_extension(file, "zst");
+    let inner = if packed { Path::new(file.file_stem().unwrap_or_default()) } else { file };
+    has_extension(inner, "csv") || has_extension(file, parquet::EXTENSION)
+}
+
+/// The traces of a folder, by name.
 fn folder(path: &Path) -> Result<Vec<PathBuf>, Error> {
     let open = |source| Error::Open { path: path.into(), source };
     let mut files = Vec::new();
     for entry in std::fs::read_dir(path).map_err(open)? {
         let file = entry.map_err(open)?.path();
-        if has_extension(&file, "csv") || has_extension(&file, parquet::EXTENSION) {
+        if named_as_trace(&file) {
             files.push(file);
         }
     }

@@ -4,14 +4,17 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use super::error::Place;
+use super::foreign::{self, Opened};
 use super::import_error::ImportError;
 use super::lines::Lines;
-use super::mapping::{Delimiter, From, Mapping};
+use super::mapping::{Delimiter, From, Mapping, Text};
 
 /// A walk through the rows of a file.
 pub(super) struct Rows<'m> {
     path: PathBuf,
     mapping: &'m Mapping,
+    /// How cells are told, which is the mapping's to say only of text.
+    text: Text,
     lines: Lines,
     /// The current line and the cells in it.
     line: String,
@@ -45,10 +48,22 @@ enum State {
 impl<'m> Rows<'m> {
     pub(super) fn open(path: &Path, mapping: &'m Mapping) -> Result<Self, ImportError> {
         let encoding = mapping.encoding().unwrap_or(encoding_rs::UTF_8);
+        let (path, lines, text) = match foreign::open(path, mapping.table.part.as_deref())? {
+            Opened::Text(text) => {
+                (path.into(), Lines::new(path, text, encoding), mapping.text.clone())
+            }
+            Opened::Part { name, text } => {
+                let path = name.map_or_else(|| path.into(), |name| part_of(path, &name));
+                let lines = Lines::new(&path, text, encoding_rs::UTF_8);
+                let text = Text { comment: mapping.text.comment.clone(), ..Text::default() };
+                (path, lines, text)
+            }
+        };
         let mut rows = Self {
-            path: path.into(),
+            path,
             mapping,
-            lines: Lines::open(path, encoding)?,
+            text,
+            lines,
             line: String::new(),
             cells: Vec::new(),
             state: State::Outside,
@@ -88,6 +103,10 @@ impl<'m> Rows<'m> {
                 let wanted = table.blocks.as_ref().is_none_or(|list| list.contains(&self.blocks));
                 self.blocks += 1;
                 self.state = if wanted { self.begin() } else { State::Outside };
+                if wanted && table.block_names {
+                    self.read_header(&line)?;
+                    self.state = State::Skip(table.skip_lines);
+                }
                 continue;
             }
             if self.is_row(&line)? {
@@ -133,7 +152,7 @@ impl<'m> Rows<'m> {
                 if stop {
                     self.state = State::Outside;
                 }
-                if stop || blank || starts(line, self.mapping.text.comment.as_deref()) {
+                if stop || blank || starts(line, self.text.comment.as_deref()) {
                     return Ok(false);
                 }
                 self.split(line);
@@ -157,7 +176,7 @@ impl<'m> Rows<'m> {
 
     /// Finds the cells of a line.
     fn split(&mut self, line: &str) {
-        split(line, self.mapping.text.delimiter, &mut self.cells);
+        split(line, self.text.delimiter, &mut self.cells);
         let empty = |cell: &Range<usize>| line[cell.clone()].trim().is_empty();
         if self.mapping.table.empty_last_cell && self.cells.last().is_some_and(empty) {
             self.cells.pop();
@@ -248,7 +267,7 @@ impl<'m> Rows<'m> {
     /// The number in a cell.
     pub(super) fn number(&self, index: usize) -> Result<f64, ImportError> {
         let text = self.cell(index);
-        let decimal = self.mapping.text.decimal;
+        let decimal = self.text.decimal;
         match number(text, decimal) {
             Some(value) if value.is_finite() => Ok(value),
             Some(_) => Err(ImportError::NotFinite { place: self.place(index), text: text.into() }),
@@ -258,6 +277,11 @@ impl<'m> Rows<'m> {
             }
         }
     }
+}
+
+/// What errors call one of several tables of a file.
+pub(super) fn part_of(path: &Path, name: &str) -> PathBuf {
+    format!("{}, `{name}`", path.display()).into()
 }
 
 fn starts(line: &str, prefix: Option<&str>) -> bool {

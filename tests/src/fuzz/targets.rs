@@ -120,7 +120,7 @@ fn import(bytes: &[u8]) {
     const LINE: &[u8] = b"\n----\n";
     let Some(at) = bytes.windows(LINE.len()).position(|bytes| bytes == LINE) else { return };
     let recording = file("lab.txt", &bytes[at + LINE.len()..]);
-    let _ = trace::suggest(&recording);
+    let _ = trace::suggest(&recording, None);
     let text = String::from_utf8_lossy(&bytes[..at]);
     let Ok(mapping) = Mapping::parse(Path::new("m.toml"), &text) else { return };
     if let Ok(imported) = trace::import(&recording, &mapping) {

@@ -1,0 +1,96 @@
+//! Where the numbers are: delimiter, decimal mark and the first row.
+
+use super::super::mapping::Delimiter;
+use super::super::stamp::Stamp;
+use super::super::table::{number, split};
+use super::Beginning;
+
+/// What the first lines of a file look like.
+pub(super) struct Guess {
+    pub(super) delimiter: Delimiter,
+    pub(super) decimal: char,
+    /// Index of the first row of numbers.
+    pub(super) first: usize,
+    /// What the cells of that row are.
+    pub(super) kinds: Vec<Kind>,
+}
+
+/// What a cell is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    Number,
+    Time(Stamp),
+    Other,
+}
+
+/// The reading with most numbers and times in the first three rows of one width that follow each other.
+pub(super) fn guess(beginning: &Beginning) -> Option<Guess> {
+    use Delimiter::{Comma, Semicolon, Space, Tab};
+    let lines = &beginning.lines;
+    let (delimiters, decimals): (&[_], &[_]) = match beginning.encoding {
+        Some(_) => (&[Semicolon, Tab, Comma, Space], &['.', ',']),
+        None => (&[Comma], &['.']),
+    };
+    let mut best: Option<(usize, Guess)> = None;
+    for &delimiter in delimiters {
+        for &decimal in decimals {
+            if decimal == ',' && delimiter == Comma {
+                continue;
+            }
+            let rows: Vec<Vec<Kind>> =
+                lines.iter().map(|line| kinds(line, delimiter, decimal)).collect();
+            let counts = |row: &Vec<Kind>| row.iter().filter(|&&kind| kind != Kind::Other).count();
+            let table = rows.windows(3).position(|three| {
+                counts(&three[0]) >= 2 && three.iter().all(|row| *row == three[0])
+            });
+            let Some(first) = table else { continue };
+            let kinds = rows[first].clone();
+            let score = counts(&kinds);
+            if best.as_ref().is_none_or(|(other, _)| score > *other) {
+                best = Some((score, Guess { delimiter, decimal, first, kinds }));
+            }
+        }
+    }
+    best.map(|(_, guess)| guess)
+}
+
+fn kinds(line: &str, delimiter: Delimiter, decimal: char) -> Vec<Kind> {
+    let kind = |cell: &String| {
+        let stamp = || Stamp::ALL.into_iter().find(|stamp| stamp.read(cell).is_some());
+        match number(cell, decimal) {
+            Some(_) => Kind::Number,
+            None => stamp().map_or(Kind::Other, Kind::Time),
+        }
+    };
+    cells(line, delimiter).iter().map(kind).collect()
+}
+
+/// The texts of the cells of a line.
+pub(super) fn cells(line: &str, delimiter: Delimiter) -> Vec<String> {
+    let mut found = Vec::new();
+    split(line, delimiter, &mut found);
+    found.into_iter().map(|cell| line[cell].replace("\"\"", "\"").trim().to_owned()).collect()
+}
+
+impl Guess {
+    /// The numbers of every column in the rows that look like the first; a written time counts as its seconds.
+    pub(super) fn columns(&self, lines: &[String]) -> Vec<Vec<f64>> {
+        let mut columns = vec![Vec::new(); self.kinds.len()];
+        for line in &lines[self.first..] {
+            if kinds(line, self.delimiter, self.decimal) != self.kinds {
+                continue;
+            }
+            let cells = cells(line, self.delimiter);
+            for ((column, cell), kind) in columns.iter_mut().zip(&cells).zip(&self.kinds) {
+                column.extend(match kind {
+                    Kind::Number => number(cell, self.decimal),
+                    Kind::Time(stamp) => {
+                        stamp.read(cell).map(|instant| instant.whole as f64 + instant.rest)
+                    }
+                    Kind::Other => None,
+                });
+            }
+        }
+        columns
+    }
+}

@@ -1,0 +1,227 @@
+//! Files of other programs come in with the mapping that `--suggest` proposes for them, as it is.
+//!
+//! The files are written by libraries that share no code with the readers: `cargo xtask formats` sets them up and runs the tests
+//! that need them. Each file is also read cut off at 20 places and with a wrong byte at 40, within 10 s and 500 MB.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use std::time::{Duration, Instant};
+
+use assert_cmd::cargo::cargo_bin;
+use palpate::trace::{self, Mapping, Trace};
+
+/// What every file holds, by the number of the sample.
+#[derive(Clone, Copy)]
+enum Signal {
+    Displacement,
+    Force,
+}
+use Signal::{Displacement, Force};
+
+const SAMPLES: usize = 200;
+
+impl Signal {
+    fn at(self, index: usize) -> f64 {
+        match self {
+            Displacement => (index % 50) as f64 / 10.0,
+            Force => (index * index) as f64 / 1000.0,
+        }
+    }
+}
+
+const BOTH: &[(&str, Signal)] = &[("displacement_mm", Displacement), ("force_N", Force)];
+
+/// A file, the table that is taken of several, and the columns that it must give.
+type Case = (&'static str, Option<&'static str>, &'static [(&'static str, Signal)]);
+
+const CASES: &[Case] = &[
+    ("own.csv.gz", None, BOTH),
+    ("own.csv.zst", None, BOTH),
+    ("german.txt.gz", None, BOTH),
+    ("book.xlsx", Some("Run 1"), BOTH),
+    ("book.xlsx", Some("Run 2"), BOTH),
+    ("book.ods", None, BOTH),
+    ("run.h5", None, BOTH),
+    ("records.h5", None, BOTH),
+    ("new.mat", None, BOTH),
+    ("press.mat", None, BOTH),
+    ("plain.mat", None, &[("force_N", Force)]),
+    ("robot.mcap", Some("/tip/wrench"), &[("force_N", Force)]),
+    ("robot.mcap", Some("/joint_states"), &[("position_slide", Displacement)]),
+    ("plain.mcap", None, &[("displacement_mm", Displacement), ("tip_force_N", Force)]),
+    ("bag8.db3", Some("/tip/wrench"), &[("force_N", Force)]),
+    ("bag9.db3", Some("/tip/array"), &[("data_0", Displacement), ("data_1", Force)]),
+    ("run.tdms", None, BOTH),
+    ("waveform.tdms", None, &[("displacement_mm", Displacement)]),
+    ("run.lvm", None, BOTH),
+    ("foreign.parquet", None, BOTH),
+];
+
+/// The folder of the files, made anew by `cargo xtask formats`.
+fn files() -> PathBuf {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../target/formats/files");
+    assert!(folder.is_dir(), "run `cargo xtask formats`");
+    folder
+}
+
+/// Imports a file by the mapping that is proposed for it.
+fn imported(path: &Path, part: Option<&str>) -> Trace {
+    let text = trace::suggest(path, part).unwrap_or_else(|error| panic!("{error}"));
+    let mapping = Mapping::parse(Path::new("map.toml"), &text)
+        .unwrap_or_else(|error| panic!("{error}\n{text}"));
+    let found = trace::import(path, &mapping);
+    found.unwrap_or_else(|error| panic!("{error}\n{text}")).trace
+}
+
+#[test]
+#[ignore = "needs the files of `cargo xtask formats`"]
+fn files_of_independent_writers_come_in_without_an_edit() {
+    for &(file, part, columns) in CASES {
+        let found = imported(&files().join(file), part);
+        assert_eq!(found.len(), SAMPLES, "{file}");
+        let near = |value: f64, expected: f64| (value - expected).abs() <= 1e-12 * expected.abs();
+        for (index, &time) in found.time.iter().enumerate() {
+            let expected = index as f64 / 100.0;
+            // A time stamp of a workbook has whole microseconds, and one in ms is divided.
+            assert!((time - expected).abs() < 1e-9, "{file}, sample {index}: {time} s");
+        }
+        for &(name, signal) in columns {
+            let names: Vec<&str> =
+                found.columns.iter().map(|column| column.name.as_str()).collect();
+            let values = found.column(name).unwrap_or_else(|| panic!("{file}: {names:?}"));
+            for (index, &value) in values.iter().enumerate() {
+                let expected = signal.at(index);
+                assert!(near(value, expected), "{file}, {name}, sample {index}: {value}");
+            }
+        }
+    }
+}
+
+#[test]
+#[ignore = "needs the files of `cargo xtask formats`"]
+fn a_table_with_the_names_of_a_trace_is_one_to_every_command() {
+    for file in ["own.csv.gz", "own.csv.zst", "records.h5", "new.mat", "press.mat"] {
+        let found =
+            trace::read_set(&[files().join(file)]).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(found.len(), 1, "{file}");
+        assert_eq!(found[0].len(), SAMPLES, "{file}");
+        assert_eq!(found[0].force().unwrap()[30], Force.at(30), "{file}");
+    }
+    let error = trace::read(&files().join("book.xlsx")).unwrap_err().to_string();
+    assert!(error.contains("no table that has a column `time_s` (Run 1, Run 2)"), "{error}");
+}
+
+#[test]
+#[ignore = "needs the files of `cargo xtask formats`"]
+fn a_table_that_is_not_there_is_told_those_that_are() {
+    let error = trace::suggest(&files().join("book.xlsx"), Some("Run 3")).unwrap_err().to_string();
+    assert!(error.contains("no table `Run 3`; there are Run 1, Run 2"), "{error}");
+    let error = trace::suggest(&files().join("book.xlsx"), None).unwrap_err().to_string();
+    assert!(error.contains("2 tables: Run 1, Run 2. Say which: `--part NAME`"), "{error}");
+}
+
+/// Kilobytes of addresses that a call may take: 500 MB beside the program, its threads and what it maps.
+const ADDRESSES_KB: u32 = 500_000 + 400_000;
+/// Longest time for a file of a few hundred kilobytes.
+const LIMIT: Duration = Duration::from_secs(10);
+
+/// What `palpate import` makes of a file within the limits of memory and time.
+fn preview(file: &Path, map: &Path) -> Output {
+    let limited = format!("ulimit -v {ADDRESSES_KB}; exec \"$@\"");
+    let began = Instant::now();
+    let output = Command::new("sh")
+        .args(["-c", &limited, "sh"])
+        .arg(cargo_bin("palpate-tests"))
+        .arg("import")
+        .arg(file)
+        .arg("--map")
+        .arg(map)
+        .arg("--preview")
+        .output()
+        .unwrap();
+    assert!(began.elapsed() < LIMIT, "{}: {:?}", file.display(), began.elapsed());
+    let status = output.status.code();
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(matches!(status, Some(0 | 2)), "{}: {status:?} {said}", file.display());
+    assert!(!said.contains("panicked"), "{}: {said}", file.display());
+    output
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+#[ignore = "needs the files of `cargo xtask formats`"]
+fn cut_and_damaged_files_are_refused_or_read_within_bounds() {
+    use rayon::prelude::*;
+    CASES.par_iter().for_each(|&(file, part, _)| {
+        let folder = tempfile::tempdir().unwrap();
+        let (path, map) = (folder.path().join(file), folder.path().join("map.toml"));
+        let whole = std::fs::read(files().join(file)).unwrap();
+        std::fs::write(&path, &whole).unwrap();
+        std::fs::write(&map, trace::suggest(&path, part).unwrap()).unwrap();
+        let expected = preview(&path, &map);
+        assert!(expected.status.success(), "{file}");
+        for place in 1..=20 {
+            std::fs::write(&path, &whole[..whole.len() * place / 21]).unwrap();
+            let found = preview(&path, &map);
+            // What reads at all reads whole: nothing is left out in silence. Text has no end to miss.
+            let same = found.stdout == expected.stdout;
+            assert!(!found.status.success() || same || file.ends_with(".lvm"), "{file} {place}");
+        }
+        for place in 0..40 {
+            let mut bytes = whole.clone();
+            // Spread over the file, the beginning and the end more closely.
+            let at = match place {
+                0..10 => place * 7,
+                10..20 => whole.len() - 1 - (place - 10) * 5,
+                _ => whole.len() * (place - 20) / 20 + place,
+            };
+            let at = at.min(whole.len() - 1);
+            bytes[at] ^= 0x55;
+            std::fs::write(&path, &bytes).unwrap();
+            preview(&path, &map);
+        }
+    });
+}
+
+/// A file that `gzip` would write, by a library of the tests.
+fn gzipped(text: &str) -> Vec<u8> {
+    let mut writer = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::default());
+    writer.write_all(text.as_bytes()).unwrap();
+    writer.finish().unwrap()
+}
+
+#[test]
+fn a_packed_trace_is_a_trace_and_a_packed_export_comes_in_by_its_mapping() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("press.csv.gz");
+    std::fs::write(&path, gzipped("# name = \"a\"\ntime_s,force_N\n0,1\n0.5,2\n")).unwrap();
+    let found = trace::read_set(&[folder.path()]).unwrap();
+    assert_eq!(found[0].head.name.as_deref(), Some("a"));
+    assert_eq!(found[0].force(), Some(&[1.0, 2.0][..]));
+    let text: String = (0..9).map(|i| format!("{i},5;{i}0\n")).collect();
+    std::fs::write(&path, gzipped(&format!("Time;Force (mN)\n{text}"))).unwrap();
+    assert_eq!(imported(&path, None).force().unwrap()[3], 0.03);
+}
+
+#[test]
+fn what_nothing_reads_is_refused_by_its_name_with_what_to_do() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, bytes, words) in [
+        ("a.xls", &b"\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1"[..], "Save it as .xlsx"),
+        ("a.jpk-force", b"PK\x03\x04..header.properties", "a binary force curve of JPK, which"),
+        ("a.npy", b"\x93NUMPY\x01\0", "to_csv"),
+        ("a.tri", b"\0\x01\x02", "Export it from TRIOS"),
+        ("a.mat", b"\0\0\0\0\x01\0\0\0", "save run.mat -v7"),
+        ("a.csv", b"%PDF-1.7", "a PDF document"),
+    ] {
+        let path = folder.path().join(name);
+        std::fs::write(&path, bytes).unwrap();
+        for error in [
+            trace::read(&path).unwrap_err().to_string(),
+            trace::suggest(&path, None).unwrap_err().to_string(),
+        ] {
+            assert!(error.contains(name) && error.contains(words), "{error}");
+        }
+    }
+}
