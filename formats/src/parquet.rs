@@ -356,7 +356,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("x.parquet");
         std::fs::write(&path, written()).unwrap();
-        let contents = super::parquet(&path, None).unwrap();
+        let contents = parquet(&path, None).unwrap();
         assert_eq!(contents.names, ["episode 4", "episode 5"]);
         let shown = |part: &Part| match &part.content {
             Content::Columns(columns) => {

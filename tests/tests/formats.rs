@@ -49,7 +49,7 @@ const CASES: &[Case] = &[
     ("plain.mat", None, &[("force_N", Force)]),
     ("robot.mcap", Some("/tip/wrench"), &[("force_N", Force)]),
     ("robot.mcap", Some("/joint_states"), &[("position_slide", Displacement)]),
-    ("plain.mcap", None, &[("displacement_mm", Displacement), ("tip_force_N", Force)]),
+    ("plain.mcap", None, BOTH),
     ("bag8.db3", Some("/tip/wrench"), &[("force_N", Force)]),
     ("bag9.db3", Some("/tip/array"), &[("data_0", Displacement), ("data_1", Force)]),
     ("run.tdms", None, BOTH),
@@ -96,6 +96,25 @@ fn files_of_independent_writers_come_in_without_an_edit() {
             }
         }
     }
+}
+
+#[test]
+#[ignore = "needs the files of `cargo xtask formats`"]
+fn an_episode_is_a_table_with_its_lists_in_columns() {
+    let found = imported(&files().join("lerobot.parquet"), Some("episode 1"));
+    assert_eq!(found.len(), SAMPLES / 2);
+    assert!((found.time[1] - 0.01).abs() < 1e-8, "{}", found.time[1]);
+    assert_eq!(found.column("observation_state_1").unwrap()[30], Force.at(SAMPLES / 2 + 30));
+    assert_eq!(found.column("action_2").unwrap()[1], f64::from(-Displacement.at(1) as f32));
+}
+
+#[test]
+#[ignore = "needs the files of `cargo xtask formats`"]
+fn a_waveform_is_scaled_and_has_its_clock() {
+    let found = imported(&files().join("waveform.tdms"), None);
+    let force = found.force().unwrap();
+    // 0.001 N for each count, and 5 N.
+    assert!((force[30] - 5.9).abs() < 1e-12, "{}", force[30]);
 }
 
 #[test]

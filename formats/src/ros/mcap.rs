@@ -6,7 +6,7 @@ use std::io::{BufReader, Read};
 use std::panic::AssertUnwindSafe;
 use std::path::Path;
 
-use mcap::records::Record;
+use mcap::records::op;
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 
 use super::{Decoder, Schema, Topic, contents, not_read};
@@ -43,8 +43,9 @@ pub fn mcap(path: &Path, wanted: Option<&str>) -> Result<Contents, Error> {
                         at += count as u64;
                     }
                     LinearReadEvent::Record { opcode, data } => {
-                        let record = mcap::parse_record(opcode, data).map_err(damaged)?;
-                        found.take(record)?;
+                        let cut =
+                            || Error::damaged(FORMAT, format!("byte {at}"), "a record is cut off");
+                        found.take(opcode, data).ok_or_else(cut)??;
                     }
                 }
             }
@@ -64,30 +65,64 @@ struct Found<'a> {
 }
 
 impl Found<'_> {
-    fn take(&mut self, record: Record) -> Result<(), Error> {
-        match record {
-            Record::Schema { header, data } => {
-                self.schemas.insert(header.id, (header.name, header.encoding, data.into_owned()));
+    /// Takes a record; none if it ends too early. The library's own parser takes as much memory for a text as its length says,
+    /// and that may be damaged.
+    fn take(&mut self, kind: u8, record: &[u8]) -> Option<Result<(), Error>> {
+        let mut rest = Fields(record);
+        match kind {
+            op::SCHEMA => {
+                let (id, name, encoding) = (rest.u16()?, rest.text()?, rest.text()?);
+                self.schemas.insert(id, (name, encoding, rest.bytes()?.to_vec()));
             }
-            Record::Channel(channel) => {
-                let schema = self.schemas.get(&channel.schema_id);
-                let decoder = decoder(&channel.message_encoding, schema);
-                let name = channel.topic;
-                self.topics.entry(channel.id).or_insert_with(|| Topic::new(FORMAT, name, decoder));
+            op::CHANNEL => {
+                let (id, schema, name) = (rest.u16()?, rest.u16()?, rest.text()?);
+                let decoder = decoder(&rest.text()?, self.schemas.get(&schema));
+                self.topics.entry(id).or_insert_with(|| Topic::new(FORMAT, name, decoder));
             }
-            Record::Message { header, data } => {
-                let unknown = || {
-                    let place = format!("channel {}", header.channel_id);
-                    Error::damaged(FORMAT, place, "a message without its topic")
+            op::MESSAGE => {
+                let (channel, _sequence) = (rest.u16()?, rest.take::<4>()?);
+                let (log_time, _publish_time) = (rest.u64()?, rest.u64()?);
+                let Some(topic) = self.topics.get_mut(&channel) else {
+                    let place = format!("channel {channel}");
+                    return Some(Err(Error::damaged(FORMAT, place, "a message without its topic")));
                 };
-                let topic = self.topics.get_mut(&header.channel_id).ok_or_else(unknown)?;
                 if self.wanted.is_none_or(|wanted| wanted == topic.name) {
-                    topic.take(&data, i128::from(header.log_time))?;
+                    return Some(topic.take(rest.0, i128::from(log_time)));
                 }
             }
             _ => {}
         }
-        Ok(())
+        Some(Ok(()))
+    }
+}
+
+/// The bytes of a record from which its fields are cut; none where they end.
+struct Fields<'a>(&'a [u8]);
+
+impl<'a> Fields<'a> {
+    fn take<const N: usize>(&mut self) -> Option<[u8; N]> {
+        let (taken, rest) = self.0.split_first_chunk()?;
+        self.0 = rest;
+        Some(*taken)
+    }
+
+    fn u16(&mut self) -> Option<u16> {
+        self.take().map(u16::from_le_bytes)
+    }
+
+    fn u64(&mut self) -> Option<u64> {
+        self.take().map(u64::from_le_bytes)
+    }
+
+    fn bytes(&mut self) -> Option<&'a [u8]> {
+        let length = u32::from_le_bytes(self.take()?) as usize;
+        let (taken, rest) = self.0.split_at_checked(length)?;
+        self.0 = rest;
+        Some(taken)
+    }
+
+    fn text(&mut self) -> Option<String> {
+        self.bytes().map(|bytes| String::from_utf8_lossy(bytes).into_owned())
     }
 }
 

@@ -20,7 +20,14 @@ pub(super) struct Guess {
 pub(super) enum Kind {
     Number,
     Time(Stamp),
+    Empty,
     Other,
+}
+
+impl Kind {
+    pub(super) fn is_value(self) -> bool {
+        matches!(self, Self::Number | Self::Time(_))
+    }
 }
 
 /// The reading with most numbers and times in the first three rows of one width that follow each other.
@@ -39,12 +46,19 @@ pub(super) fn guess(beginning: &Beginning) -> Option<Guess> {
             }
             let rows: Vec<Vec<Kind>> =
                 lines.iter().map(|line| kinds(line, delimiter, decimal)).collect();
-            let counts = |row: &Vec<Kind>| row.iter().filter(|&&kind| kind != Kind::Other).count();
+            let counts = |row: &Vec<Kind>| row.iter().filter(|kind| kind.is_value()).count();
             let table = rows.windows(3).position(|three| {
                 counts(&three[0]) >= 2 && three.iter().all(|row| *row == three[0])
             });
-            let Some(first) = table else { continue };
-            let kinds = rows[first].clone();
+            let Some(table) = table else { continue };
+            let kinds = rows[table].clone();
+            // Rows above it in which other cells are missing belong to it too.
+            let alike = |row: &&Vec<Kind>| {
+                let pairs = row.iter().zip(&kinds);
+                let fits = |(a, b): (&Kind, &Kind)| a == b || [a, b].contains(&&Kind::Empty);
+                row.len() == kinds.len() && counts(row) >= 2 && pairs.into_iter().all(fits)
+            };
+            let first = table - rows[..table].iter().rev().take_while(alike).count();
             let score = counts(&kinds);
             if best.as_ref().is_none_or(|(other, _)| score > *other) {
                 best = Some((score, Guess { delimiter, decimal, first, kinds }));
@@ -59,6 +73,7 @@ fn kinds(line: &str, delimiter: Delimiter, decimal: char) -> Vec<Kind> {
         let stamp = || Stamp::ALL.into_iter().find(|stamp| stamp.read(cell).is_some());
         match number(cell, decimal) {
             Some(_) => Kind::Number,
+            None if cell.is_empty() => Kind::Empty,
             None => stamp().map_or(Kind::Other, Kind::Time),
         }
     };
@@ -87,7 +102,7 @@ impl Guess {
                     Kind::Time(stamp) => {
                         stamp.read(cell).map(|instant| instant.whole as f64 + instant.rest)
                     }
-                    Kind::Other => None,
+                    Kind::Empty | Kind::Other => None,
                 });
             }
         }

@@ -142,8 +142,7 @@ fn seen(lines: &[String], guess: &Guess, header: Option<usize>) -> Vec<Seen> {
         values,
     };
     let all = guess.columns(lines).into_iter().enumerate().map(column);
-    let all: Vec<Seen> = all.filter(|column| column.kind != Kind::Other).collect();
-    all
+    all.filter(|column| column.kind.is_value()).collect()
 }
 
 /// The sections of the columns: time first, the rest under names with the unit that is wanted.
@@ -286,6 +285,15 @@ mod tests {
             let trace = import(&path, &mapping).unwrap_or_else(|e| panic!("{e}\n{text}")).trace;
             assert!(trace.displacement().is_some() && trace.force().is_some(), "{text}");
         }
+    }
+
+    #[test]
+    fn a_row_in_which_another_cell_is_missing_belongs_to_the_table() {
+        let rows: String =
+            (0..9).map(|i| format!("{i},{i},{}\n", if i == 0 { "7" } else { "" })).collect();
+        let (mapping, path, _folder) =
+            proposal(format!("Time,Force,Mark\n{rows}").as_bytes()).unwrap();
+        assert_eq!(import(&path, &mapping).unwrap().trace.len(), 9);
     }
 
     #[test]
