@@ -20,6 +20,7 @@ pub(super) enum Opened {
     /// The text as it is in the file, or was before it was packed.
     Text(Box<dyn Read>),
     /// A table that was made text: UTF-8 with commas and points.
+    #[cfg_attr(not(feature = "formats"), expect(dead_code, reason = "only the readers make it"))]
     Part {
         /// Its name, where there are several.
         name: Option<String>,
