@@ -76,6 +76,8 @@ pub enum DecompositionError {
     Terms { terms: usize },
     #[error("{trace}: the filter cannot run with this relaxation function: {source}")]
     Filter { trace: String, source: ConfigError },
+    #[error("{trace}: `{column}` reaches {value:e}, too large for the filter: choose another unit")]
+    TooLarge { trace: String, column: String, value: f64 },
     #[error("{0}")]
     Model(String),
 }
@@ -141,7 +143,12 @@ pub fn decompose(
         trace: trace.label(),
         column: signal.into(),
     })?;
-    let lsb = lsb(signal, values);
+    let largest = values.iter().fold(f64::MIN_POSITIVE, |most, value| most.max(value.abs()));
+    let lsb = lsb(signal, largest).ok_or_else(|| DecompositionError::TooLarge {
+        trace: trace.label(),
+        column: signal.into(),
+        value: largest,
+    })?;
     tracing::info!("{}: {signal} through the filter, one LSB is {lsb:e}", trace.label());
     let mut channel = Channel::empty(signal, lsb, trace.len());
     let refused = |source| DecompositionError::Filter { trace: trace.label(), source };
@@ -185,13 +192,13 @@ fn counts(value: f64, lsb: f64) -> i32 {
     (value / lsb).round() as i32
 }
 
-/// One LSB of the device's 24-bit numbers, in the unit of the signal.
-fn lsb(signal: &str, values: &[f64]) -> f64 {
+/// One LSB of the device's 24-bit numbers, in the unit of the signal; none where twice the largest value is no number.
+fn lsb(signal: &str, largest: f64) -> Option<f64> {
     if GAUGES.contains(&signal) {
-        return 2f64.powi(-(STRAIN_FRACTION_BITS as i32));
+        return Some(2f64.powi(-(STRAIN_FRACTION_BITS as i32)));
     }
-    let largest = values.iter().fold(f64::MIN_POSITIVE, |most, value| most.max(value.abs()));
-    2f64.powi((2.0 * largest / f64::from(STRAIN_MAX)).log2().ceil() as i32)
+    let lsb = 2f64.powi((2.0 * largest / f64::from(STRAIN_MAX)).log2().ceil() as i32);
+    lsb.is_finite().then_some(lsb)
 }
 
 /// One configuration for each interval that occurs.
@@ -221,5 +228,28 @@ impl Configs {
                 Ok(&empty.insert((interval, config)).1)
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::trace::{Column, Head, TIME};
+
+    fn trace(force: [f64; 3]) -> Trace {
+        let column =
+            |name: &str, values: [f64; 3]| Column { name: name.into(), values: values.into() };
+        let columns = vec![column(TIME, [0.0, 0.005, 0.01]), column(FORCE, force)];
+        Trace::from_columns(Head::default(), columns).unwrap()
+    }
+
+    #[test]
+    fn a_signal_too_large_to_scale_is_refused_and_not_made_nan() {
+        let decomposed = |force| decompose(&trace(force), FORCE, &default_relaxation(), || {});
+        let refused = decomposed([0.0, 1.0, 1e308]).unwrap_err().to_string();
+        assert!(refused.contains("1e308") && refused.contains(FORCE), "{refused}");
+        let large = decomposed([0.0, 1.0, 8e307]).unwrap();
+        assert!(large.lsb.is_finite() && large.fa.iter().all(|value| value.is_finite()));
+        assert_eq!(decomposed([0.0; 3]).unwrap().input, [0.0; 3]);
     }
 }

@@ -1,16 +1,21 @@
 //! `palpate add`.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
-use super::output::{Output, print_json, print_sections, write_report};
+use serde_json::Value;
+
+use super::answer::{Answer, labels};
+use super::output::Output;
 use super::preparation::Prepare;
 use super::{Failure, progress};
 use crate::criticism::change::{self, Change, ChangeError};
 use crate::criticism::compare::compare;
 use crate::files::plan::MODEL;
 use crate::model::Model;
+use crate::report::Section;
 use crate::summary::{change_json, change_report, change_sections};
-use crate::trace::Trace;
+use crate::trace::{Trace, read_set};
 
 /// Add an effect to a model, refit, and see the error fall.
 #[derive(clap::Args)]
@@ -33,16 +38,23 @@ pub struct Args {
     /// Traces, or folders of traces: one data set
     #[arg(required = true, value_name = "TRACE")]
     traces: Vec<PathBuf>,
-    /// Take this law of the effect
-    #[arg(long, value_name = "LAW")]
-    law: Option<String>,
+    #[command(flatten)]
+    options: Options,
     /// Write the model with the effect
     #[arg(short, long, value_name = "BETTER.toml")]
     output: Option<PathBuf>,
     #[command(flatten)]
-    prepare: Prepare,
-    #[command(flatten)]
     result: Output,
+}
+
+/// Which law is taken, and how the traces are.
+#[derive(clap::Args)]
+pub struct Options {
+    /// Take this law of the effect
+    #[arg(long, value_name = "LAW")]
+    law: Option<String>,
+    #[command(flatten)]
+    prepare: Prepare,
 }
 
 /// Adds, refits and prints.
@@ -52,41 +64,80 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         files.writes(path, &MODEL)?;
     }
     let model = Model::read(&args.model).map_err(Failure::input)?;
-    let (traces, _) = args.prepare.read(&args.traces, &model.base.signal)?;
+    let traces = Arc::new(read_set(&args.traces).map_err(Failure::input)?);
+    give(&*ask(&args.options, &args.name, &model, traces)?, args.output.as_deref(), &args.result)
+}
+
+/// Adds an effect to a model and refits it to traces in memory.
+pub fn ask(
+    options: &Options,
+    effect: &str,
+    model: &Model,
+    traces: Arc<Vec<Trace>>,
+) -> Result<Box<dyn Answer>, Failure> {
+    let (traces, _) = options.prepare.take(traces, &model.base.signal)?;
     let wait = progress::spinner("refitting");
-    let change = change::add(&model, &args.name, args.law.as_deref(), &traces);
+    let change = change::add(model, effect, options.law.as_deref(), &traces);
     wait.finish_and_clear();
     let change = change.map_err(|error| match error {
         ChangeError::Worse { .. } => Failure::work(error),
         _ => Failure::input(error),
     })?;
-    give(&change, &traces, args.output.as_deref(), &args.result)
+    Ok(Box::new(Changed { traces, change }))
+}
+
+/// A changed model.
+pub(super) struct Changed {
+    pub traces: Arc<Vec<Trace>>,
+    pub change: Change,
+}
+
+impl Answer for Changed {
+    fn title(&self) -> &'static str {
+        "A changed model"
+    }
+
+    fn subtitle(&self) -> String {
+        self.change.model.base.signal.clone()
+    }
+
+    fn inputs(&self) -> Vec<String> {
+        labels(&self.traces)
+    }
+
+    fn json(&self) -> Value {
+        change_json(&self.change)
+    }
+
+    fn sections(&self) -> Result<Vec<Section>, Failure> {
+        let comparison = compare(&self.change.model, &self.traces).map_err(Failure::input)?;
+        Ok(change_report(&self.change, &comparison))
+    }
+
+    fn in_short(&self) -> Result<Vec<Section>, Failure> {
+        Ok(change_sections(&self.change))
+    }
+
+    fn model(&self) -> Result<Option<Model>, Failure> {
+        Ok(Some(self.change.model.clone()))
+    }
+
+    fn failed(&self) -> Option<String> {
+        let stop = &self.change.fit.stop;
+        (!stop.converged()).then(|| stop.to_string())
+    }
 }
 
 /// Writes the changed model, the report and the result.
-pub fn give(
-    change: &Change,
-    traces: &[Trace],
+pub(super) fn give(
+    found: &dyn Answer,
     output: Option<&Path>,
     result: &Output,
 ) -> Result<(), Failure> {
-    if let Some(path) = output {
-        change.model.write(path).map_err(Failure::work)?;
+    if let Some(path) = output
+        && let Some(model) = found.model()?
+    {
+        model.write(path).map_err(Failure::work)?;
     }
-    if let Some(path) = &result.report {
-        let comparison = compare(&change.model, traces).map_err(Failure::input)?;
-        let sections = change_report(change, &comparison);
-        let names = traces.iter().map(Trace::label).collect();
-        write_report(path, "A changed model", &change.model.base.signal, names, sections)?;
-    }
-    if result.json {
-        print_json(&change_json(change))?;
-    } else {
-        print_sections(&change_sections(change))?;
-    }
-    if change.fit.stop.converged() {
-        Ok(())
-    } else {
-        Err(Failure::Work(miette::miette!("{}", change.fit.stop)))
-    }
+    result.show(found)
 }

@@ -1,14 +1,19 @@
 //! `palpate compare`.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
+use serde_json::Value;
+
+use super::answer::{Answer, labels};
 use super::output::Output;
 use super::preparation::Prepare;
 use super::{Failure, progress};
-use crate::criticism::compare::compare;
+use crate::criticism::compare::{Comparison, compare};
 use crate::model::Model;
-use crate::summary::{compare_json, compare_sections};
-use crate::trace::Trace;
+use crate::report::Section;
+use crate::summary::{Preparation, compare_json, compare_sections};
+use crate::trace::{Trace, read_set};
 
 /// Compare a model with measurements, and see where it fails.
 #[derive(clap::Args)]
@@ -36,12 +41,50 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<(), Failure> {
     args.result.files(args.traces.iter().chain([&args.model]))?;
     let model = Model::read(&args.model).map_err(Failure::input)?;
-    let (traces, preparation) = args.prepare.read(&args.traces, &model.base.signal)?;
+    let traces = Arc::new(read_set(&args.traces).map_err(Failure::input)?);
+    args.result.show(&*ask(&args.prepare, model, traces)?)
+}
+
+/// Compares a model with traces in memory.
+pub fn ask(
+    prepare: &Prepare,
+    model: Model,
+    traces: Arc<Vec<Trace>>,
+) -> Result<Box<dyn Answer>, Failure> {
+    let (traces, preparation) = prepare.take(traces, &model.base.signal)?;
     let wait = progress::spinner("comparing");
     let comparison = compare(&model, &traces).map_err(Failure::input)?;
     wait.finish_and_clear();
-    let sections = preparation.before(compare_sections(&model, &comparison, &traces));
-    let names = traces.iter().map(Trace::label).collect();
-    let json = || preparation.within(compare_json(&comparison));
-    args.result.give("Model against measurement", &comparison.signal, names, &sections, json)
+    Ok(Box::new(Compared { traces, preparation, model, comparison }))
+}
+
+/// A model against measurements.
+struct Compared {
+    traces: Arc<Vec<Trace>>,
+    preparation: Preparation,
+    model: Model,
+    comparison: Comparison,
+}
+
+impl Answer for Compared {
+    fn title(&self) -> &'static str {
+        "Model against measurement"
+    }
+
+    fn subtitle(&self) -> String {
+        self.comparison.signal.clone()
+    }
+
+    fn inputs(&self) -> Vec<String> {
+        labels(&self.traces)
+    }
+
+    fn json(&self) -> Value {
+        self.preparation.within(compare_json(&self.comparison))
+    }
+
+    fn sections(&self) -> Result<Vec<Section>, Failure> {
+        let Self { model, comparison, traces, .. } = self;
+        Ok(self.preparation.before(compare_sections(model, comparison, traces)))
+    }
 }

@@ -1,15 +1,19 @@
 //! `palpate decompose`.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
+use serde_json::Value;
 use shared::adaptation::Relaxation;
 
-use super::output::{Output, cannot_write, print_json, print_sections, write_report};
+use super::answer::{Answer, labels};
+use super::output::{Output, cannot_write};
 use super::{Failure, progress};
 use crate::decomposition::{Channel, decompose, default_relaxation, relaxation_of, signals};
 use crate::files::plan::COMPUTED;
 use crate::model::Model;
 use crate::regions::{Regions, regions};
+use crate::report::Section;
 use crate::summary::{decomposed_trace, decomposition_json, decomposition_sections};
 use crate::trace::{Trace, read_set, write};
 
@@ -39,9 +43,8 @@ pub struct Args {
     /// Take the relaxation function from this model; without it, that of eq. 3.6 is taken
     #[arg(long, value_name = "MODEL.toml")]
     model: Option<PathBuf>,
-    /// Columns to decompose; without it, the gauges, or the force where there is no gauge
-    #[arg(long, value_name = "COLUMN")]
-    signal: Vec<String>,
+    #[command(flatten)]
+    options: Options,
     /// Folder for the traces with more columns
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
@@ -49,51 +52,101 @@ pub struct Args {
     result: Output,
 }
 
+/// What is decomposed.
+#[derive(clap::Args)]
+pub struct Options {
+    /// Columns to decompose; without it, the gauges, or the force where there is no gauge
+    #[arg(long, value_name = "COLUMN")]
+    signal: Vec<String>,
+}
+
 /// Decomposes, prints the regions, writes what was asked for.
 pub fn run(args: &Args) -> Result<(), Failure> {
     let read = args.traces.iter().chain(&args.model);
     let mut files = args.result.files(read)?;
-    let traces = read_set(&args.traces).map_err(Failure::input)?;
+    let traces = Arc::new(read_set(&args.traces).map_err(Failure::input)?);
     if let Some(folder) = &args.output {
-        for trace in &traces {
+        for trace in &*traces {
             files.writes(&folder.join(file_name(trace)), &COMPUTED)?;
         }
     }
-    let relaxation = match &args.model {
-        Some(path) => {
-            let model = Model::read(path).map_err(Failure::input)?;
-            relaxation_of(&model).map_err(Failure::input)?
-        }
+    let model = args.model.as_deref().map(Model::read).transpose().map_err(Failure::input)?;
+    let found = ask(&args.options, model.as_ref(), traces)?;
+    if let Some(folder) = &args.output {
+        write_all(folder, &found)?;
+    }
+    args.result.show(&found)
+}
+
+/// Decomposes traces in memory with the relaxation function of a model, or with that of eq. 3.6.
+pub fn ask(
+    options: &Options,
+    model: Option<&Model>,
+    traces: Arc<Vec<Trace>>,
+) -> Result<Decomposed, Failure> {
+    let relaxation = match model {
+        Some(model) => relaxation_of(model).map_err(Failure::input)?,
         None => default_relaxation(),
     };
-    let mut parts = Vec::new();
-    for trace in &traces {
-        parts.push((trace, channels(trace, &args.signal, &relaxation)?));
+    let parts = traces.iter().map(|trace| channels(trace, &options.signal, &relaxation));
+    let parts = parts.collect::<Result<_, Failure>>()?;
+    Ok(Decomposed { traces, parts, relaxation })
+}
+
+/// Traces in their fast and slow adapting parts.
+pub struct Decomposed {
+    /// The traces.
+    pub traces: Arc<Vec<Trace>>,
+    /// The channels of each trace with their regions.
+    pub parts: Vec<Channels>,
+    /// The relaxation function of the filter.
+    pub relaxation: Relaxation,
+}
+
+/// Channels of one trace, each with its regions.
+pub type Channels = Vec<(Channel, Regions)>;
+
+impl Decomposed {
+    fn each(&self) -> impl Iterator<Item = (&Trace, &[(Channel, Regions)])> {
+        self.traces.iter().zip(self.parts.iter().map(|part| &part[..]))
     }
-    if let Some(folder) = &args.output {
-        write_all(folder, &parts)?;
+}
+
+impl Answer for Decomposed {
+    fn title(&self) -> &'static str {
+        "Fast and slow adapting parts"
     }
-    let sections: Vec<_> = parts
-        .iter()
-        .flat_map(|(trace, channels)| decomposition_sections(trace, channels))
-        .collect();
-    if let Some(path) = &args.result.report {
-        let names = traces.iter().map(Trace::label).collect();
-        write_report(path, "Fast and slow adapting parts", "", names, sections.clone())?;
+
+    fn inputs(&self) -> Vec<String> {
+        labels(&self.traces)
     }
-    if args.result.json {
-        print_json(&decomposition_json(&parts, &relaxation))
-    } else {
-        print_sections(&sections)
+
+    fn json(&self) -> Value {
+        decomposition_json(&self.each().collect::<Vec<_>>(), &self.relaxation)
+    }
+
+    fn sections(&self) -> Result<Vec<Section>, Failure> {
+        Ok(self.each().flat_map(|(trace, part)| decomposition_sections(trace, part)).collect())
+    }
+
+    fn remarks(&self) -> Vec<String> {
+        let each = self.each().flat_map(|(trace, part)| part.iter().map(move |it| (trace, &it.0)));
+        let saturated = each.filter(|(_, channel)| channel.saturated > 0);
+        saturated
+            .map(|(trace, channel)| {
+                let Channel { signal, saturated, .. } = channel;
+                format!("{signal} of {}: {saturated} samples beyond full scale", trace.label())
+            })
+            .collect()
+    }
+
+    fn traces(&self) -> Vec<Trace> {
+        self.each().map(|(trace, part)| decomposed_trace(trace, part)).collect()
     }
 }
 
 /// Every channel asked for, decomposed, with its regions.
-pub fn channels(
-    trace: &Trace,
-    asked: &[String],
-    relaxation: &Relaxation,
-) -> Result<Vec<(Channel, Regions)>, Failure> {
+fn channels(trace: &Trace, asked: &[String], relaxation: &Relaxation) -> Result<Channels, Failure> {
     let signals =
         if asked.is_empty() { signals(trace).map_err(Failure::input)? } else { asked.to_vec() };
     let wait = progress::bar(signals.len() * trace.len(), &trace.label());
@@ -108,14 +161,6 @@ pub fn channels(
         })
         .map_err(Failure::input)?;
         let regions = regions(trace, &channel).map_err(Failure::input)?;
-        if channel.saturated > 0 {
-            eprintln!(
-                "! {} of {}: {} samples beyond full scale",
-                signal,
-                trace.label(),
-                channel.saturated
-            );
-        }
         Ok((channel, regions))
     };
     let found = signals.iter().map(each).collect();
@@ -123,13 +168,13 @@ pub fn channels(
     found
 }
 
-fn write_all(folder: &Path, parts: &[(&Trace, Vec<(Channel, Regions)>)]) -> Result<(), Failure> {
+fn write_all(folder: &Path, found: &Decomposed) -> Result<(), Failure> {
     std::fs::create_dir_all(folder).map_err(|source| cannot_write(folder, source))?;
-    for (trace, channels) in parts {
+    for (trace, channels) in found.each() {
         let path = folder.join(file_name(trace));
         write(&path, &decomposed_trace(trace, channels)).map_err(Failure::work)?;
     }
-    eprintln!("{} trace(s) in {}", parts.len(), folder.display());
+    eprintln!("{} trace(s) in {}", found.parts.len(), folder.display());
     Ok(())
 }
 

@@ -1,14 +1,20 @@
 //! `palpate diagnose`.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
-use super::output::{Output, print_json, print_sections, write_report};
+use serde_json::Value;
+
+use super::answer::{Answer, labels};
+use super::output::Output;
 use super::preparation::Prepare;
 use super::{Failure, progress};
-use crate::criticism::diagnose::diagnose;
+use crate::criticism::diagnose::{Diagnosis, diagnose};
 use crate::fit::data::Data;
 use crate::model::Model;
-use crate::summary::{DiagnosisSummary, NextCommand};
+use crate::report::Section;
+use crate::summary::{DiagnosisSummary, NextCommand, Preparation};
+use crate::trace::{Trace, read_set};
 
 /// Say which physical effect a model lacks, with the evidence.
 #[derive(clap::Args)]
@@ -38,26 +44,84 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<(), Failure> {
     args.result.files(args.traces.iter().chain([&args.model]))?;
     let model = Model::read(&args.model).map_err(Failure::input)?;
-    let (traces, preparation) = args.prepare.read(&args.traces, &model.base.signal)?;
-    let diagnosis = progress::watched("looking for what is missing", || diagnose(&model, &traces))?
-        .map_err(Failure::input)?;
-    let data = Data::of_model(&model, &traces).map_err(Failure::input)?;
-    let summary =
-        DiagnosisSummary::new(&diagnosis, &data, next(&args.model, &args.traces, &args.prepare));
-    if let Some(path) = &args.result.report {
-        let title = "What the model lacks";
-        write_report(
-            path,
-            title,
-            &diagnosis.signal,
-            data.labels.clone(),
-            preparation.before(summary.sections()),
-        )?;
+    let traces = Arc::new(read_set(&args.traces).map_err(Failure::input)?);
+    let next = next(&args.model, &args.traces, &args.prepare);
+    args.result.show(&*ask(&args.prepare, model, traces, next)?)
+}
+
+/// Says what a model lacks beside traces in memory; the next commands name both as `next` says.
+pub fn ask(
+    prepare: &Prepare,
+    model: Model,
+    traces: Arc<Vec<Trace>>,
+    next: NextCommand,
+) -> Result<Box<dyn Answer>, Failure> {
+    let doing = "looking for what is missing";
+    Ok(Box::new(diagnosed(prepare, model, traces, next, doing)?))
+}
+
+/// The same, as both commands need it that diagnose.
+pub(super) fn diagnosed(
+    prepare: &Prepare,
+    model: Model,
+    traces: Arc<Vec<Trace>>,
+    next: NextCommand,
+    doing: &str,
+) -> Result<Diagnosed, Failure> {
+    let (traces, preparation) = prepare.take(traces, &model.base.signal)?;
+    let diagnosis =
+        progress::watched(doing, || diagnose(&model, &traces))?.map_err(Failure::input)?;
+    let found = Diagnosed { traces, preparation, model, diagnosis, next };
+    found.with(|_, _| ())?;
+    Ok(found)
+}
+
+/// What a model lacks.
+pub(super) struct Diagnosed {
+    traces: Arc<Vec<Trace>>,
+    preparation: Preparation,
+    pub model: Model,
+    pub diagnosis: Diagnosis,
+    next: NextCommand,
+}
+
+impl Diagnosed {
+    /// Lays the diagnosis beside its data.
+    pub fn with<T>(&self, tell: impl FnOnce(&DiagnosisSummary, &Data) -> T) -> Result<T, Failure> {
+        let data = Data::of_model(&self.model, &self.traces).map_err(Failure::input)?;
+        Ok(tell(&DiagnosisSummary::new(&self.diagnosis, &data, self.next.clone()), &data))
     }
-    if args.result.json {
-        print_json(&preparation.within(summary.json()))
-    } else {
-        print_sections(&preparation.before(summary.in_short()))
+
+    /// Sections with what was found in the traces before them.
+    pub fn before(&self, sections: Vec<Section>) -> Vec<Section> {
+        self.preparation.before(sections)
+    }
+}
+
+impl Answer for Diagnosed {
+    fn title(&self) -> &'static str {
+        "What the model lacks"
+    }
+
+    fn subtitle(&self) -> String {
+        self.diagnosis.signal.clone()
+    }
+
+    fn inputs(&self) -> Vec<String> {
+        labels(&self.traces)
+    }
+
+    fn json(&self) -> Value {
+        let json = self.with(|summary, _| summary.json());
+        self.preparation.within(json.expect("these traces were diagnosed"))
+    }
+
+    fn sections(&self) -> Result<Vec<Section>, Failure> {
+        self.with(|summary, _| self.before(summary.sections()))
+    }
+
+    fn in_short(&self) -> Result<Vec<Section>, Failure> {
+        self.with(|summary, _| self.before(summary.in_short()))
     }
 }
 

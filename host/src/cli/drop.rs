@@ -1,14 +1,17 @@
 //! `palpate drop`.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
-use super::add::give;
+use super::add::{Changed, give};
+use super::answer::Answer;
 use super::output::Output;
 use super::preparation::Prepare;
 use super::{Failure, progress};
 use crate::criticism::change;
 use crate::files::plan::MODEL;
 use crate::model::Model;
+use crate::trace::{Trace, read_set};
 
 /// Take an effect out of a model, refit, and see the error rise.
 #[derive(clap::Args)]
@@ -42,9 +45,20 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         files.writes(path, &MODEL)?;
     }
     let model = Model::read(&args.model).map_err(Failure::input)?;
-    let (traces, _) = args.prepare.read(&args.traces, &model.base.signal)?;
+    let traces = Arc::new(read_set(&args.traces).map_err(Failure::input)?);
+    give(&*ask(&args.prepare, &args.name, &model, traces)?, args.output.as_deref(), &args.result)
+}
+
+/// Takes an effect out of a model and refits it to traces in memory.
+pub fn ask(
+    prepare: &Prepare,
+    effect: &str,
+    model: &Model,
+    traces: Arc<Vec<Trace>>,
+) -> Result<Box<dyn Answer>, Failure> {
+    let (traces, _) = prepare.take(traces, &model.base.signal)?;
     let wait = progress::spinner("refitting");
-    let change = change::drop(&model, &args.name, &traces);
+    let change = change::drop(model, effect, &traces);
     wait.finish_and_clear();
-    give(&change.map_err(Failure::input)?, &traces, args.output.as_deref(), &args.result)
+    Ok(Box::new(Changed { change: change.map_err(Failure::input)?, traces }))
 }

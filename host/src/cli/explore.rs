@@ -1,20 +1,23 @@
 //! `palpate explore`.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use serde_json::Value;
 
-use super::diagnose::next;
-use super::output::{Output, print_json, print_sections, write_report};
+use super::Failure;
+use super::answer::Answer;
+use super::diagnose::{Diagnosed, diagnosed, next};
+use super::output::Output;
 use super::preparation::Prepare;
-use super::{Failure, progress};
 use crate::criticism::change::{Worse, worse};
-use crate::criticism::diagnose::{Diagnosis, diagnose};
+use crate::criticism::diagnose::Diagnosis;
 use crate::criticism::explore::{explored, rungs};
 use crate::files::plan::MODEL;
-use crate::fit::data::Data;
 use crate::model::Model;
-use crate::summary::{DiagnosisSummary, unit_of};
+use crate::report::Section;
+use crate::summary::{NextCommand, unit_of};
+use crate::trace::{Trace, read_set};
 
 /// Add what is missing until only noise is left, or say that it does not know.
 #[derive(clap::Args)]
@@ -49,37 +52,82 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         files.writes(path, &MODEL)?;
     }
     let model = Model::read(&args.model).map_err(Failure::input)?;
-    let (traces, preparation) = args.prepare.read(&args.traces, &model.base.signal)?;
-    let diagnosis = progress::watched("climbing the ladder", || diagnose(&model, &traces))?
-        .map_err(Failure::input)?;
-    let data = Data::of_model(&model, &traces).map_err(Failure::input)?;
-    let summary =
-        DiagnosisSummary::new(&diagnosis, &data, next(&args.model, &args.traces, &args.prepare));
-    if let Some(worse) = lower(&diagnosis) {
-        return Err(Failure::Work(miette::miette!("{worse}; the model stays as it was")));
-    }
-    if let Some(path) = &args.output {
-        let better = explored(&model, &diagnosis, &data, unit_of(&diagnosis.signal));
+    let traces = Arc::new(read_set(&args.traces).map_err(Failure::input)?);
+    let next = next(&args.model, &args.traces, &args.prepare);
+    let found = explored_by(&args.prepare, model, traces, next, args.output.clone())?;
+    if let Some(path) = &args.output
+        && let Some(better) = found.model()?
+    {
         better.write(path).map_err(Failure::work)?;
         eprintln!("model: {}", path.display());
     }
-    if let Some(path) = &args.result.report {
-        let title = "From the first model to the last";
-        write_report(
-            path,
-            title,
-            &diagnosis.signal,
-            data.labels.clone(),
-            preparation.before(summary.sections()),
-        )?;
+    args.result.show(&found)
+}
+
+/// Adds what is missing of a model beside traces in memory; the next commands name both as `next` says.
+pub fn ask(
+    prepare: &Prepare,
+    model: Model,
+    traces: Arc<Vec<Trace>>,
+    next: NextCommand,
+) -> Result<Box<dyn Answer>, Failure> {
+    Ok(Box::new(explored_by(prepare, model, traces, next, None)?))
+}
+
+fn explored_by(
+    prepare: &Prepare,
+    model: Model,
+    traces: Arc<Vec<Trace>>,
+    next: NextCommand,
+    written: Option<PathBuf>,
+) -> Result<Explored, Failure> {
+    let found = diagnosed(prepare, model, traces, next, "climbing the ladder")?;
+    match lower(&found.diagnosis) {
+        Some(worse) => Err(Failure::Work(miette::miette!("{worse}; the model stays as it was"))),
+        None => Ok(Explored { found, written }),
     }
-    if args.result.json {
-        let mut answer = preparation.within(summary.json());
+}
+
+/// The way up the ladder.
+struct Explored {
+    found: Diagnosed,
+    /// The file of the model at its top.
+    written: Option<PathBuf>,
+}
+
+impl Answer for Explored {
+    fn title(&self) -> &'static str {
+        "From the first model to the last"
+    }
+
+    fn subtitle(&self) -> String {
+        self.found.subtitle()
+    }
+
+    fn inputs(&self) -> Vec<String> {
+        self.found.inputs()
+    }
+
+    fn json(&self) -> Value {
+        let mut answer = self.found.json();
         answer["model"] =
-            args.output.as_ref().map_or(Value::Null, |path| path.display().to_string().into());
-        print_json(&answer)
-    } else {
-        print_sections(&preparation.before(summary.exploration(args.output.as_deref())))
+            self.written.as_ref().map_or(Value::Null, |path| path.display().to_string().into());
+        answer
+    }
+
+    fn sections(&self) -> Result<Vec<Section>, Failure> {
+        self.found.sections()
+    }
+
+    fn in_short(&self) -> Result<Vec<Section>, Failure> {
+        let written = self.written.as_deref();
+        self.found.with(|summary, _| self.found.before(summary.exploration(written)))
+    }
+
+    fn model(&self) -> Result<Option<Model>, Failure> {
+        let Diagnosed { model, diagnosis, .. } = &self.found;
+        let unit = unit_of(&diagnosis.signal);
+        self.found.with(|_, data| Some(explored(model, diagnosis, data, unit)))
     }
 }
 

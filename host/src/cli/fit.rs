@@ -1,20 +1,24 @@
 //! `palpate fit`.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
+use std::sync::Arc;
 
 use clap::ValueEnum;
+use serde_json::Value;
 
+use super::answer::{Answer, labels};
 use super::output::Output;
-use super::preparation::Prepare;
+use super::preparation::{Prepare, Prepared};
 use super::{Failure, progress};
 use crate::criticism::noise::noise_of;
 use crate::files::plan::MODEL;
 use crate::fit::choice::{Choice, Exponent};
 use crate::fit::data::Data;
-use crate::fit::hold::{self, HoldFit};
+use crate::fit::hold::{self, HoldError, HoldFit};
 use crate::fit::least_squares::Stop;
-use crate::fit::ranking::rank;
+use crate::fit::ranking::{Ranking, rank};
 use crate::fit::warning::{Warning, warnings};
+use crate::fit::watch;
 use crate::fit::whole_motion::{self, MotionFit};
 use crate::fit::{elastic_law, hold::Terms};
 use crate::meant::did_you_mean;
@@ -22,10 +26,11 @@ use crate::model::{
     BaseLaw, EXPONENTS_N, Elastic, Family, Gauge, Hyperelastic, Kernel, MAX_TERMS, Model, POWER,
     Separation,
 };
+use crate::report::Section;
 use crate::summary::{
     FitSummary, Preparation, Refit, hold_json, hold_sections, ranking_json, ranking_sections,
 };
-use crate::trace::{FORCE, Trace};
+use crate::trace::{FORCE, Noise, Trace, read_set};
 
 /// Fit a contact model.
 #[derive(clap::Args)]
@@ -65,8 +70,20 @@ pub struct Args {
     /// The base law, then traces, or folders of traces
     #[arg(required = true, value_name = "LAW TRACE")]
     names: Vec<PathBuf>,
+    #[command(flatten)]
+    options: Options,
+    /// Write the model
+    #[arg(short, long, value_name = "MODEL.toml", conflicts_with = "all")]
+    output: Option<PathBuf>,
+    #[command(flatten)]
+    result: Output,
+}
+
+/// What is to be fitted and how.
+#[derive(clap::Args)]
+pub struct Options {
     /// Fit every law, and rank them by their error on traces left out
-    #[arg(long, conflicts_with_all = ["hold_only", "output", "segments", "exponent", "elastic", "relaxation"])]
+    #[arg(long, conflicts_with_all = ["hold_only", "segments", "exponent", "elastic", "relaxation"])]
     all: bool,
     /// Fit each hold by itself with eq. 3.4, not the whole motion
     #[arg(long)]
@@ -95,13 +112,8 @@ pub struct Args {
     /// The column to fit
     #[arg(long, default_value = FORCE, value_name = "COLUMN")]
     signal: String,
-    /// Write the model
-    #[arg(short, long, value_name = "MODEL.toml")]
-    output: Option<PathBuf>,
     #[command(flatten)]
     prepare: Prepare,
-    #[command(flatten)]
-    result: Output,
 }
 
 /// A law of the stretch; none for the power law.
@@ -150,50 +162,73 @@ fn parse_kernel(text: &str) -> Result<Kernel, String> {
 
 /// Fits and prints.
 pub fn run(args: &Args) -> Result<(), Failure> {
-    let traces = if args.all { &args.names[..] } else { &args.names[1..] };
+    let options = &args.options;
+    let (law, traces) = match args.names.split_first() {
+        Some((law, traces)) if !options.all => (Some(law.to_string_lossy()), traces),
+        _ => (None, &args.names[..]),
+    };
     let mut files = args.result.files(traces)?;
     if let Some(path) = &args.output {
         files.writes(path, &MODEL)?;
     }
-    if args.all {
-        let (traces, preparation) = args.prepare.read(&args.names, &args.signal)?;
-        return all(args, &traces, &preparation);
-    }
-    let family = family(&args.names[0])?;
-    let wrong = |problem: String| Err(Failure::Input(miette::miette!("{problem}")));
-    if traces.is_empty() {
-        return wrong("name traces, or folders of traces, after the law".into());
-    }
-    if args.hold_only && family != Family::Fung {
-        return wrong(format!(
-            "--hold-only fits eq. 3.4, which is `fung`, not `{}`",
-            family.name()
-        ));
-    }
     // What cannot be is said before a trace is read.
-    args.choice(family, Elastic::Power).laws().map_err(Failure::input)?;
-    let (traces, preparation) = args.prepare.read(traces, &args.signal)?;
-    let elastic = match args.elastic {
-        None => Elastic::Power,
-        Some(law) => Elastic::Stretch(law, Gauge::of(&traces).map_err(Failure::input)?),
-    };
-    let laws = args.choice(family, elastic).laws().map_err(Failure::input)?;
-    if args.hold_only {
-        holds(args, &traces, &preparation)
-    } else {
-        whole(args, &laws, &traces, preparation)
+    options.family(law.as_deref())?;
+    if traces.is_empty() {
+        return Err(wrong("name traces, or folders of traces, after the law"));
     }
+    let traces = Arc::new(read_set(traces).map_err(Failure::input)?);
+    let found = ask(options, law.as_deref(), traces)?;
+    if let Some(path) = &args.output
+        && let Some(model) = found.model()?
+    {
+        model.write(path).map_err(Failure::work)?;
+    }
+    args.result.show(&*found)
 }
 
-fn family(name: &Path) -> Result<Family, Failure> {
+/// Fits a law, or with `all` every law, to traces in memory.
+pub fn ask(
+    options: &Options,
+    law: Option<&str>,
+    traces: Arc<Vec<Trace>>,
+) -> Result<Box<dyn Answer>, Failure> {
+    let family = options.family(law)?;
+    let prepared = options.prepare.take(traces, &options.signal)?;
+    let Some(family) = family else { return ranked(options, prepared) };
+    let elastic = match options.elastic {
+        None => Elastic::Power,
+        Some(law) => Elastic::Stretch(law, Gauge::of(&prepared.0).map_err(Failure::input)?),
+    };
+    let laws = options.choice(family, elastic).laws().map_err(Failure::input)?;
+    if options.hold_only { holds(options, prepared) } else { whole(options, &laws, prepared) }
+}
+
+fn wrong(problem: &str) -> Failure {
+    Failure::Input(miette::miette!("{problem}"))
+}
+
+fn family(name: &str) -> Result<Family, Failure> {
     let known = || Family::ALL.map(Family::name).join(", ");
-    name.to_str().and_then(Family::named).ok_or_else(|| {
-        let meant = did_you_mean(&name.to_string_lossy(), Family::ALL.map(Family::name));
-        Failure::Input(miette::miette!("no law `{}`{meant}; known: {}", name.display(), known()))
+    Family::named(name).ok_or_else(|| {
+        let meant = did_you_mean(name, Family::ALL.map(Family::name));
+        wrong(&format!("no law `{name}`{meant}; known: {}", known()))
     })
 }
 
-impl Args {
+impl Options {
+    /// The family of that name, none where all are meant, if it has the options.
+    fn family(&self, law: Option<&str>) -> Result<Option<Family>, Failure> {
+        let Some(name) = law else { return Ok(None) };
+        let family = family(name)?;
+        if self.hold_only && family != Family::Fung {
+            let name = family.name();
+            let problem = format!("--hold-only fits eq. 3.4, which is `fung`, not `{name}`");
+            return Err(wrong(&problem));
+        }
+        self.choice(family, Elastic::Power).laws().map_err(Failure::input)?;
+        Ok(Some(family))
+    }
+
     fn separation(&self) -> Separation {
         match self.separation {
             SeparationArg::Clamp => Separation::Clamp,
@@ -215,17 +250,31 @@ impl Args {
     }
 }
 
+/// A fit over whole motions.
+struct Fitted {
+    traces: Arc<Vec<Trace>>,
+    preparation: Preparation,
+    signal: String,
+    /// The fit of each law that was tried.
+    candidates: Vec<MotionFit>,
+    /// Which of them is best.
+    best: usize,
+    noise: Option<Noise>,
+    held_out: Vec<f64>,
+}
+
 fn whole(
-    args: &Args,
+    options: &Options,
     laws: &[BaseLaw],
-    traces: &[Trace],
-    mut preparation: Preparation,
-) -> Result<(), Failure> {
-    let data = Data::of(traces, &args.signal).map_err(Failure::input)?;
+    (traces, mut preparation): Prepared,
+) -> Result<Box<dyn Answer>, Failure> {
+    let signal = &options.signal;
+    let data = Data::of(&traces, signal).map_err(Failure::input)?;
     let candidates = candidates(laws, &data)?;
-    let best = candidates
+    let (index, best) = candidates
         .iter()
-        .min_by(|a, b| a.bic().total_cmp(&b.bic()))
+        .enumerate()
+        .min_by(|(_, a), (_, b)| a.bic().total_cmp(&b.bic()))
         .ok_or_else(|| Failure::Work(miette::miette!("no law was tried")))?;
     let held_out = match traces.len() {
         1 => Vec::new(),
@@ -233,55 +282,91 @@ fn whole(
             whole_motion::held_out(best, &data)
         })?,
     };
-    let summary = FitSummary {
-        fit: best,
-        data: &data,
-        signal: &args.signal,
-        noise: noise_of(&data, traces),
-        held_out: &held_out,
-        candidates: &candidates,
-    };
     if best.stop == Stop::NoBetter {
-        let resting = || {
-            let found = warnings(best, &data, None);
-            found
-                .iter()
-                .find(|it| matches!(it, Warning::Resting { .. }))
-                .map(|it| format!(": {it}"))
-        };
-        let why = data.outlier().or_else(resting).unwrap_or_else(|| {
-            let r_squared = best.r_squared;
-            format!(
-                ": R² is {r_squared:.3}. Look at the recording (palpate plot): is {} zero off the specimen, and its sign right?",
-                args.signal
-            )
-        });
-        return Err(Failure::Input(miette::miette!("{}, and no model is written{why}", best.stop)));
-    }
-    if let Some(path) = &args.output {
-        summary.model().write(path).map_err(Failure::work)?;
+        return Err(wrong(&no_better(best, &data, signal)));
     }
     if !preparation.outliers.is_empty() && !preparation.dropped {
-        preparation.refit = Refit::of(best, traces, &args.signal);
+        preparation.refit = Refit::of(best, &traces, signal);
     }
-    let title = "A fit over whole motions";
-    let sections = preparation.before(summary.sections());
-    let json = || preparation.within(summary.json());
-    args.result.give(title, &args.signal, names(traces), &sections, json)?;
-    if best.stop.converged() {
-        Ok(())
-    } else {
-        Err(Failure::Work(miette::miette!("{}", best.stop)))
+    let noise = noise_of(&data, &traces);
+    let signal = signal.clone();
+    let traces = traces.clone();
+    Ok(Box::new(Fitted { traces, preparation, signal, candidates, best: index, noise, held_out }))
+}
+
+/// Why a search that found nothing better than it began with is no fit.
+fn no_better(best: &MotionFit, data: &Data, signal: &str) -> String {
+    let resting = || {
+        let found = warnings(best, data, None);
+        found.iter().find(|it| matches!(it, Warning::Resting { .. })).map(|it| format!(": {it}"))
+    };
+    let why = data.outlier().or_else(resting).unwrap_or_else(|| {
+        let r_squared = best.r_squared;
+        format!(
+            ": R² is {r_squared:.3}. Look at the recording (palpate plot): is {signal} zero off the specimen, and its sign right?"
+        )
+    });
+    format!("{}, and no model is written{why}", best.stop)
+}
+
+impl Fitted {
+    fn fit(&self) -> &MotionFit {
+        &self.candidates[self.best]
+    }
+
+    fn with<T>(&self, tell: impl FnOnce(&FitSummary) -> T) -> T {
+        let data = Data::of(&self.traces, &self.signal).expect("these traces were fitted");
+        tell(&FitSummary {
+            fit: self.fit(),
+            data: &data,
+            signal: &self.signal,
+            noise: self.noise,
+            held_out: &self.held_out,
+            candidates: &self.candidates,
+        })
+    }
+}
+
+impl Answer for Fitted {
+    fn title(&self) -> &'static str {
+        "A fit over whole motions"
+    }
+
+    fn subtitle(&self) -> String {
+        self.signal.clone()
+    }
+
+    fn inputs(&self) -> Vec<String> {
+        labels(&self.traces)
+    }
+
+    fn json(&self) -> Value {
+        self.with(|summary| self.preparation.within(summary.json()))
+    }
+
+    fn sections(&self) -> Result<Vec<Section>, Failure> {
+        Ok(self.with(|summary| self.preparation.before(summary.sections())))
+    }
+
+    fn model(&self) -> Result<Option<Model>, Failure> {
+        Ok(self.with(|summary| Some(summary.model())))
+    }
+
+    fn failed(&self) -> Option<String> {
+        let stop = &self.fit().stop;
+        (!stop.converged()).then(|| stop.to_string())
     }
 }
 
 /// The fit of each law.
 fn candidates(laws: &[BaseLaw], data: &Data) -> Result<Vec<MotionFit>, Failure> {
     let wait = progress::bar(laws.len(), "fitting");
+    watch::stage("laws fitted", laws.len());
     let fits = laws
         .iter()
         .map(|&law| {
             let fit = whole_motion::fit(law, data);
+            watch::done();
             wait.inc(1);
             fit
         })
@@ -291,49 +376,101 @@ fn candidates(laws: &[BaseLaw], data: &Data) -> Result<Vec<MotionFit>, Failure> 
 }
 
 /// Every law, ranked.
-fn all(args: &Args, traces: &[Trace], preparation: &Preparation) -> Result<(), Failure> {
-    let terms = match args.terms {
+struct Ranked {
+    traces: Arc<Vec<Trace>>,
+    preparation: Preparation,
+    signal: String,
+    ranking: Ranking,
+}
+
+fn ranked(options: &Options, (traces, preparation): Prepared) -> Result<Box<dyn Answer>, Failure> {
+    let terms = match options.terms {
         Terms::Fixed(terms) => terms,
         Terms::Auto => {
             let problem = "--all compares laws of one number of exponentials: give it with --terms";
-            return Err(Failure::Input(miette::miette!(problem)));
+            return Err(wrong(problem));
         }
     };
+    let signal = options.signal.clone();
     let ranking = progress::watched("fitting every law, leaving out each trace in turn", || {
-        rank(traces, &args.signal, terms, args.separation())
+        rank(&traces, &signal, terms, options.separation())
     })?;
     let mut ranking = ranking.map_err(Failure::input)?;
-    if let Ok(data) = Data::of(traces, &args.signal) {
-        ranking.noise = noise_of(&data, traces);
+    if let Ok(data) = Data::of(&traces, &signal) {
+        ranking.noise = noise_of(&data, &traces);
     }
-    let sections = preparation.before(ranking_sections(&ranking, &args.signal));
-    let json = || preparation.within(ranking_json(&ranking, &args.signal));
-    args.result.give("Laws ranked", &args.signal, names(traces), &sections, json)
+    Ok(Box::new(Ranked { traces, preparation, signal, ranking }))
 }
 
-fn holds(args: &Args, traces: &[Trace], preparation: &Preparation) -> Result<(), Failure> {
+impl Answer for Ranked {
+    fn title(&self) -> &'static str {
+        "Laws ranked"
+    }
+
+    fn subtitle(&self) -> String {
+        self.signal.clone()
+    }
+
+    fn inputs(&self) -> Vec<String> {
+        labels(&self.traces)
+    }
+
+    fn json(&self) -> Value {
+        self.preparation.within(ranking_json(&self.ranking, &self.signal))
+    }
+
+    fn sections(&self) -> Result<Vec<Section>, Failure> {
+        Ok(self.preparation.before(ranking_sections(&self.ranking, &self.signal)))
+    }
+}
+
+/// Eq. 3.4 for each hold.
+struct Holds {
+    traces: Arc<Vec<Trace>>,
+    preparation: Preparation,
+    signal: String,
+    fits: Vec<HoldFit>,
+    left_out: Vec<HoldError>,
+}
+
+fn holds(options: &Options, (traces, preparation): Prepared) -> Result<Box<dyn Answer>, Failure> {
     let wait = progress::bar(traces.len(), "fitting holds");
     let (mut fits, mut left_out) = (Vec::<HoldFit>::new(), Vec::new());
-    for trace in traces {
-        let found = hold::fit_holds(trace, &args.signal, args.terms, args.signs);
+    for trace in &*traces {
+        let found = hold::fit_holds(trace, &options.signal, options.terms, options.signs);
         let found = found.map_err(Failure::input)?;
         fits.extend(found.holds);
         left_out.extend(found.left_out);
         wait.inc(1);
     }
     wait.finish_and_clear();
-    if let Some(path) = &args.output {
-        model_of_holds(&fits, &args.signal)?.write(path).map_err(Failure::work)?;
+    let signal = options.signal.clone();
+    Ok(Box::new(Holds { traces, preparation, signal, fits, left_out }))
+}
+
+impl Answer for Holds {
+    fn title(&self) -> &'static str {
+        "Relaxation during holds"
     }
-    let sections = preparation.before(hold_sections(&fits, &left_out, traces, &args.signal));
-    let json = || preparation.within(hold_json(&fits, &left_out, &args.signal));
-    args.result.give("Relaxation during holds", &args.signal, names(traces), &sections, json)
-}
 
-fn model_of_holds(fits: &[HoldFit], signal: &str) -> Result<Model, Failure> {
-    elastic_law::model_of_holds(fits, signal).map_err(Failure::input)
-}
+    fn subtitle(&self) -> String {
+        self.signal.clone()
+    }
 
-fn names(traces: &[Trace]) -> Vec<String> {
-    traces.iter().map(Trace::label).collect()
+    fn inputs(&self) -> Vec<String> {
+        labels(&self.traces)
+    }
+
+    fn json(&self) -> Value {
+        self.preparation.within(hold_json(&self.fits, &self.left_out, &self.signal))
+    }
+
+    fn sections(&self) -> Result<Vec<Section>, Failure> {
+        let Self { fits, left_out, traces, signal, .. } = self;
+        Ok(self.preparation.before(hold_sections(fits, left_out, traces, signal)))
+    }
+
+    fn model(&self) -> Result<Option<Model>, Failure> {
+        elastic_law::model_of_holds(&self.fits, &self.signal).map(Some).map_err(Failure::input)
+    }
 }

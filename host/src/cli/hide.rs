@@ -2,12 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
+use serde_json::Value;
+
+use super::answer::{Answer, labels};
 use super::output::{Output, print_json, print_sections, write_report};
 use super::{Failure, progress};
-use crate::practice::{Choice, check_empty, hide, open, seed_from_clock, write_set};
+use crate::practice::{Choice, Practice, check_empty, hide, open, seed_from_clock, write_set};
 use crate::report::Section;
 use crate::summary::{practice_json, practice_sections, trace_panels, truth_json, truth_sections};
-use crate::trace::Trace;
 
 /// Make a practice data set with a hidden effect; the truth goes to a sealed file.
 #[derive(clap::Args)]
@@ -22,6 +24,21 @@ Examples:
   palpate hide mullins --size 0.5 -o faint/
   palpate hide --open practice/             what it was")]
 pub struct Args {
+    #[command(flatten)]
+    options: Options,
+    /// Folder to make; must be new or empty
+    #[arg(short, long, value_name = "DIR", required_unless_present = "open")]
+    output: Option<PathBuf>,
+    /// Show what is hidden in a folder
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["effects", "any", "seed", "size", "output"])]
+    open: Option<PathBuf>,
+    #[command(flatten)]
+    result: Output,
+}
+
+/// What is hidden.
+#[derive(clap::Args)]
+pub struct Options {
     /// Effects to hide
     effects: Vec<String>,
     /// Hide so many effects drawn from the library [default: 1, without a name]
@@ -33,14 +50,6 @@ pub struct Args {
     /// Misfit that each effect leaves, over the noise
     #[arg(long, value_name = "SIZE", default_value_t = 1.0)]
     size: f64,
-    /// Folder to make; must be new or empty
-    #[arg(short, long, value_name = "DIR", required_unless_present = "open")]
-    output: Option<PathBuf>,
-    /// Show what is hidden in a folder
-    #[arg(long, value_name = "DIR", conflicts_with_all = ["effects", "any", "seed", "size", "output"])]
-    open: Option<PathBuf>,
-    #[command(flatten)]
-    result: Output,
 }
 
 /// Makes a practice set, or opens one.
@@ -57,32 +66,58 @@ pub fn run(args: &Args) -> Result<(), Failure> {
 fn make(args: &Args, folder: &Path) -> Result<(), Failure> {
     args.result.files([""; 0])?;
     check_empty(folder).map_err(Failure::input)?;
-    let choice = match (args.any, args.effects.is_empty()) {
+    let practice = ask(&args.options)?;
+    write_set(folder, &practice).map_err(Failure::work)?;
+    args.result.show(&Hidden { practice: &practice, folder: folder.display().to_string() })
+}
+
+/// Makes a practice set.
+pub fn ask(options: &Options) -> Result<Practice, Failure> {
+    let choice = match (options.any, options.effects.is_empty()) {
         (Some(count), _) => Choice::Any(count.into()),
         (None, true) => Choice::Any(1),
-        (None, false) => Choice::Named(args.effects.clone()),
+        (None, false) => Choice::Named(options.effects.clone()),
     };
     let wait = progress::spinner("recording");
-    let practice = hide(&choice, args.size, args.seed.unwrap_or_else(seed_from_clock));
+    let practice = hide(&choice, options.size, options.seed.unwrap_or_else(seed_from_clock));
     wait.finish_and_clear();
-    let practice = practice.map_err(Failure::input)?;
-    write_set(folder, &practice).map_err(Failure::work)?;
-    let shown = folder.display().to_string();
-    let sections = practice_sections(&practice, &shown);
-    if let Some(path) = &args.result.report {
-        let mut drawn = Section::new("The traces");
-        for trace in &practice.traces {
-            drawn = drawn.figure(trace_panels(trace), "");
-        }
-        let mut all = sections.clone();
-        all.push(drawn);
-        let names = practice.traces.iter().map(Trace::label).collect();
-        write_report(path, "A practice set", "what is in it is for you to find", names, all)?;
+    practice.map_err(Failure::input)
+}
+
+/// A practice set in its folder.
+struct Hidden<'a> {
+    practice: &'a Practice,
+    folder: String,
+}
+
+impl Answer for Hidden<'_> {
+    fn title(&self) -> &'static str {
+        "A practice set"
     }
-    if args.result.json {
-        print_json(&practice_json(&practice, &shown))
-    } else {
-        print_sections(&sections)
+
+    fn subtitle(&self) -> String {
+        "what is in it is for you to find".into()
+    }
+
+    fn inputs(&self) -> Vec<String> {
+        labels(&self.practice.traces)
+    }
+
+    fn json(&self) -> Value {
+        practice_json(self.practice, &self.folder)
+    }
+
+    fn sections(&self) -> Result<Vec<Section>, Failure> {
+        let traces = self.practice.traces.iter();
+        let drawn = traces
+            .fold(Section::new("The traces"), |drawn, trace| drawn.figure(trace_panels(trace), ""));
+        let mut sections = self.in_short()?;
+        sections.push(drawn);
+        Ok(sections)
+    }
+
+    fn in_short(&self) -> Result<Vec<Section>, Failure> {
+        Ok(practice_sections(self.practice, &self.folder))
     }
 }
 

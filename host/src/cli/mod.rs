@@ -5,6 +5,8 @@
 
 mod add;
 mod afm;
+mod answer;
+pub mod ask;
 mod compare;
 mod completions;
 mod convert;
@@ -40,6 +42,7 @@ mod simulate;
 mod specimen;
 mod strain_rate;
 
+use std::ffi::OsString;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
@@ -162,6 +165,30 @@ impl Failure {
     }
 }
 
+impl Failure {
+    /// What went wrong, with every cause that is not in the words before it.
+    #[must_use]
+    pub fn words(&self) -> String {
+        let (Self::Input(report) | Self::Work(report)) = self;
+        let mut text = report.to_string();
+        for cause in report.chain().skip(1).map(ToString::to_string) {
+            if !text.contains(&cause) {
+                text += &format!("\n  because {cause}");
+            }
+        }
+        text
+    }
+
+    /// The exit status that it ends a command with.
+    #[must_use]
+    pub fn status(&self) -> u8 {
+        match self {
+            Self::Input(_) => 2,
+            Self::Work(_) => 1,
+        }
+    }
+}
+
 /// An error of the library, shown by its own words.
 #[derive(Debug, thiserror::Error)]
 #[error(transparent)]
@@ -169,10 +196,24 @@ struct Wrapped(Box<dyn std::error::Error + Send + Sync>);
 
 impl Diagnostic for Wrapped {}
 
-/// Runs the command line; the exit status is what `main` returns.
+/// Runs the command line of this process; the exit status is what `main` returns.
 #[must_use]
 pub fn run() -> ExitCode {
-    let arguments = Arguments::parse();
+    ExitCode::from(run_with(std::env::args_os()))
+}
+
+/// Runs a command line, its first word being the name of the program, and gives the exit status.
+pub fn run_with(words: impl IntoIterator<Item = OsString>) -> u8 {
+    let words: Vec<OsString> = words.into_iter().collect();
+    output::remember_call(&words);
+    let arguments = match Arguments::try_parse_from(words) {
+        Ok(arguments) => arguments,
+        Err(told) => {
+            // Help on standard output, a wrong call on standard error; a reader that has gone away is no error.
+            let _ = told.print();
+            return told.exit_code().try_into().unwrap_or(2);
+        }
+    };
     start_log(arguments.verbose);
     interrupt::prepare();
     let outcome = match &arguments.command {
@@ -209,22 +250,12 @@ pub fn run() -> ExitCode {
         Command::Completions(args) => completions::run::<Arguments>(args),
     };
     match outcome {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(Failure::Input(report)) => fail(&report, 2),
-        Err(Failure::Work(report)) => fail(&report, 1),
-    }
-}
-
-/// Says what went wrong, with every cause that is not in the words before it.
-fn fail(report: &Report, status: u8) -> ExitCode {
-    let mut text = report.to_string();
-    for cause in report.chain().skip(1).map(ToString::to_string) {
-        if !text.contains(&cause) {
-            text += &format!("\n  because {cause}");
+        Ok(()) => 0,
+        Err(failure) => {
+            eprintln!("error: {}", failure.words());
+            failure.status()
         }
     }
-    eprintln!("error: {text}");
-    ExitCode::from(status)
 }
 
 /// Messages of the library go to standard error; `PALPATE_LOG` names a level, `-v` raises it.

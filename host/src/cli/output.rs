@@ -1,9 +1,12 @@
 //! How results reach standard output, and files.
 
+use std::ffi::OsString;
 use std::io::{self, IsTerminal, Write};
 use std::path::Path;
+use std::sync::OnceLock;
 
 use super::Failure;
+use super::answer::Answer;
 use crate::files::plan::{Overwrite, Plan, REPORT, Refused};
 use crate::files::{quoted, write_whole};
 use crate::report::{Block, Callout, Origin, Page, Section, Table, Terminal};
@@ -66,6 +69,26 @@ impl<O: clap::Args + Copy + Into<Overwrite>> Output<O> {
             files.writes(report, &REPORT)?;
         }
         Ok(files)
+    }
+
+    /// Gives what was found: a report where one is asked for, then the tables or the JSON object.
+    pub fn show(&self, found: &dyn Answer) -> Result<(), Failure> {
+        for remark in found.remarks() {
+            eprintln!("! {remark}");
+        }
+        if let Some(path) = &self.report {
+            let (title, subtitle) = (found.title(), found.subtitle());
+            write_report(path, title, &subtitle, found.inputs(), found.sections()?)?;
+        }
+        if self.json {
+            print_json(&found.json())?;
+        } else {
+            print_sections(&found.in_short()?)?;
+        }
+        match found.failed() {
+            Some(why) => Err(Failure::Work(miette::miette!("{why}"))),
+            None => Ok(()),
+        }
     }
 
     /// Gives a result: a report where one is asked for, then the tables or the JSON object.
@@ -191,10 +214,19 @@ struct WriteError {
     source: io::Error,
 }
 
-/// The command that was called, so that a report can be made again.
+/// The words of the call but the name of the program.
+static CALL: OnceLock<Vec<String>> = OnceLock::new();
+
+/// Keeps a call, so that a report can say how to make it again.
+pub(super) fn remember_call(words: &[OsString]) {
+    let words = words.iter().skip(1).map(|word| word.to_string_lossy().into_owned());
+    let _ = CALL.set(words.collect());
+}
+
+/// The command that was called.
 fn command_line() -> String {
     std::iter::once("palpate".to_owned())
-        .chain(std::env::args().skip(1).map(|argument| quoted(&argument)))
+        .chain(CALL.get().into_iter().flatten().map(|word| quoted(word)))
         .collect::<Vec<_>>()
         .join(" ")
 }

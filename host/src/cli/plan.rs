@@ -4,12 +4,14 @@ use std::path::PathBuf;
 
 use serde_json::{Value, json};
 
+use super::answer::Answer;
 use super::output::{print_json, print_sections};
 use super::{Failure, progress};
 use crate::dissertation::{EQUATION_3_5, EQUATION_3_6};
 use crate::fit::exponentials::plan::{Experiment, Plan, Recording, Wanted};
-use crate::fit::exponentials::{ExponentialSum, Normalisation, Parameter, Term};
+use crate::fit::exponentials::{Bound, ExponentialSum, Normalisation, Parameter, Term};
 use crate::model::Model;
+use crate::report::Section;
 use crate::summary::plan_section;
 
 /// How long and how fast to record for a wanted precision.
@@ -24,12 +26,22 @@ Examples:
   palpate plan --noise 0.01 --want v1=2 --want v2=5        percent of each
   palpate plan --force 1.5 --shares 0.25,0.27 --rates 4,0.5 --noise 0.01 --want v2=1")]
 pub struct Args {
-    /// Standard deviation of the noise of one sample, in the unit of the signal
-    #[arg(long, value_name = "RMS")]
-    noise: f64,
     /// Take the relaxation function from this model
     #[arg(long, value_name = "MODEL.toml", requires = "compression", conflicts_with_all = ["shares", "rates", "force"])]
     model: Option<PathBuf>,
+    #[command(flatten)]
+    options: Options,
+    /// Print one JSON object instead of tables
+    #[arg(long)]
+    json: bool,
+}
+
+/// What is to be recorded, and how well known.
+#[derive(clap::Args)]
+pub struct Options {
+    /// Standard deviation of the noise of one sample, in the unit of the signal
+    #[arg(long, value_name = "RMS")]
+    noise: f64,
     /// Compression of the hold, mm, for the model
     #[arg(long, value_name = "MM")]
     compression: Option<f64>,
@@ -57,9 +69,6 @@ pub struct Args {
     /// Fastest sampling to consider, Hz
     #[arg(long, value_name = "HZ", default_value_t = 4000.0)]
     fastest: f64,
-    /// Print one JSON object instead of tables
-    #[arg(long)]
-    json: bool,
 }
 
 fn parse_wanted(text: &str) -> Result<Wanted, String> {
@@ -75,23 +84,52 @@ fn parse_wanted(text: &str) -> Result<Wanted, String> {
 
 /// Prints what the recording would tell, and the recordings that tell what is wanted.
 pub fn run(args: &Args) -> Result<(), Failure> {
+    let model = args.model.as_deref().map(Model::read).transpose().map_err(Failure::input)?;
+    let found = ask(&args.options, model.as_ref())?;
+    if args.json { print_json(&found.json()) } else { print_sections(&found.sections()?) }
+}
+
+/// Plans with the relaxation function of a model, or with the one given.
+pub fn ask(options: &Options, model: Option<&Model>) -> Result<Box<dyn Answer>, Failure> {
+    let sum = sum(options, model)?;
     let experiment =
-        Experiment { sum: sum(args)?, noise: args.noise, normalisation: Normalisation::Initial };
-    let recording = Recording::lasting(args.duration, args.rate);
+        Experiment { sum, noise: options.noise, normalisation: Normalisation::Initial };
+    let recording = Recording::lasting(options.duration, options.rate);
     let bound = experiment.bound(recording).map_err(Failure::input)?;
     let wait = progress::spinner("searching recordings");
-    let plans = if args.want.is_empty() {
+    let plans = if options.want.is_empty() {
         Vec::new()
     } else {
-        let longer = experiment.duration_for(&args.want, args.rate, args.longest);
-        let faster = experiment.rate_for(&args.want, args.duration, args.fastest);
+        let longer = experiment.duration_for(&options.want, options.rate, options.longest);
+        let faster = experiment.rate_for(&options.want, options.duration, options.fastest);
         vec![longer.map_err(Failure::input)?, faster.map_err(Failure::input)?]
     };
     wait.finish_and_clear();
-    if args.json {
-        print_json(&json!({
+    Ok(Box::new(Planned { experiment, recording, bound, plans }))
+}
+
+/// What recordings would tell.
+struct Planned {
+    experiment: Experiment,
+    recording: Recording,
+    bound: Bound,
+    plans: Vec<Plan>,
+}
+
+impl Answer for Planned {
+    fn title(&self) -> &'static str {
+        "Plan"
+    }
+
+    fn inputs(&self) -> Vec<String> {
+        Vec::new()
+    }
+
+    fn json(&self) -> Value {
+        let Self { experiment, recording, bound, plans } = self;
+        json!({
             "palpate_plan": 1,
-            "noise": args.noise,
+            "noise": experiment.noise,
             "rate_hz": recording.rate,
             "duration_s": recording.duration(),
             "standard_errors": Parameter::all(experiment.sum.terms.len())
@@ -99,9 +137,12 @@ pub fn run(args: &Args) -> Result<(), Failure> {
                 .collect::<serde_json::Map<String, Value>>(),
             "longer": plans.first().map(plan_json),
             "faster": plans.get(1).map(plan_json),
-        }))
-    } else {
-        print_sections(&[plan_section(&experiment, recording, &bound, &plans)])
+        })
+    }
+
+    fn sections(&self) -> Result<Vec<Section>, Failure> {
+        let Self { experiment, recording, bound, plans } = self;
+        Ok(vec![plan_section(experiment, *recording, bound, plans)])
     }
 }
 
@@ -121,9 +162,13 @@ fn plan_json(plan: &Plan) -> Value {
 }
 
 /// The relaxation to plan for: a model's at a compression, the one given, or eqs 3.5 and 3.6.
-fn sum(args: &Args) -> Result<ExponentialSum, Failure> {
-    if let (Some(path), Some(compression)) = (&args.model, args.compression) {
-        let model = Model::read(path).map_err(Failure::input)?;
+fn sum(args: &Options, model: Option<&Model>) -> Result<ExponentialSum, Failure> {
+    if let Some(model) = model {
+        let compression = args.compression.ok_or_else(|| {
+            Failure::Input(miette::miette!(
+                "to plan with a model, give the --compression of the hold"
+            ))
+        })?;
         let (law, values) =
             model.law().map_err(|problem| Failure::Input(miette::miette!(problem)))?;
         let Some(relaxation) = law.relaxation(&values) else {

@@ -1,10 +1,10 @@
 //! What is done to traces before anything is fitted to them.
 
-use std::path::Path;
+use std::sync::Arc;
 
 use super::Failure;
 use crate::summary::Preparation;
-use crate::trace::{Trace, outliers, read_set, tare, without};
+use crate::trace::{Trace, outliers, tare, without};
 
 /// Flags of every command that fits a model or compares it.
 #[derive(clap::Args)]
@@ -17,36 +17,37 @@ pub struct Prepare {
     tare: bool,
 }
 
+/// The traces that are fitted, and what was found and done before.
+pub type Prepared = (Arc<Vec<Trace>>, Preparation);
+
 impl Prepare {
-    /// Reads a data set, looks for impossible samples in its motion and in `signal`, and does what the
-    /// flags ask for.
-    pub fn read<P: AsRef<Path>>(
-        &self,
-        paths: &[P],
-        signal: &str,
-    ) -> Result<(Vec<Trace>, Preparation), Failure> {
-        let mut traces = read_set(paths).map_err(Failure::input)?;
-        let (mut found, mut tared) = (Vec::new(), Vec::new());
-        for trace in &mut traces {
-            let own = outliers(trace, signal);
+    /// Looks for impossible samples in the motion of a data set and in `signal`, and does what the flags ask for. The
+    /// traces are copied only where a flag changes them.
+    pub fn take(&self, traces: Arc<Vec<Trace>>, signal: &str) -> Result<Prepared, Failure> {
+        let mut taken = traces;
+        let mut found = Vec::new();
+        for k in 0..taken.len() {
+            let own = outliers(&taken[k], signal);
             if self.drop_outliers && !own.is_empty() {
-                *trace = without(trace, &own);
+                let left = without(&taken[k], &own);
+                Arc::make_mut(&mut taken)[k] = left;
             }
             found.extend(own);
         }
-        for trace in traces.iter_mut().filter(|_| self.tare) {
-            let label = trace.label();
-            let zero = tare(trace, signal).ok_or_else(|| {
-                Failure::Input(miette::miette!(
-                    "--tare: {label} has no `{signal}` before the touch, displacement above 0, to take the resting value from"
-                ))
-            })?;
-            tared.push((label, zero));
+        let mut tared = Vec::new();
+        if self.tare {
+            for trace in Arc::make_mut(&mut taken) {
+                let label = trace.label();
+                let zero = tare(trace, signal).ok_or_else(|| {
+                    Failure::Input(miette::miette!(
+                        "--tare: {label} has no `{signal}` before the touch, displacement above 0, to take the resting value from"
+                    ))
+                })?;
+                tared.push((label, zero));
+            }
         }
-        Ok((
-            traces,
-            Preparation { outliers: found, dropped: self.drop_outliers, tared, refit: None },
-        ))
+        let how = Preparation { outliers: found, dropped: self.drop_outliers, tared, refit: None };
+        Ok((taken, how))
     }
 
     /// The flags that were given, to be put behind the traces of another command.

@@ -8,20 +8,26 @@ use std::time::Duration;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::Failure;
-use crate::fit::watch::{Watch, under};
+use crate::fit::watch::{self, Watch, under};
 
 /// How often what is shown is made anew.
 const TICK: Duration = Duration::from_millis(100);
 
-/// A bar over `steps` steps of `what`.
+/// A bar over `steps` steps of `what`; none where the caller watches over the work by other means.
 pub fn bar(steps: usize, what: &str) -> ProgressBar {
+    if watch::watched() {
+        return ProgressBar::hidden();
+    }
     let style = ProgressStyle::with_template("{msg:<28} {bar:32} {pos}/{len} {eta}")
         .unwrap_or_else(|_| ProgressStyle::default_bar());
     ProgressBar::new(steps as u64).with_style(style).with_message(what.to_owned())
 }
 
-/// A moving mark while `what` is done, where the number of steps is not known.
+/// A moving mark while `what` is done, where the number of steps is not known; none where the caller watches.
 pub fn spinner(what: &str) -> ProgressBar {
+    if watch::watched() {
+        return ProgressBar::hidden();
+    }
     let spinner = ProgressBar::new_spinner().with_message(what.to_owned());
     spinner.enable_steady_tick(TICK);
     spinner
@@ -32,7 +38,7 @@ pub fn spinner(what: &str) -> ProgressBar {
 /// # Errors
 /// When the system gives no threads.
 pub fn watched<T: Send>(what: &str, work: impl FnOnce() -> T + Send) -> Result<T, Failure> {
-    if !std::io::stderr().is_terminal() {
+    if watch::watched() || !std::io::stderr().is_terminal() {
         return Ok(work());
     }
     let watch = Arc::new(Watch::default());
@@ -74,7 +80,6 @@ fn tell(mark: &ProgressBar, what: &str, watch: &Watch) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::watch;
 
     #[test]
     fn the_bar_tells_the_stage_and_what_is_left_of_it() {

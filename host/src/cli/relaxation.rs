@@ -1,12 +1,17 @@
 //! `palpate relaxation`.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
+use serde_json::Value;
+
+use super::answer::{Answer, labels};
 use super::fit::parse_terms;
 use super::output::Output;
 use super::{Failure, progress};
-use crate::analysis::relaxation::relaxation;
-use crate::fit::hold::Terms;
+use crate::analysis::relaxation::{Hold, relaxation};
+use crate::fit::hold::{HoldError, Terms};
+use crate::report::Section;
 use crate::summary::{relaxation_json, relaxation_sections};
 use crate::trace::{FORCE, Trace, read_set};
 
@@ -28,6 +33,15 @@ pub struct Args {
     /// Traces, or folders of traces
     #[arg(required = true, value_name = "TRACE")]
     traces: Vec<PathBuf>,
+    #[command(flatten)]
+    options: Options,
+    #[command(flatten)]
+    result: Output,
+}
+
+/// What is fitted to the holds.
+#[derive(clap::Args)]
+pub struct Options {
     /// Exponentials of eq. 3.4: 1 to 4, or auto
     #[arg(long, default_value = "2", value_parser = parse_terms)]
     terms: Terms,
@@ -37,26 +51,56 @@ pub struct Args {
     /// The column to fit
     #[arg(long, default_value = FORCE, value_name = "COLUMN")]
     signal: String,
-    #[command(flatten)]
-    result: Output,
 }
 
 /// Fits and prints.
 pub fn run(args: &Args) -> Result<(), Failure> {
     args.result.files(&args.traces)?;
-    let traces = read_set(&args.traces).map_err(Failure::input)?;
+    let traces = Arc::new(read_set(&args.traces).map_err(Failure::input)?);
+    args.result.show(&*ask(&args.options, traces)?)
+}
+
+/// What the holds of traces in memory show.
+pub fn ask(options: &Options, traces: Arc<Vec<Trace>>) -> Result<Box<dyn Answer>, Failure> {
     let wait = progress::bar(traces.len(), "fitting holds");
     let (mut holds, mut left_out) = (Vec::new(), Vec::new());
-    for trace in &traces {
-        let found = relaxation(trace, &args.signal, args.terms, args.signs);
+    for trace in &*traces {
+        let found = relaxation(trace, &options.signal, options.terms, options.signs);
         let found = found.map_err(Failure::input)?;
         holds.extend(found.holds);
         left_out.extend(found.left_out);
         wait.inc(1);
     }
     wait.finish_and_clear();
-    let sections = relaxation_sections(&holds, &left_out, &traces, &args.signal);
-    let names = traces.iter().map(Trace::label).collect();
-    let json = || relaxation_json(&holds, &left_out, &args.signal);
-    args.result.give("Relaxation", &args.signal, names, &sections, json)
+    Ok(Box::new(Relaxed { traces, signal: options.signal.clone(), holds, left_out }))
+}
+
+/// What holds show.
+struct Relaxed {
+    traces: Arc<Vec<Trace>>,
+    signal: String,
+    holds: Vec<Hold>,
+    left_out: Vec<HoldError>,
+}
+
+impl Answer for Relaxed {
+    fn title(&self) -> &'static str {
+        "Relaxation"
+    }
+
+    fn subtitle(&self) -> String {
+        self.signal.clone()
+    }
+
+    fn inputs(&self) -> Vec<String> {
+        labels(&self.traces)
+    }
+
+    fn json(&self) -> Value {
+        relaxation_json(&self.holds, &self.left_out, &self.signal)
+    }
+
+    fn sections(&self) -> Result<Vec<Section>, Failure> {
+        Ok(relaxation_sections(&self.holds, &self.left_out, &self.traces, &self.signal))
+    }
 }

@@ -1,13 +1,16 @@
 //! `palpate segment`.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
-use serde_json::json;
+use serde_json::{Value, json};
 
 use super::Failure;
+use super::answer::{Answer, labels};
 use super::output::Output;
-use crate::analysis::cycles::segment;
-use crate::analysis::pull_off_growth::growth;
+use crate::analysis::cycles::{Segmentation, segment};
+use crate::analysis::pull_off_growth::{Growth, growth};
+use crate::report::Section;
 use crate::summary::{growth_section, pull_off_growth_json, segment_json, segment_sections};
 use crate::trace::{Trace, read_set};
 
@@ -35,24 +38,52 @@ pub struct Args {
 /// Segments and prints.
 pub fn run(args: &Args) -> Result<(), Failure> {
     args.result.files(&args.traces)?;
-    let traces = read_set(&args.traces).map_err(Failure::input)?;
-    let found = traces
-        .iter()
-        .map(|trace| Ok((trace, segment(trace).map_err(Failure::input)?)))
-        .collect::<Result<Vec<_>, Failure>>()?;
-    let mut sections: Vec<_> =
-        found.iter().flat_map(|(trace, found)| segment_sections(trace, found)).collect();
-    let cycles = found.iter().flat_map(|(_, found)| &found.cycles);
+    let traces = Arc::new(read_set(&args.traces).map_err(Failure::input)?);
+    args.result.show(&*ask(traces)?)
+}
+
+/// Cuts the grasps of traces in memory.
+pub fn ask(traces: Arc<Vec<Trace>>) -> Result<Box<dyn Answer>, Failure> {
+    let found = traces.iter().map(|trace| segment(trace).map_err(Failure::input));
+    let found = found.collect::<Result<Vec<_>, Failure>>()?;
+    let cycles = found.iter().flat_map(|found| &found.cycles);
     let growth = growth(&cycles.filter_map(|cycle| cycle.pull_off).collect::<Vec<_>>());
-    sections.extend(growth.as_ref().map(growth_section));
-    let names = traces.iter().map(Trace::label).collect();
-    let json = || {
-        let traces = found.iter().map(|(trace, found)| segment_json(trace, found));
+    Ok(Box::new(Segmented { traces, found, growth }))
+}
+
+/// Grasps in their six regions.
+struct Segmented {
+    traces: Arc<Vec<Trace>>,
+    found: Vec<Segmentation>,
+    growth: Option<Growth>,
+}
+
+impl Segmented {
+    fn each(&self) -> impl Iterator<Item = (&Trace, &Segmentation)> {
+        self.traces.iter().zip(&self.found)
+    }
+}
+
+impl Answer for Segmented {
+    fn title(&self) -> &'static str {
+        "The regions of a grasp"
+    }
+
+    fn inputs(&self) -> Vec<String> {
+        labels(&self.traces)
+    }
+
+    fn json(&self) -> Value {
+        let traces = self.each().map(|(trace, found)| segment_json(trace, found));
         json!({
             "palpate_segment": 1,
             "traces": traces.collect::<Vec<_>>(),
-            "pull_off_growth": growth.as_ref().map(pull_off_growth_json),
+            "pull_off_growth": self.growth.as_ref().map(pull_off_growth_json),
         })
-    };
-    args.result.give("The regions of a grasp", "", names, &sections, json)
+    }
+
+    fn sections(&self) -> Result<Vec<Section>, Failure> {
+        let each = self.each().flat_map(|(trace, found)| segment_sections(trace, found));
+        Ok(each.chain(self.growth.as_ref().map(growth_section)).collect())
+    }
 }

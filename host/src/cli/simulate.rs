@@ -60,6 +60,18 @@ pub struct Args {
     /// The force to keep by PI control: a force profile (.toml)
     #[arg(long, value_name = "FORCE.toml", group = "what")]
     force: Option<PathBuf>,
+    #[command(flatten)]
+    options: Options,
+    /// Write the trace here instead of standard output
+    #[arg(short, long, value_name = "TRACE")]
+    output: Option<PathBuf>,
+    #[command(flatten)]
+    over: OverwriteOnly,
+}
+
+/// What is added to the prediction.
+#[derive(clap::Args)]
+pub struct Options {
     /// Of a latency model with segments: add the displacement of every node inside, node2_mm, …
     #[arg(long)]
     nodes: bool,
@@ -69,11 +81,6 @@ pub struct Args {
     /// Seed of the noise
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Write the trace here instead of standard output
-    #[arg(short, long, value_name = "TRACE")]
-    output: Option<PathBuf>,
-    #[command(flatten)]
-    over: OverwriteOnly,
 }
 
 fn parse_noise(text: &str) -> Result<f64, String> {
@@ -90,75 +97,113 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         Plan::reading(read, args.over.into()).writes(path, &COMPUTED)?;
     }
     let model = Model::read(&args.model).map_err(Failure::input)?;
-    let signal = &model.base.signal;
-    let (mut trace, mut force) = match (&args.motion, &args.force) {
-        (_, Some(path)) => controlled(&model, path)?,
-        (Some(path), None) => moved(&model, path)?,
+    let (course, path) = match (&args.motion, &args.force) {
+        (_, Some(path)) => (Course::Force(ForceProfile::read(path).map_err(Failure::input)?), path),
+        (Some(path), None) => (Course::Motion(motion(path)?.into()), path),
         (None, None) => return Err(Failure::Input(miette::miette!("give --motion or --force"))),
     };
-    if let Some(noise) = args.noise {
-        eprintln!("noise of {noise} RMS, seed {}", args.seed);
-        add_noise(&mut force, noise, args.seed);
+    let found = ask(&args.options, &model, course, &path.display().to_string())?;
+    if let Some(noise) = args.options.noise {
+        eprintln!("noise of {noise} RMS, seed {}", args.options.seed);
     }
-    trace.columns.retain(|column| [DISPLACEMENT, TEMPERATURE].contains(&column.name.as_str()));
-    trace.set_column(signal, force);
-    if args.nodes {
-        add_nodes(&model, &mut trace)?;
+    for remark in &found.remarks {
+        eprintln!("! {remark}");
     }
     match &args.output {
-        Some(path) => write(path, &trace).map_err(Failure::work),
+        Some(path) => write(path, &found.trace).map_err(Failure::work),
         None => {
             let mut bytes = Vec::new();
-            write_to(&mut bytes, &trace).map_err(Failure::work)?;
+            write_to(&mut bytes, &found.trace).map_err(Failure::work)?;
             print(&String::from_utf8_lossy(&bytes))
         }
     }
 }
 
-/// A motion and the force that the model predicts for it.
-fn moved(model: &Model, path: &Path) -> Result<(Trace, Vec<f64>), Failure> {
-    let trace = motion(path)?;
-    let force = {
-        let data = Data::of_motions(std::slice::from_ref(&trace), &model.base.signal)
-            .map_err(Failure::input)?
-            .with_reference(model.reference_temperature);
-        let (chain, parameters) = chain_of(model, &data.setting()).map_err(Failure::input)?;
-        beyond(model, data.largest_compression());
-        if let Some(what) = data.left_out.first() {
-            return Err(Failure::Input(miette::miette!("{what}")));
-        }
-        predict(&chain, &parameters, &data).concat()
+/// What the model goes through.
+pub enum Course {
+    /// A motion, and all that is known of the temperature on the way.
+    Motion(Box<Trace>),
+    /// A force that a controller keeps.
+    Force(ForceProfile),
+}
+
+/// A simulated trace.
+pub struct Simulated {
+    /// The trace.
+    pub trace: Trace,
+    /// What is to be said of it.
+    pub remarks: Vec<String>,
+}
+
+/// Predicts what happens over a course, which the trace says by its name.
+pub fn ask(
+    options: &Options,
+    model: &Model,
+    course: Course,
+    name: &str,
+) -> Result<Simulated, Failure> {
+    let signal = &model.base.signal;
+    let (mut trace, mut force) = match course {
+        Course::Force(profile) => controlled(model, &profile, name)?,
+        Course::Motion(motion) => moved(model, *motion, name)?,
     };
+    let deepest = trace.displacement().unwrap_or_default().iter().copied().fold(0.0, f64::max);
+    let remarks = beyond(model, deepest).into_iter().collect();
+    if let Some(noise) = options.noise {
+        add_noise(&mut force, noise, options.seed);
+    }
+    trace.columns.retain(|column| [DISPLACEMENT, TEMPERATURE].contains(&column.name.as_str()));
+    trace.set_column(signal, force);
+    if options.nodes {
+        add_nodes(model, &mut trace)?;
+    }
+    Ok(Simulated { trace, remarks })
+}
+
+/// A motion and the force that the model predicts for it.
+fn moved(model: &Model, motion: Trace, name: &str) -> Result<(Trace, Vec<f64>), Failure> {
+    let control = Some(Control::Displacement);
+    let head = Head { specimen: motion.head.specimen, control, ..simulated(name) };
+    let trace = Trace { path: None, head, ..motion };
+    let data = Data::of_motions(std::slice::from_ref(&trace), &model.base.signal)
+        .map_err(Failure::input)?
+        .with_reference(model.reference_temperature);
+    let (chain, parameters) = chain_of(model, &data.setting()).map_err(Failure::input)?;
+    if let Some(what) = data.left_out.first() {
+        return Err(Failure::Input(miette::miette!("{what}")));
+    }
+    let force = predict(&chain, &parameters, &data).concat();
     Ok((trace, force))
 }
 
 /// The motion by which a controller keeps a force, and that force.
-fn controlled(model: &Model, path: &Path) -> Result<(Trace, Vec<f64>), Failure> {
+fn controlled(
+    model: &Model,
+    profile: &ForceProfile,
+    name: &str,
+) -> Result<(Trace, Vec<f64>), Failure> {
     if let Some(effect) = model.effects.first() {
         return Err(Failure::Input(miette::miette!(
             "under force control a model runs without effects, and this one has `{}`: take it out (palpate drop), or give --motion",
             effect.name
         )));
     }
-    let profile = ForceProfile::read(path).map_err(Failure::input)?;
     let (law, parameters) =
         model.law().map_err(|problem| Failure::Input(miette::miette!(problem)))?;
     let run = profile.run(&law, &parameters);
-    beyond(model, run.displacement.iter().copied().fold(0.0, f64::max));
-    let head = Head { control: Some(Control::Force), ..simulated(path) };
+    let head = Head { control: Some(Control::Force), ..simulated(name) };
     let columns = vec![Column { name: DISPLACEMENT.into(), values: run.displacement }];
     Ok((Trace { path: None, head, time: run.time, columns }, run.force))
 }
 
 /// Says when the model is asked for more than it has seen.
-fn beyond(model: &Model, deepest: f64) {
-    if let Some(seen) = model.fit.as_ref().and_then(|fit| fit.largest_compression_mm)
-        && deepest > seen * 1.001
-    {
-        eprintln!(
-            "! the motion goes to {deepest:.3} mm, beyond the {seen:.3} mm that the model was fitted to"
-        );
-    }
+fn beyond(model: &Model, deepest: f64) -> Option<String> {
+    let seen = model.fit.as_ref()?.largest_compression_mm?;
+    (deepest > seen * 1.001).then(|| {
+        format!(
+            "the motion goes to {deepest:.3} mm, beyond the {seen:.3} mm that the model was fitted to"
+        )
+    })
 }
 
 /// Adds what the nodes inside the specimen do.
@@ -187,27 +232,24 @@ fn add_nodes(model: &Model, trace: &mut Trace) -> Result<(), Failure> {
 }
 
 /// The head of a simulated trace.
-fn simulated(path: &Path) -> Head {
+fn simulated(course: &str) -> Head {
     Head {
         version: Some(1),
-        name: Some(format!("simulated over {}", path.display())),
+        name: Some(format!("simulated over {course}")),
         computed_by: Some("palpate simulate".into()),
         ..Head::default()
     }
 }
 
 /// The motion as a trace: read, or made from a profile.
-fn motion(path: &Path) -> Result<Trace, Failure> {
-    let mut head = Head { control: Some(Control::Displacement), ..simulated(path) };
-    if path.extension().is_some_and(|extension| extension == "toml") {
-        let motion = Profile::read(path).map_err(Failure::input)?.motion();
-        let displacement = motion.displacement.into_owned();
-        let columns = vec![Column { name: DISPLACEMENT.into(), values: displacement }];
-        return Ok(Trace { path: None, head, time: motion.time.into_owned(), columns });
+pub fn motion(path: &Path) -> Result<Trace, Failure> {
+    if path.extension().is_none_or(|extension| extension != "toml") {
+        return read(path).map_err(Failure::input);
     }
-    let trace = read(path).map_err(Failure::input)?;
-    head.specimen = trace.head.specimen;
-    Ok(Trace { path: None, head, ..trace })
+    let motion = Profile::read(path).map_err(Failure::input)?.motion();
+    let displacement = motion.displacement.into_owned();
+    let columns = vec![Column { name: DISPLACEMENT.into(), values: displacement }];
+    Ok(Trace { path: None, head: Head::default(), time: motion.time.into_owned(), columns })
 }
 
 fn add_noise(force: &mut [f64], noise: f64, seed: u64) {

@@ -110,6 +110,12 @@ pub fn ended() -> bool {
     seen(Watch::ended).unwrap_or(false)
 }
 
+/// Whether somebody watches over the work at hand.
+#[must_use]
+pub fn watched() -> bool {
+    seen(|_| ()).is_some()
+}
+
 fn seen<T>(look: impl FnOnce(&Watch) -> T) -> Option<T> {
     WATCH.with_borrow(|watch| watch.as_deref().map(look))
 }
@@ -126,7 +132,8 @@ mod tests {
         assert_eq!(went_on(&one), (false, false));
         assert_eq!(went_on(&other), (true, true));
         assert_eq!(other.progress(), (0, 2));
-        assert!(step(), "nobody watches here");
+        assert_eq!(under(&one, watched).ok(), Some(true));
+        assert!(step() && !watched(), "nobody watches here");
     }
 
     #[test]

@@ -309,10 +309,19 @@ impl Model {
     /// When the file cannot be written, or a number of the model is not finite.
     pub fn write(&self, path: &Path) -> Result<(), FileError> {
         let content = |problem: String| FileError::Content { path: path.into(), problem };
-        let text = toml::to_string(self).map_err(|error| content(error.to_string()))?;
-        check_finite(&text).map_err(|problem| content(format!("not written: {problem}")))?;
+        let text = self.to_toml().map_err(content)?;
         write_whole(path, |file| file.write_all(text.as_bytes()))
             .map_err(|source| FileError::Io { path: path.into(), source })
+    }
+
+    /// The text of the model file.
+    ///
+    /// # Errors
+    /// In words, when a number of the model is not finite.
+    pub fn to_toml(&self) -> Result<String, String> {
+        let text = toml::to_string(self).map_err(|error| error.to_string())?;
+        check_finite(&text).map_err(|problem| format!("not written: {problem}"))?;
+        Ok(text)
     }
 
     /// A model of the law with these values, in the order of [`BaseLaw::parameters`].

@@ -156,7 +156,7 @@ pub fn decomposed_trace(trace: &Trace, channels: &[(Channel, Regions)]) -> Trace
 /// The regions of every channel as one JSON object.
 #[must_use]
 pub fn decomposition_json(
-    parts: &[(&Trace, Vec<(Channel, Regions)>)],
+    parts: &[(&Trace, &[(Channel, Regions)])],
     relaxation: &Relaxation,
 ) -> Value {
     let channel = |trace: &Trace, (channel, regions): &(Channel, Regions)| {

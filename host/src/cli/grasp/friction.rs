@@ -2,12 +2,16 @@
 
 use std::path::PathBuf;
 
+use serde_json::Value;
+
 use super::{body, exponent, number};
 use crate::cli::Failure;
+use crate::cli::answer::Answer;
 use crate::cli::output::Output;
-use crate::grasp::friction::{Sliding, friction};
+use crate::grasp::friction::{Friction, Sliding, friction};
 use crate::grasp::history::MOMENT;
 use crate::grasp::{Body, Load, PressureLaw};
+use crate::report::Section;
 use crate::summary::{friction_json, friction_sections};
 use crate::trace::{DISPLACEMENT, FORCE, TANGENTIAL, Trace, read};
 
@@ -26,6 +30,15 @@ pub struct Args {
     /// The recording
     #[arg(value_name = "TRACE")]
     trace: PathBuf,
+    #[command(flatten)]
+    options: Options,
+    #[command(flatten)]
+    result: Output,
+}
+
+/// The contact, and where it slides.
+#[derive(clap::Args)]
+pub struct Options {
     /// The contact, sizes in mm; without it, that of the trace's [specimen]
     #[arg(long, value_name = "CONTACT", value_parser = body)]
     contact: Option<Body>,
@@ -53,37 +66,64 @@ pub struct Args {
     /// There is contact where the normal force is above this, N
     #[arg(long, value_name = "N", default_value = "0", value_parser = number)]
     contact_above: f64,
-    #[command(flatten)]
-    result: Output,
 }
 
 /// Identifies and prints.
 pub fn run(args: &Args) -> Result<(), Failure> {
     args.result.files([&args.trace])?;
     let trace = read(&args.trace).map_err(Failure::input)?;
-    let body = match args.contact {
+    args.result.show(&*ask(&args.options, &trace)?)
+}
+
+/// Friction from a slide in memory.
+pub fn ask(options: &Options, trace: &Trace) -> Result<Box<dyn Answer>, Failure> {
+    let body = match options.contact {
         Some(body) => body,
         None => Body::of(&trace.head.specimen).map_err(Failure::input)?,
     };
-    let samples = sliding(args, &trace, &body)?;
-    let found = friction(&body, args.exponent, &samples);
+    let samples = sliding(options, trace, &body)?;
+    let found = friction(&body, options.exponent, &samples);
     let found = found.map_err(|error| wrong(&format!("{}: {error}", trace.label())))?;
-    let sections = friction_sections(&found, args.exponent);
-    args.result.give("Friction", "", vec![trace.label()], &sections, || friction_json(&found))
+    Ok(Box::new(Slid { found, exponent: options.exponent, trace: trace.label() }))
+}
+
+/// What a slide says of friction.
+struct Slid {
+    found: Friction,
+    exponent: PressureLaw,
+    trace: String,
+}
+
+impl Answer for Slid {
+    fn title(&self) -> &'static str {
+        "Friction"
+    }
+
+    fn inputs(&self) -> Vec<String> {
+        vec![self.trace.clone()]
+    }
+
+    fn json(&self) -> Value {
+        friction_json(&self.found)
+    }
+
+    fn sections(&self) -> Result<Vec<Section>, Failure> {
+        Ok(friction_sections(&self.found, self.exponent))
+    }
 }
 
 fn wrong(what: &str) -> Failure {
     Failure::Input(miette::miette!("{what}"))
 }
 
-fn sliding(args: &Args, trace: &Trace, body: &Body) -> Result<Vec<Sliding>, Failure> {
+fn sliding(options: &Options, trace: &Trace, body: &Body) -> Result<Vec<Sliding>, Failure> {
     let column = |name: &str| {
         let missing = || wrong(&format!("{} has no column `{name}`", trace.label()));
         trace.column(name).ok_or_else(missing)
     };
-    let (normal, x) = (column(&args.normal)?, column(&args.tangential)?);
-    let y = args.across.as_deref().map(column).transpose()?;
-    let moment = match &args.moment {
+    let (normal, x) = (column(&options.normal)?, column(&options.tangential)?);
+    let y = options.across.as_deref().map(column).transpose()?;
+    let moment = match &options.moment {
         Some(name) => Some(column(name)?),
         None => trace.column(MOMENT),
     };
@@ -91,9 +131,9 @@ fn sliding(args: &Args, trace: &Trace, body: &Body) -> Result<Vec<Sliding>, Fail
     let of = |values: Option<&[f64]>, k: usize| values.map_or(0.0, |values| values[k]);
     let slides = |k: &usize| {
         let time = trace.time[*k];
-        args.from.is_none_or(|from| time >= from)
-            && args.to.is_none_or(|to| time <= to)
-            && normal[*k] > args.contact_above
+        options.from.is_none_or(|from| time >= from)
+            && options.to.is_none_or(|to| time <= to)
+            && normal[*k] > options.contact_above
     };
     let sample = |k: usize| Sliding {
         normal: normal[k],

@@ -2,12 +2,16 @@
 
 use std::path::PathBuf;
 
+use serde_json::Value;
+
 use super::{Pressing, body, number, positive};
 use crate::cli::Failure;
+use crate::cli::answer::Answer;
 use crate::cli::output::{Output, OverwriteOnly};
 use crate::grasp::growth::{creep, growth, relaxation};
-use crate::grasp::{Body, Held, Material};
+use crate::grasp::{Body, Grown, Held, Material};
 use crate::model::{Model, Relaxation};
+use crate::report::Section;
 use crate::summary::{growth_json, growth_sections};
 
 /// How the limit surface grows under creep or shrinks under relaxation.
@@ -26,6 +30,18 @@ Examples:
       --creep 8.1 --shares=-0.0738,-0.214 --rates 0.8229,0.007805
   palpate grasp growth --contact sphere:35 --friction 0.7 --compression 5 --model model.toml")]
 pub struct Args {
+    /// Take elastic response and relaxation from this model
+    #[arg(long, value_name = "MODEL.toml", conflicts_with_all = ["shares", "rates", "creep"])]
+    model: Option<PathBuf>,
+    #[command(flatten)]
+    options: Options,
+    #[command(flatten)]
+    result: Output<OverwriteOnly>,
+}
+
+/// The body, and how it is held.
+#[derive(clap::Args)]
+pub struct Options {
     /// The body, sizes in mm: block:40x25x50:0.48, cylinder:25x30:0.48, sphere:35; or a fixed contact
     #[arg(long, value_name = "CONTACT", value_parser = body)]
     contact: Body,
@@ -37,9 +53,6 @@ pub struct Args {
     /// Constant compression, mm
     #[arg(long, value_name = "MM", value_parser = positive)]
     compression: Option<f64>,
-    /// Take elastic response and relaxation from this model
-    #[arg(long, value_name = "MODEL.toml", conflicts_with_all = ["shares", "rates", "creep"])]
-    model: Option<PathBuf>,
     /// Compression once the creep has settled, mm
     #[arg(long, value_name = "MM", value_parser = positive, requires_all = ["shares", "force"], conflicts_with = "compression")]
     creep: Option<f64>,
@@ -55,37 +68,70 @@ pub struct Args {
     /// Times at which it is computed
     #[arg(long, default_value_t = 101, value_parser = clap::value_parser!(u16).range(2..))]
     points: u16,
-    #[command(flatten)]
-    result: Output<OverwriteOnly>,
 }
 
 /// Computes and prints.
 pub fn run(args: &Args) -> Result<(), Failure> {
     args.result.files(&args.model)?;
-    let course = course(args)?;
-    let Pressing { friction, exponent } = args.pressing;
-    let grown = growth(&args.contact, exponent, friction, &course);
+    let model = args.model.as_deref().map(|path| {
+        let name = path.display().to_string();
+        Model::read(path).map(|model| (model, name)).map_err(Failure::input)
+    });
+    args.result.show(&*ask(&args.options, model.transpose()?)?)
+}
+
+/// How the limit surface changes, by a model of that name or by the shares and rates given.
+pub fn ask(options: &Options, model: Option<(Model, String)>) -> Result<Box<dyn Answer>, Failure> {
+    let course = course(options, model.as_ref().map(|(model, _)| model))?;
+    let Pressing { friction, exponent } = options.pressing;
+    let grown = growth(&options.contact, exponent, friction, &course);
     if grown.is_empty() {
         return Err(Failure::Input(miette::miette!(
             "the body is never pressed, so nothing is held"
         )));
     }
-    let inputs = args.model.iter().map(|path| path.display().to_string()).collect();
-    let title = "A limit surface over time";
-    args.result.give(title, "", inputs, &growth_sections(&grown), || growth_json(&grown))
+    let without_effects = model.as_ref().is_some_and(|(model, _)| !model.effects.is_empty());
+    let inputs = model.into_iter().map(|(_, name)| name).collect();
+    Ok(Box::new(OverTime { grown, without_effects, inputs }))
+}
+
+/// A limit surface over time.
+struct OverTime {
+    grown: Vec<Grown>,
+    without_effects: bool,
+    inputs: Vec<String>,
+}
+
+impl Answer for OverTime {
+    fn title(&self) -> &'static str {
+        "A limit surface over time"
+    }
+
+    fn inputs(&self) -> Vec<String> {
+        self.inputs.clone()
+    }
+
+    fn json(&self) -> Value {
+        growth_json(&self.grown)
+    }
+
+    fn sections(&self) -> Result<Vec<Section>, Failure> {
+        Ok(growth_sections(&self.grown))
+    }
+
+    fn remarks(&self) -> Vec<String> {
+        let what = "the effects of the model are left out: only its base law is followed";
+        self.without_effects.then(|| what.into()).into_iter().collect()
+    }
 }
 
 /// Compression and normal force over the hold.
-fn course(args: &Args) -> Result<Vec<Held>, Failure> {
+fn course(args: &Options, model: Option<&Model>) -> Result<Vec<Held>, Failure> {
     let wrong = |what: &str| Failure::Input(miette::miette!("{what}"));
     let last = f64::from(args.points - 1);
     let times: Vec<f64> = (0..args.points).map(|k| args.duration * f64::from(k) / last).collect();
-    if let Some(path) = &args.model {
-        let model = Model::read(path).map_err(Failure::input)?;
-        if !model.effects.is_empty() {
-            eprintln!("! the effects of the model are left out: only its base law is followed");
-        }
-        let material = Material::of(&model).map_err(|what| wrong(&what))?;
+    if let Some(model) = model {
+        let material = Material::of(model).map_err(|what| wrong(&what))?;
         return match (args.force, args.compression) {
             (Some(force), None) => Ok(material.creep(&times, force)),
             (None, Some(compression)) => Ok(material.relaxation(&times, compression)),

@@ -1,15 +1,20 @@
 //! `palpate grasp margin`.
 
 use std::path::PathBuf;
+use std::sync::Arc;
+
+use serde_json::Value;
 
 use super::{Pressing, body, number};
 use crate::cli::Failure;
+use crate::cli::answer::{Answer, labels};
 use crate::cli::output::{Output, write_file};
 use crate::decomposition::{decompose, relaxation_of};
 use crate::files::plan::table;
 use crate::grasp::history::{MOMENT, history};
 use crate::grasp::{Body, Grip, History, Source, Sources};
 use crate::model::Model;
+use crate::report::Section;
 use crate::summary::{HISTORY_HEADER, histories_json, history_csv, history_sections};
 use crate::trace::{FORCE, TANGENTIAL, Trace, read_set};
 
@@ -32,6 +37,21 @@ pub struct Args {
     /// Traces, or folders of traces
     #[arg(required = true, value_name = "TRACE")]
     traces: Vec<PathBuf>,
+    #[command(flatten)]
+    options: Options,
+    /// Also tell the margin once settled, by the relaxation function of this model
+    #[arg(long, value_name = "MODEL.toml")]
+    model: Option<PathBuf>,
+    /// Write the share in use at every sample of the one trace as CSV
+    #[arg(short, long, value_name = "FILE.csv")]
+    output: Option<PathBuf>,
+    #[command(flatten)]
+    result: Output,
+}
+
+/// The contact, and where its load is.
+#[derive(clap::Args)]
+pub struct Options {
     /// The contact, sizes in mm: circle:5, ellipse:6x4, rectangle:42x26, sphere:35, block:40x25x50:0.48
     #[arg(long, value_name = "CONTACT", value_parser = body)]
     contact: Option<Body>,
@@ -52,14 +72,6 @@ pub struct Args {
     /// There is contact where the normal force is above this, N; without it, five times its noise
     #[arg(long, value_name = "N", value_parser = number)]
     contact_above: Option<f64>,
-    /// Also tell the margin once settled, by the relaxation function of this model
-    #[arg(long, value_name = "MODEL.toml")]
-    model: Option<PathBuf>,
-    /// Write the share in use at every sample of the one trace as CSV
-    #[arg(short, long, value_name = "FILE.csv")]
-    output: Option<PathBuf>,
-    #[command(flatten)]
-    result: Output,
 }
 
 fn source(text: &str) -> Result<Source, String> {
@@ -76,59 +88,102 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     if let Some(path) = &args.output {
         files.writes(path, &table(&[HISTORY_HEADER]))?;
     }
-    let traces = read_set(&args.traces).map_err(Failure::input)?;
+    let traces = Arc::new(read_set(&args.traces).map_err(Failure::input)?);
     if args.output.is_some() && traces.len() > 1 {
         return Err(Failure::Input(miette::miette!(
             "-o takes one trace; {} were given",
             traces.len()
         )));
     }
-    let relaxation = args.model.as_deref().map(|path| {
-        let model = Model::read(path).map_err(Failure::input)?;
-        relaxation_of(&model).map_err(Failure::input)
-    });
-    let relaxation = relaxation.transpose()?;
-    let mut histories: Vec<(&Trace, History)> = Vec::new();
-    for trace in &traces {
+    let model = args.model.as_deref().map(Model::read).transpose().map_err(Failure::input)?;
+    let found = followed(&args.options, model.as_ref(), traces)?;
+    if let (Some(path), [(trace, history)]) = (&args.output, &found.each()[..]) {
+        write_file(path, history_csv(trace, history).as_bytes())?;
+    }
+    args.result.show(&found)
+}
+
+/// Follows the margin over traces in memory; with a model also that once settled.
+pub fn ask(
+    options: &Options,
+    model: Option<&Model>,
+    traces: Arc<Vec<Trace>>,
+) -> Result<Box<dyn Answer>, Failure> {
+    Ok(Box::new(followed(options, model, traces)?))
+}
+
+fn followed(
+    options: &Options,
+    model: Option<&Model>,
+    traces: Arc<Vec<Trace>>,
+) -> Result<Followed, Failure> {
+    let relaxation = model.map(relaxation_of).transpose().map_err(Failure::input)?;
+    let mut histories = Vec::new();
+    for trace in &*traces {
         let settled = relaxation.as_ref().map(|relaxation| {
-            let channel = decompose(trace, &args.normal, relaxation, || {});
+            let channel = decompose(trace, &options.normal, relaxation, || {});
             channel.map(|channel| channel.equilibrium).map_err(Failure::input)
         });
         let settled = settled.transpose()?;
         let found = history(
             trace,
-            &grip(args, trace)?,
-            &sources(args, trace),
+            &grip(options, trace)?,
+            &sources(options, trace),
             settled.as_deref(),
-            args.contact_above,
+            options.contact_above,
         );
-        histories.push((trace, found.map_err(Failure::input)?));
+        histories.push(found.map_err(Failure::input)?);
     }
-    if let (Some(path), [(trace, history)]) = (&args.output, &histories[..]) {
-        write_file(path, history_csv(trace, history).as_bytes())?;
-    }
-    let names = traces.iter().map(Trace::label).collect();
-    let json = || histories_json(&histories);
-    args.result.give("Margin until slip", "", names, &history_sections(&histories), json)
+    Ok(Followed { traces, histories })
 }
 
-fn grip(args: &Args, trace: &Trace) -> Result<Grip, Failure> {
-    let body = match args.contact {
+/// The margin over recordings.
+struct Followed {
+    traces: Arc<Vec<Trace>>,
+    histories: Vec<History>,
+}
+
+impl Followed {
+    fn each(&self) -> Vec<(&Trace, &History)> {
+        self.traces.iter().zip(&self.histories).collect()
+    }
+}
+
+impl Answer for Followed {
+    fn title(&self) -> &'static str {
+        "Margin until slip"
+    }
+
+    fn inputs(&self) -> Vec<String> {
+        labels(&self.traces)
+    }
+
+    fn json(&self) -> Value {
+        histories_json(&self.each())
+    }
+
+    fn sections(&self) -> Result<Vec<Section>, Failure> {
+        Ok(history_sections(&self.each()))
+    }
+}
+
+fn grip(options: &Options, trace: &Trace) -> Result<Grip, Failure> {
+    let body = match options.contact {
         Some(body) => body,
         None => Body::of(&trace.head.specimen).map_err(Failure::input)?,
     };
-    Ok(Grip { body, law: args.pressing.exponent, friction: args.pressing.friction })
+    Ok(Grip { body, law: options.pressing.exponent, friction: options.pressing.friction })
 }
 
-fn sources(args: &Args, trace: &Trace) -> Sources {
-    let moment = args.moment.clone().unwrap_or_else(|| match trace.column(MOMENT) {
+fn sources(options: &Options, trace: &Trace) -> Sources {
+    let moment = options.moment.clone().unwrap_or_else(|| match trace.column(MOMENT) {
         Some(_) => Source::Column(MOMENT.into()),
         None => Source::Constant(0.0),
     });
     Sources {
-        normal: args.normal.clone(),
-        tangential: args.tangential.clone(),
-        across: args.across.clone(),
+        normal: options.normal.clone(),
+        tangential: options.tangential.clone(),
+        across: options.across.clone(),
         moment,
     }
 }

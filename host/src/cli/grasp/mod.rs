@@ -1,10 +1,10 @@
 //! `palpate grasp`: one file for each subcommand.
 
-mod friction;
-mod growth;
-mod margin;
-mod plan;
-mod surface;
+pub mod friction;
+pub mod growth;
+pub mod margin;
+pub mod plan;
+pub mod surface;
 mod watch;
 
 use super::Failure;

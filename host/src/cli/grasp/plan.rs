@@ -2,12 +2,16 @@
 
 use std::path::PathBuf;
 
+use serde_json::Value;
+
 use super::positive;
+use crate::cli::answer::Answer;
 use crate::cli::output::Output;
 use crate::cli::{Failure, progress};
 use crate::grasp::hand::Hand;
 use crate::grasp::{BalanceError, Least};
 use crate::model::Model;
+use crate::report::Section;
 use crate::summary::{Forecast, HandPlan, plan_json, plan_sections};
 
 /// Several fingers on one object: least grip, margin, and when it will slip.
@@ -29,6 +33,18 @@ pub struct Args {
     /// The hand
     #[arg(value_name = "HAND.toml")]
     hand: PathBuf,
+    #[command(flatten)]
+    options: Options,
+    /// What is pressed, for fingers whose entry names no model
+    #[arg(long, value_name = "MODEL.toml")]
+    model: Option<PathBuf>,
+    #[command(flatten)]
+    result: Output,
+}
+
+/// What the grasp must hold, and for how long.
+#[derive(clap::Args)]
+pub struct Options {
     /// How many times the load must be held
     #[arg(long, default_value = "1", value_parser = positive)]
     margin: f64,
@@ -41,11 +57,6 @@ pub struct Args {
     /// The object has been held for so many seconds
     #[arg(long, value_name = "S", default_value = "0", value_parser = not_negative, requires = "lasts")]
     after: f64,
-    /// What is pressed, for fingers whose entry names no model
-    #[arg(long, value_name = "MODEL.toml")]
-    model: Option<PathBuf>,
-    #[command(flatten)]
-    result: Output,
 }
 
 fn not_negative(text: &str) -> Result<f64, String> {
@@ -59,27 +70,66 @@ const INSTANTS: u32 = 24;
 /// Plans and prints.
 pub fn run(args: &Args) -> Result<(), Failure> {
     args.result.files([&args.hand].into_iter().chain(&args.model))?;
-    let mut hand = Hand::read(&args.hand).map_err(Failure::input)?;
-    if let Some(path) = &args.model {
-        let model = Model::read(path).map_err(Failure::input)?;
+    let hand = Hand::read(&args.hand).map_err(Failure::input)?;
+    let model = args.model.as_deref().map(|path| {
         let name = path.display().to_string();
-        let wrong = |what: String| Failure::Input(miette::miette!("{}: {what}", path.display()));
-        hand.made_of(&model, name).map_err(wrong)?;
-    }
-    for model in &hand.without_effects {
-        eprintln!("! the effects of {model} are left out: only its base law is followed");
-    }
-    let wait = progress::spinner("looking for forces");
-    let plan = plan(args, &hand);
-    wait.finish_and_clear();
-    let plan = plan?;
-    let inputs = vec![args.hand.display().to_string()];
-    args.result
-        .give("A grasp", "", inputs, &plan_sections(&hand, &plan), || plan_json(&hand, &plan))
+        Model::read(path).map(|model| (model, name)).map_err(Failure::input)
+    });
+    let name = args.hand.display().to_string();
+    args.result.show(&*ask(&args.options, hand, model.transpose()?, name)?)
 }
 
-fn plan(args: &Args, hand: &Hand) -> Result<HandPlan, Failure> {
-    let wrong = |what: String| Failure::Input(miette::miette!("{}: {what}", args.hand.display()));
+/// Plans the grasp of a hand of that name, which is made of a model with its own name where it names none itself.
+pub fn ask(
+    options: &Options,
+    mut hand: Hand,
+    model: Option<(Model, String)>,
+    name: String,
+) -> Result<Box<dyn Answer>, Failure> {
+    if let Some((model, of)) = model {
+        let wrong = |what: String| Failure::Input(miette::miette!("{of}: {what}"));
+        hand.made_of(&model, of.clone()).map_err(wrong)?;
+    }
+    let wait = progress::spinner("looking for forces");
+    let plan = plan(options, &hand, &name);
+    wait.finish_and_clear();
+    Ok(Box::new(Planned { plan: plan?, hand, name }))
+}
+
+/// How a hand is to grasp.
+struct Planned {
+    hand: Hand,
+    plan: HandPlan,
+    name: String,
+}
+
+impl Answer for Planned {
+    fn title(&self) -> &'static str {
+        "A grasp"
+    }
+
+    fn inputs(&self) -> Vec<String> {
+        vec![self.name.clone()]
+    }
+
+    fn json(&self) -> Value {
+        plan_json(&self.hand, &self.plan)
+    }
+
+    fn sections(&self) -> Result<Vec<Section>, Failure> {
+        Ok(plan_sections(&self.hand, &self.plan))
+    }
+
+    fn remarks(&self) -> Vec<String> {
+        let left_out = |model: &String| {
+            format!("the effects of {model} are left out: only its base law is followed")
+        };
+        self.hand.without_effects.iter().map(left_out).collect()
+    }
+}
+
+fn plan(args: &Options, hand: &Hand, name: &str) -> Result<HandPlan, Failure> {
+    let wrong = |what: String| Failure::Input(miette::miette!("{name}: {what}"));
     let least = if args.least == "sum" { Least::Sum } else { Least::Largest };
     let closure = hand.closure().map_err(wrong)?;
     let grip = hand.least_grip(args.margin, least).map_err(wrong)?;
@@ -108,7 +158,7 @@ fn plan(args: &Args, hand: &Hand) -> Result<HandPlan, Failure> {
     Ok(HandPlan { closure, margin: args.margin, least, grip, now, forecast })
 }
 
-fn forecast(args: &Args, hand: &Hand, normals: &[f64], lasts: f64) -> Result<Forecast, String> {
+fn forecast(args: &Options, hand: &Hand, normals: &[f64], lasts: f64) -> Result<Forecast, String> {
     // Close together at first: relaxation is fast then.
     let at = |k: u32| lasts * (f64::from(k) / f64::from(INSTANTS)).powi(2);
     let times: Vec<f64> = (0..=INSTANTS).map(|k| args.after + at(k)).collect();

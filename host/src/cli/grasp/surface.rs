@@ -2,11 +2,15 @@
 
 use std::path::PathBuf;
 
+use serde_json::Value;
+
 use super::{Pressing, body, contact_of, number, positive};
 use crate::cli::Failure;
+use crate::cli::answer::Answer;
 use crate::cli::output::{Output, OverwriteOnly, write_file};
 use crate::files::plan::table;
-use crate::grasp::{Body, Load, limit_surface, margin};
+use crate::grasp::{Body, Contact, Load, Margin, SurfacePoint, limit_surface, margin};
+use crate::report::Section;
 use crate::summary::{SURFACE_HEADER, SurfaceSummary, surface_csv};
 
 /// The limit surface of a contact, and the margin of a load.
@@ -21,6 +25,18 @@ Examples:
   palpate grasp surface --contact sphere:35 --compression 5 --friction 0.7 --force 2 -o surface.csv
   palpate grasp surface --contact ellipse:6x4 --friction 0.5 --force 3 --tangential 0.8 --moment 2")]
 pub struct Args {
+    #[command(flatten)]
+    options: Options,
+    /// Write the surface as CSV
+    #[arg(short, long, value_name = "FILE.csv")]
+    output: Option<PathBuf>,
+    #[command(flatten)]
+    result: Output<OverwriteOnly>,
+}
+
+/// The contact, and what it is to carry.
+#[derive(clap::Args)]
+pub struct Options {
     /// The contact, sizes in mm: circle:5, ellipse:6x4, rectangle:42x26, sphere:35, block:40x25x50:0.48
     #[arg(long, value_name = "CONTACT", value_parser = body)]
     contact: Body,
@@ -47,11 +63,6 @@ pub struct Args {
     /// Steps from the middle to infinity
     #[arg(long, default_value_t = 10, value_parser = clap::value_parser!(u16).range(1..))]
     steps: u16,
-    /// Write the surface as CSV
-    #[arg(short, long, value_name = "FILE.csv")]
-    output: Option<PathBuf>,
-    #[command(flatten)]
-    result: Output<OverwriteOnly>,
 }
 
 /// Scans and prints.
@@ -60,26 +71,64 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     if let Some(path) = &args.output {
         files.writes(path, &table(&[SURFACE_HEADER]))?;
     }
-    let contact = contact_of(&args.contact, args.compression, args.pressing.exponent)?;
-    let limit = args.pressing.friction * args.force;
-    let surface = limit_surface(&contact, limit, args.directions.into(), args.steps.into());
-    let parts = [args.tangential, args.across, args.moment];
+    let found = scanned(&args.options)?;
+    if let Some(path) = &args.output {
+        write_file(path, surface_csv(&found.surface).as_bytes())?;
+        eprintln!("{} points in {}", found.surface.len(), path.display());
+    }
+    args.result.show(&found)
+}
+
+/// The limit surface of a contact.
+pub fn ask(options: &Options) -> Result<Box<dyn Answer>, Failure> {
+    Ok(Box::new(scanned(options)?))
+}
+
+fn scanned(options: &Options) -> Result<Scanned, Failure> {
+    let Pressing { friction, exponent } = options.pressing;
+    let contact = contact_of(&options.contact, options.compression, exponent)?;
+    let limit = friction * options.force;
+    let (directions, steps) = (options.directions.into(), options.steps.into());
+    let surface = limit_surface(&contact, limit, directions, steps);
+    let parts = [options.tangential, options.across, options.moment];
     let load = parts.iter().any(Option::is_some).then(|| {
         let [x, y, moment] = parts.map(Option::unwrap_or_default);
         let load = Load { force: [x, y], moment };
         (load, margin(&contact, limit, &load))
     });
-    let summary = SurfaceSummary {
-        contact: &contact,
-        friction: args.pressing.friction,
-        normal: args.force,
-        surface: &surface,
-        load,
-    };
-    if let Some(path) = &args.output {
-        write_file(path, surface_csv(&surface).as_bytes())?;
-        eprintln!("{} points in {}", surface.len(), path.display());
+    Ok(Scanned { contact, friction, normal: options.force, surface, load })
+}
+
+/// What a contact carries.
+struct Scanned {
+    contact: Contact,
+    friction: f64,
+    normal: f64,
+    surface: Vec<SurfacePoint>,
+    load: Option<(Load, Margin)>,
+}
+
+impl Scanned {
+    fn summary(&self) -> SurfaceSummary<'_> {
+        let Self { contact, friction, normal, surface, load } = self;
+        SurfaceSummary { contact, friction: *friction, normal: *normal, surface, load: *load }
     }
-    let title = "What a contact carries";
-    args.result.give(title, "", Vec::new(), &summary.sections(), || summary.json())
+}
+
+impl Answer for Scanned {
+    fn title(&self) -> &'static str {
+        "What a contact carries"
+    }
+
+    fn inputs(&self) -> Vec<String> {
+        Vec::new()
+    }
+
+    fn json(&self) -> Value {
+        self.summary().json()
+    }
+
+    fn sections(&self) -> Result<Vec<Section>, Failure> {
+        Ok(self.summary().sections())
+    }
 }

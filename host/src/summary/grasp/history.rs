@@ -16,7 +16,7 @@ const SHOWN: usize = 10;
 
 /// Smallest margin and slips of every trace, and the share used over time.
 #[must_use]
-pub fn history_sections(histories: &[(&Trace, History)]) -> Vec<Section> {
+pub fn history_sections(histories: &[(&Trace, &History)]) -> Vec<Section> {
     let columns = vec![
         Column::text("trace"),
         Column::number("smallest margin", ""),
@@ -124,7 +124,7 @@ fn plot(trace: &Trace, history: &History) -> Plot {
 
 /// The margins of all traces as a JSON object.
 #[must_use]
-pub fn histories_json(histories: &[(&Trace, History)]) -> Value {
+pub fn histories_json(histories: &[(&Trace, &History)]) -> Value {
     let traces: Vec<Value> = histories
         .iter()
         .map(|(trace, history)| {
