@@ -26,6 +26,7 @@
 
 pub mod afm;
 pub mod analysis;
+mod caught;
 pub mod cli;
 pub mod contact;
 pub mod criticism;
@@ -49,4 +50,5 @@ pub mod report;
 pub mod sensor;
 pub mod serve;
 pub mod summary;
+pub mod survey;
 pub mod trace;

@@ -79,6 +79,19 @@ pub fn under<T: Send>(
     Ok(pool.install(work))
 }
 
+/// The same on one thread: for work of which much is done side by side already.
+///
+/// # Errors
+/// When the system gives no thread.
+pub fn alone<T: Send>(
+    watch: &Arc<Watch>,
+    work: impl FnOnce() -> T + Send,
+) -> Result<T, ThreadPoolBuildError> {
+    let watch = watch.clone();
+    let pool = ThreadPoolBuilder::new().num_threads(1);
+    Ok(pool.start_handler(move |_| WATCH.set(Some(watch.clone()))).build()?.install(work))
+}
+
 /// A search begins.
 pub(super) fn search() {
     seen(|watch| watch.searches.fetch_add(1, Ordering::Relaxed));

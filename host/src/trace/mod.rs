@@ -5,7 +5,6 @@
 //! force. [`recorded`] makes traces of a recording of a device, [`recordable`] a recording of a trace.
 
 mod block_means;
-mod caught;
 mod control;
 mod error;
 mod first_force;
@@ -18,6 +17,7 @@ mod import;
 mod import_error;
 mod levels;
 mod lines;
+pub mod many;
 pub mod mapping;
 mod names;
 mod noise;
@@ -51,7 +51,7 @@ pub use mapping::Mapping;
 pub use noise::{Noise, Source, force_noise, noise};
 pub use outliers::{Outlier, outliers, without};
 pub use pooled_noise::pooled_noise;
-pub use read::{SIZE_LIMIT, parse, read};
+pub use read::{SIZE_LIMIT, parse, read, read_head};
 pub use sampling::{Sampling, sampling};
 pub use scatter::scatter;
 pub use segments::{Kind, Segment, segments};

@@ -18,10 +18,10 @@ use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::{ColumnDescriptor, Type};
 
-use super::caught::caught;
 use super::read::MAX_COLUMNS;
 use super::write::{check, checked};
 use super::{Column, Error, Head, SIZE_LIMIT, TIME, Trace, head};
+use crate::caught::caught;
 
 /// Extension of such a file's name.
 pub(super) const EXTENSION: &str = "parquet";
@@ -81,9 +81,13 @@ pub(super) fn read(path: &Path) -> Result<Trace, Error> {
     if bytes > SIZE_LIMIT {
         return Err(Error::TooLarge { path: path.into(), bytes, limit: SIZE_LIMIT });
     }
-    // The library takes some damage for impossible.
-    caught(AssertUnwindSafe(|| decode(path, file)))
-        .unwrap_or_else(|| Err(Error::Parquet { path: path.into(), message: "is damaged".into() }))
+    guarded(path, || decode(path, file))
+}
+
+/// What is read of a file; the library takes some damage for impossible.
+pub(super) fn guarded<T>(path: &Path, read: impl FnOnce() -> Result<T, Error>) -> Result<T, Error> {
+    caught(AssertUnwindSafe(read))
+        .unwrap_or_else(|_| Err(Error::Parquet { path: path.into(), message: "is damaged".into() }))
 }
 
 fn decode(path: &Path, file: File) -> Result<Trace, Error> {
@@ -100,7 +104,7 @@ fn decode(path: &Path, file: File) -> Result<Trace, Error> {
 }
 
 /// The head in the metadata; an empty one in a file of another program.
-fn head_of(path: &Path, reader: &SerializedFileReader<File>) -> Result<Head, Error> {
+pub(super) fn head_of(path: &Path, reader: &SerializedFileReader<File>) -> Result<Head, Error> {
     let pairs = reader.metadata().file_metadata().key_value_metadata();
     let head = pairs.into_iter().flatten().find(|pair| pair.key == HEAD);
     match head.and_then(|pair| pair.value.as_deref()) {
@@ -135,7 +139,7 @@ fn columns_of(reader: &SerializedFileReader<File>) -> Result<Vec<Column>, String
 }
 
 /// One number in each row that means itself: no date, no decimal fraction, no list.
-fn is_number(column: &ColumnDescriptor) -> bool {
+pub(super) fn is_number(column: &ColumnDescriptor) -> bool {
     use ConvertedType::{INT_8, INT_16, INT_32, INT_64, NONE};
     let plain = matches!(column.converted_type(), NONE | INT_8 | INT_16 | INT_32 | INT_64);
     let whole = column.converted_type() != NONE;

@@ -1,5 +1,7 @@
 //! Reading a trace: strict, so that a number is never taken for what it is not.
 
+use std::fs;
+use std::io::{BufRead, BufReader, Read};
 use std::ops::Range;
 use std::path::Path;
 
@@ -8,7 +10,7 @@ use rayon::prelude::*;
 
 use super::error::{Error, Place};
 use super::names::{self, Fault};
-use super::{Column, Head, TIME, Trace, foreign, has_extension, head, parquet};
+use super::{Column, Head, TIME, Trace, foreign, has_extension, head, many, parquet};
 
 /// Largest file that is read whole, bytes.
 pub const SIZE_LIMIT: u64 = 1 << 30;
@@ -37,17 +39,43 @@ pub fn read(path: &Path) -> Result<Trace, Error> {
     }
 }
 
+/// Reads the head of a trace alone.
+///
+/// # Errors
+/// When the file cannot be read, or its head is not understood.
+pub fn read_head(path: &Path) -> Result<Head, Error> {
+    if has_extension(path, parquet::EXTENSION) {
+        return many::head_of(path);
+    }
+    let open = |source| Error::Open { path: path.into(), source };
+    let mut input = BufReader::new(fs::File::open(path).map_err(open)?);
+    let mut bytes = Vec::new();
+    for _ in 0..=MAX_HEAD_LINES {
+        let from = bytes.len();
+        let limit = MAX_LINE as u64 + 1;
+        input.by_ref().take(limit).read_until(b'\n', &mut bytes).map_err(open)?;
+        let line = bytes[from..].trim_ascii_start();
+        if bytes.len() == from || !(line.is_empty() || line[0] == b'#') {
+            bytes.truncate(from);
+            break;
+        }
+    }
+    check_text(path, &bytes)?;
+    let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(&bytes);
+    Ok(File { path, bytes }.head()?.0)
+}
+
 /// The bytes of a file of at most `limit` bytes.
 pub(super) fn load(path: &Path, limit: u64) -> Result<Vec<u8>, Error> {
     let open = |source| Error::Open { path: path.into(), source };
-    let about = std::fs::metadata(path).map_err(open)?;
+    let about = fs::metadata(path).map_err(open)?;
     if about.is_dir() {
         return Err(open(std::io::Error::from(std::io::ErrorKind::IsADirectory)));
     }
     if about.len() > limit {
         return Err(Error::TooLarge { path: path.into(), bytes: about.len(), limit });
     }
-    std::fs::read(path).map_err(open)
+    fs::read(path).map_err(open)
 }
 
 /// Reads a trace from the bytes of a file; `path` is what errors call it.
