@@ -65,6 +65,11 @@ const WRITERS: &[(&[&str], &str, Option<&str>)] = &[
     (&["effects", "--report", "OUT"], "html", None),
     (&["segment", "press.csv", "--report", "OUT"], "html", None),
     (&["relaxation", "press.csv", "--report", "OUT"], "html", None),
+    (
+        &["survey", "segment", "press.csv", "--by", "trace", "-o", "results", "--report", "OUT"],
+        "html",
+        None,
+    ),
     (&["creep", "press.csv", "--report", "OUT"], "html", None),
     (&["rates", "press.csv", "--report", "OUT"], "html", None),
     (&["strain-rate", "press.csv", "--modulus", "1e4", "--report", "OUT"], "html", None),

@@ -217,7 +217,7 @@ fn family(name: &str) -> Result<Family, Failure> {
 
 impl Options {
     /// The family of that name, none where all are meant, if it has the options.
-    fn family(&self, law: Option<&str>) -> Result<Option<Family>, Failure> {
+    pub(super) fn family(&self, law: Option<&str>) -> Result<Option<Family>, Failure> {
         let Some(name) = law else { return Ok(None) };
         let family = family(name)?;
         if self.hold_only && family != Family::Fung {

@@ -41,6 +41,7 @@ mod serve;
 mod simulate;
 mod specimen;
 mod strain_rate;
+mod survey;
 
 use std::ffi::OsString;
 use std::process::ExitCode;
@@ -105,6 +106,8 @@ enum Command {
     Compare(compare::Args),
     /// Say which physical effect a model lacks, with the evidence
     Diagnose(diagnose::Args),
+    /// Ask every group of a large data set, one row a group
+    Survey(survey::Args),
     /// Add an effect to a model, refit, and see the error fall
     Add(add::Args),
     /// Take an effect out of a model, refit, and see the error rise
@@ -229,6 +232,7 @@ pub fn run_with(words: impl IntoIterator<Item = OsString>) -> u8 {
         Command::Markers(args) => markers::run(args),
         Command::Compare(args) => compare::run(args),
         Command::Diagnose(args) => diagnose::run(args),
+        Command::Survey(args) => survey::run(args),
         Command::Add(args) => add::run(args),
         Command::Drop(args) => drop::run(args),
         Command::Explore(args) => explore::run(args),

@@ -71,6 +71,11 @@ impl<O: clap::Args + Copy + Into<Overwrite>> Output<O> {
         Ok(files)
     }
 
+    /// What may be written over.
+    pub fn over(&self) -> Overwrite {
+        self.over.into()
+    }
+
     /// Gives what was found: a report where one is asked for, then the tables or the JSON object.
     pub fn show(&self, found: &dyn Answer) -> Result<(), Failure> {
         for remark in found.remarks() {
@@ -223,10 +228,15 @@ pub(super) fn remember_call(words: &[OsString]) {
     let _ = CALL.set(words.collect());
 }
 
+/// The words of the call but the name of the program.
+pub(super) fn called() -> &'static [String] {
+    CALL.get().map_or(&[], Vec::as_slice)
+}
+
 /// The command that was called.
-fn command_line() -> String {
+pub(super) fn command_line() -> String {
     std::iter::once("palpate".to_owned())
-        .chain(CALL.get().into_iter().flatten().map(|word| quoted(word)))
+        .chain(called().iter().map(|word| quoted(word)))
         .collect::<Vec<_>>()
         .join(" ")
 }

@@ -27,6 +27,7 @@ mod segment;
 mod segment_run;
 mod sensor;
 mod strain_rate;
+mod survey;
 mod terms;
 mod whole_motion;
 
@@ -75,6 +76,7 @@ pub use sensor::{
 };
 pub(crate) use sensor::{spectrum_figure, tones_figure};
 pub use strain_rate::{strain_rate_json, strain_rate_sections};
+pub use survey::{survey_json, survey_sections};
 pub use terms::number_table;
 pub use whole_motion::FitSummary;
 

@@ -18,6 +18,14 @@ pub(super) struct Feed {
     open: Mutex<Vec<(PathBuf, Rows)>>,
 }
 
+/// The traces of one group, without columns `names` where many lie in one file.
+///
+/// # Errors
+/// When they cannot be read.
+pub fn traces(group: &Group, names: Vec<String>) -> Result<Vec<Trace>, trace::Error> {
+    Feed::whole(group, Feed::new(names).rows(group)?)
+}
+
 impl Feed {
     /// A feed of traces without the columns `names`.
     pub(super) fn new(names: Vec<String>) -> Self {

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs::{self, File, TryLockError};
-use std::io;
+use std::io::{self, BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
 
 use serde_json::{Map, Value};
@@ -27,6 +27,8 @@ pub const WORKED: &str = "work";
 const UNFINISHED: &str = "unfinished";
 /// List of what was read.
 const INPUTS: &str = "inputs.csv";
+/// Where the traces of each group are, one line a group.
+const PLACES: &str = "places.jsonl";
 /// Locked while a survey writes into the folder.
 const LOCK: &str = ".lock";
 
@@ -121,6 +123,7 @@ impl Results {
         } else {
             clear(folder)?;
             write(&folder.join(INPUTS), list.as_bytes())?;
+            write_places(&folder.join(PLACES), &plan.sources.groups)?;
         }
         manifest.parts = finished(folder, &manifest);
         let finished = manifest.parts.iter().filter_map(|part| number_of(&part.file)).collect();
@@ -241,7 +244,7 @@ impl Results {
 /// Whether a folder can be filled: it is empty or not there, or a survey was ended before it had a manifest.
 fn is_free(folder: &Path) -> bool {
     let Ok(entries) = fs::read_dir(folder) else { return !folder.exists() };
-    let ours = [FOUND, WORKED, UNFINISHED, INPUTS, LOCK];
+    let ours = [FOUND, WORKED, UNFINISHED, INPUTS, PLACES, LOCK];
     entries.flatten().all(|entry| ours.iter().any(|name| entry.file_name() == *name))
 }
 
@@ -252,6 +255,20 @@ fn is_free(folder: &Path) -> bool {
 pub fn about(folder: &Path) -> Result<Manifest, ResultsError> {
     let path = folder.join(manifest::NAME);
     Manifest::read(folder).map_err(|what| ResultsError::Damaged { path, what })
+}
+
+/// Where the traces of a group are.
+///
+/// # Errors
+/// When there is no such group, or the folder is damaged.
+pub fn group(folder: &Path, number: u64) -> Result<Group, ResultsError> {
+    let path = folder.join(PLACES);
+    let file = File::open(&path).map_err(ResultsError::io(&path))?;
+    let line = BufReader::new(file).lines().nth(number as usize);
+    let damaged = |what: String| ResultsError::Damaged { path: path.clone(), what };
+    let line = line.ok_or_else(|| damaged(format!("there is no group {number}")))?;
+    let line = line.map_err(ResultsError::io(&path))?;
+    serde_json::from_str(&line).map_err(|error| damaged(error.to_string()))
 }
 
 /// Reads the rows of the parts that are finished, in order, with what each cost; only one part is in memory at a time.
@@ -338,7 +355,7 @@ fn check_same(folder: &Path, here: &Manifest, list: &str) -> Result<(), ResultsE
 
 /// Removes what an earlier survey left in the folder, and nothing else.
 fn clear(folder: &Path) -> Result<(), ResultsError> {
-    for name in [manifest::NAME, INPUTS] {
+    for name in [manifest::NAME, INPUTS, PLACES] {
         remove(&folder.join(name))?;
     }
     for inner in [FOUND, WORKED, UNFINISHED] {
@@ -398,6 +415,16 @@ fn number_of(file: &str) -> Option<u64> {
     let name = file.rsplit('/').next()?.strip_prefix("part-")?;
     let (number, ending) = name.split_once('.')?;
     ["parquet", "jsonl"].contains(&ending).then(|| number.parse().ok())?
+}
+
+fn write_places(path: &Path, groups: &[Group]) -> Result<(), ResultsError> {
+    let lines = |file: &mut dyn Write| {
+        groups.iter().try_for_each(|group| {
+            serde_json::to_writer(&mut *file, group)?;
+            file.write_all(b"\n")
+        })
+    };
+    write_whole(path, lines).map_err(ResultsError::io(path))
 }
 
 fn write(path: &Path, bytes: &[u8]) -> Result<(), ResultsError> {

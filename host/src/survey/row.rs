@@ -150,10 +150,11 @@ impl Said {
     #[must_use]
     pub fn of(asked: Asked, answer: &Value) -> Self {
         let mut said = match asked {
-            Asked::Fit => of_fit(answer),
+            // A fit of holds, or of every law, has no parameters of its own.
+            Asked::Fit if answer.get("parameters").is_some() => of_fit(answer),
             Asked::Compare => of_comparison(answer),
             Asked::Diagnose => of_diagnosis(answer),
-            Asked::Segment | Asked::Relaxation | Asked::Decompose => {
+            Asked::Fit | Asked::Segment | Asked::Relaxation | Asked::Decompose => {
                 Self { estimates: flat::estimates(answer), ..Self::default() }
             }
         };

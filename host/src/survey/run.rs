@@ -22,8 +22,15 @@ const ATTEMPTS: u64 = 2;
 /// What a single command says of the traces of a group.
 #[derive(Clone, Debug)]
 pub enum Answer {
-    /// The object that it prints with `--json`, and why the work failed nevertheless.
-    Found(Value, Option<String>),
+    /// There is one.
+    Found {
+        /// The object that it prints with `--json`.
+        answer: Value,
+        /// Why the work failed nevertheless.
+        failed: Option<String>,
+        /// What it says aside.
+        remarks: Vec<String>,
+    },
     /// The traces or the wish cannot be used, with the reason.
     Refused(String),
     /// The work failed, with the reason.
@@ -139,10 +146,11 @@ fn row(
     row.samples = traces.iter().map(|trace| trace.len() as u64).sum();
     let (answer, attempts) = asked(group, traces, question);
     match answer {
-        Answer::Found(value, failed) => {
+        Answer::Found { answer, failed, remarks } => {
             row.status = if failed.is_some() { Status::Failed } else { Status::Done };
             row.reason = failed;
-            row.said = Said::of(question.asked(), &value);
+            row.said = Said::of(question.asked(), &answer);
+            row.said.warnings.extend(remarks);
         }
         Answer::Refused(reason) => row.reason = Some(reason),
         Answer::Failed(reason) => (row.status, row.reason) = (Status::Failed, Some(reason)),
@@ -207,7 +215,10 @@ mod tests {
                 2 => panic!("poisoned"),
                 5 if tried == 0 => panic!("in a bad mood"),
                 4 => Answer::Refused("no contact".into()),
-                _ => Answer::Found(json!({"residual_rms": traces[0].len()}), None),
+                _ => {
+                    let answer = json!({"residual_rms": traces[0].len()});
+                    Answer::Found { answer, failed: None, remarks: Vec::new() }
+                }
             }
         }
     }

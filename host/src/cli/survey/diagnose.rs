@@ -1,0 +1,62 @@
+//! `palpate survey diagnose`.
+
+use std::path::PathBuf;
+
+use serde_json::json;
+
+use super::asking::Asking;
+use super::fleet::{Fleet, Given};
+use crate::cli::preparation::Prepare;
+use crate::cli::{Failure, diagnose};
+use crate::criticism::{agreement, dependence, screen, search};
+use crate::model::Model;
+use crate::survey::row::Asked;
+use crate::survey::{Group, Place};
+
+/// Say which physical effect a model lacks in each group, as `palpate diagnose` does.
+#[derive(clap::Args)]
+#[command(after_help = "\
+The model is refitted to each group before anything is missed in it, so one model of the kind of specimen
+does for all. With a key such as `date` the report says since when an effect is missing.
+
+Examples:
+  palpate survey diagnose --model model.toml lab/ --by finger,date -o missing --report missing.html")]
+pub struct Args {
+    /// The model
+    #[arg(long, value_name = "MODEL.toml")]
+    model: PathBuf,
+    #[command(flatten)]
+    fleet: Fleet,
+    #[command(flatten)]
+    prepare: Prepare,
+}
+
+/// Diagnoses each group.
+pub fn run(args: &Args) -> Result<(), Failure> {
+    let model = Model::read(&args.model).map_err(Failure::input)?;
+    let ask = |group: &Group, traces| {
+        let next = diagnose::next(&args.model, &files(group), &args.prepare);
+        diagnose::ask(&args.prepare, model.clone(), traces, next)
+    };
+    let given = Given { path: &args.model, model: &model };
+    let seeds = json!({
+        "null": screen::SEED,
+        "resampling": search::SEED,
+        "dependence": dependence::SEED,
+        "agreement": agreement::SEED,
+    });
+    let seeds = seeds.as_object().cloned().unwrap_or_default();
+    args.fleet.ask(Some(&given), seeds, &Asking::new(Asked::Diagnose, ask))
+}
+
+/// The files of a group, each once: what a single command would be given.
+fn files(group: &Group) -> Vec<PathBuf> {
+    let mut files: Vec<PathBuf> = Vec::new();
+    for place in &group.places {
+        let (Place::File(path) | Place::Rows { path, .. }) = place;
+        if files.last() != Some(path) {
+            files.push(path.clone());
+        }
+    }
+    files
+}
