@@ -139,6 +139,11 @@ fn the_walk_from_an_unknown_to_a_formula_runs_as_printed() {
 }
 
 #[test]
+fn the_survey_of_a_hundred_fingers_finds_the_three() {
+    run_all("docs/fleet.md");
+}
+
+#[test]
 fn the_walk_through_the_simulated_fingertip_says_what_the_commands_print() {
     run_all("docs/sensor.md");
 }
@@ -163,6 +168,7 @@ fn every_link_to_a_file_leads_somewhere() {
         "docs/effects/README.md",
         "docs/missing-effect.md",
         "docs/base-laws.md",
+        "docs/fleet.md",
         "docs/grasp.md",
         "docs/sensor.md",
         "docs/afm.md",

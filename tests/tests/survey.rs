@@ -10,13 +10,14 @@ use std::time::{Duration, Instant};
 use palpate::survey::results::{About, about, read_rows};
 use palpate::survey::row::{Asked, Row, Said, Status, Worked};
 use palpate::trace::{DISPLACEMENT, FORCE, TIME, Trace, read};
-use palpate_tests::{answer, bundled, palpate};
+use palpate_tests::{answer, bundled, palpate, workspace};
 use parquet::basic::{LogicalType, Repetition, Type as Physical};
 use parquet::data_type::{ByteArray, ByteArrayType, DoubleType, Int32Type};
 use parquet::file::properties::WriterProperties;
+use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::Type;
-use serde_json::Value;
+use serde_json::{Value, json};
 
 /// Exit status, standard output and standard error of a call in a folder.
 fn call(folder: &Path, arguments: &[&str]) -> (i32, String, String) {
@@ -322,4 +323,87 @@ fn a_key_that_nothing_tells_and_a_pattern_that_cannot_be_are_refused_before_any_
     refused(&[&fit[..], &["--by", "status"]].concat(), "nothing tells its `status`");
     refused(&["survey", "fit", "fnug", "lab", "--by", "finger", "-o", "out"], "did you mean `fung`?");
     refused(&["survey", "fit", "fung", "lab", "-o", "out"], "--by");
+}
+
+/// A column as the schema tells it: name, type, whether it may be null, and what is in a list.
+fn told(column: &Value, name: &str) -> Value {
+    let inner = match &column["element"] {
+        Value::Array(parts) => {
+            parts.iter().map(|part| told(part, part["name"].as_str().unwrap())).collect()
+        }
+        element => element.clone(),
+    };
+    json!([name, column["type"], column["null"], inner])
+}
+
+/// The same of a column in a file.
+fn written(column: &Type) -> Value {
+    let optional = column.get_basic_info().repetition() == Repetition::OPTIONAL;
+    if column.is_group() {
+        let element = &column.get_fields()[0].get_fields()[0];
+        let inner = match element.is_group() {
+            true => element.get_fields().iter().map(|part| written(part)).collect(),
+            false => written(element)[1].clone(),
+        };
+        return json!([column.name(), "list", optional, inner]);
+    }
+    let kind = match column.get_physical_type() {
+        Physical::INT64 => "int64",
+        Physical::DOUBLE => "double",
+        Physical::BYTE_ARRAY => "string",
+        other => panic!("{other}"),
+    };
+    json!([column.name(), kind, optional, null])
+}
+
+#[test]
+fn the_schema_tells_what_is_written() {
+    let folder = tempfile::tempdir().unwrap();
+    many(folder.path(), 2);
+    assert_eq!(call(folder.path(), &[&FIT[..], &["-o", "out"]].concat()).0, 0);
+    let out = folder.path().join("out");
+    let schema = fs::read_to_string(workspace().join("docs/schema/survey.json")).unwrap();
+    let schema: Value = serde_json::from_str(&schema).unwrap();
+    for table in ["groups", "work"] {
+        let expected = schema[table].as_array().unwrap().iter();
+        let expected: Vec<Value> = expected
+            .map(|column| match column["name"].as_str().unwrap() {
+                "KEY" => told(column, "finger"),
+                name => told(column, name),
+            })
+            .collect();
+        let file = fs::File::open(out.join(table).join("part-00000.parquet")).unwrap();
+        let file = SerializedFileReader::new(file).unwrap();
+        let fields = file.metadata().file_metadata().schema().get_fields();
+        assert_eq!(fields.iter().map(|field| written(field)).collect::<Vec<_>>(), expected);
+    }
+    let manifest = fs::read_to_string(out.join("manifest.json")).unwrap();
+    let manifest: Value = serde_json::from_str(&manifest).unwrap();
+    let mut names: Vec<&str> = manifest.as_object().unwrap().keys().map(String::as_str).collect();
+    let listed = schema["manifest"].as_array().unwrap().iter();
+    let mut listed: Vec<&str> = listed.map(|part| part["name"].as_str().unwrap()).collect();
+    names.sort_unstable();
+    listed.sort_unstable();
+    assert_eq!(names, listed);
+    let files = schema["folder"].as_array().unwrap();
+    for entry in fs::read_dir(&out).unwrap() {
+        let name = entry.unwrap().file_name().into_string().unwrap();
+        let known = |file: &Value| file["name"].as_str().unwrap().split('/').next() == Some(&name);
+        assert!(name == ".lock" || files.iter().any(known), "{name}");
+    }
+}
+
+#[test]
+fn the_traces_of_a_group_are_given_back_for_the_other_commands() {
+    let lab = lab(&FEW);
+    let segment = ["survey", "segment", "lab", "--by", "finger", "-o", "out"];
+    assert_eq!(call(lab.path(), &segment).0, 0);
+    let traces = ["survey", "traces", "out", "1", "-o", "one"];
+    let (status, _, error) = call(lab.path(), &traces);
+    assert!(status == 0 && error.contains("finger 2: 1 trace(s) in one"), "{error}");
+    let given = read(&lab.path().join("one").join(FEW[1])).unwrap();
+    let own = read(&bundled(FEW[1])).unwrap();
+    assert_eq!((given.time, given.columns), (own.time, own.columns));
+    assert_eq!(call(lab.path(), &traces).0, 2, "it lies there already");
+    assert_eq!(call(lab.path(), &["survey", "traces", "out", "3", "-o", "none"]).0, 2);
 }

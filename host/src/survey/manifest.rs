@@ -117,9 +117,8 @@ impl Manifest {
             .or_else(|| differ("--by", list(&self.by), list(&here.by)))
             .or_else(|| names.into_iter().find_map(option))
             .or_else(|| {
-                let parts = |it: &Self| (it.groups, it.groups_in_a_part);
-                (parts(self) != parts(here))
-                    .then(|| format!("of {} groups, this call has {}", self.groups, here.groups))
+                let parts = |it: &Self| format!("parts of {} groups", it.groups_in_a_part);
+                differ("with", parts(self), parts(here))
             })
     }
 }
