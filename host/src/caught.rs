@@ -18,7 +18,10 @@ pub(crate) fn caught<T>(work: impl FnOnce() -> T + UnwindSafe) -> Result<T, Stri
         let before = take_hook();
         set_hook(Box::new(move |panic| {
             if CAUGHT.get() {
-                let said = panic.payload_as_str().unwrap_or("it gave up without a word");
+                let said = panic.payload();
+                let said = said.downcast_ref::<&str>().copied();
+                let said = said.or(panic.payload().downcast_ref::<String>().map(String::as_str));
+                let said = said.unwrap_or("it gave up without a word");
                 // The name of the file alone: where the sources lay is of no use to anybody.
                 let at = panic.location().map(|at| {
                     let name = at.file().rsplit(['/', '\\']).next();

@@ -119,11 +119,22 @@ fn many(folder: &Path, count: usize) {
     }
 }
 
-const FIT: [&str; 10] =
-    ["survey", "fit", "fung", "lab", "--by", "finger", "--names", "f{finger}-*.csv", "--terms", "1"];
+const FIT: [&str; 10] = [
+    "survey",
+    "fit",
+    "fung",
+    "lab",
+    "--by",
+    "finger",
+    "--names",
+    "f{finger}-*.csv",
+    "--terms",
+    "1",
+];
 
 #[test]
-fn a_survey_that_is_killed_goes_on_with_what_is_missing_and_its_bytes_are_those_of_one_that_was_not() {
+fn a_survey_that_is_killed_goes_on_with_what_is_missing_and_its_bytes_are_those_of_one_that_was_not()
+ {
     let folder = tempfile::tempdir().unwrap();
     many(folder.path(), 120);
     let whole = [&FIT[..], &["-o", "whole", "--jobs", "1"]].concat();
@@ -249,7 +260,8 @@ fn long(path: &Path, traces: &[(String, i32, Trace)]) {
             traces.iter().flat_map(|(.., trace)| of(trace)).collect::<Vec<f64>>()
         };
         let each = traces.iter().flat_map(|one| std::iter::repeat_n(one, one.2.len()));
-        let ids: Vec<ByteArray> = each.clone().map(|(id, ..)| ByteArray::from(id.as_str())).collect();
+        let ids: Vec<ByteArray> =
+            each.clone().map(|(id, ..)| ByteArray::from(id.as_str())).collect();
         let fingers: Vec<i32> = each.map(|(_, finger, _)| *finger).collect();
         let mut next = group.next_column().unwrap().unwrap();
         next.typed::<ByteArrayType>().write_batch(&ids, None, None).unwrap();
@@ -283,7 +295,8 @@ fn one_parquet_file_of_many_traces_gives_what_as_many_files_give() {
         let name = format!("{}{}", k / 2, ["a", "b"][k % 2]);
         // The head of a file is that of all its traces: here none has one.
         trace.head = Default::default();
-        palpate::trace::write(&folder.path().join(format!("lab/g{}-{name}.csv", k / 2)), &trace).unwrap();
+        palpate::trace::write(&folder.path().join(format!("lab/g{}-{name}.csv", k / 2)), &trace)
+            .unwrap();
         fs::remove_file(path).unwrap();
         traces.push((name, k as i32 / 2, trace));
     }
@@ -303,7 +316,8 @@ fn one_parquet_file_of_many_traces_gives_what_as_many_files_give() {
         assert!(found.said.heldout_rms.is_some());
     }
     // The survey of one trace each, and a trace by its name.
-    let each = ["survey", "fit", "fung", "all.parquet", "--by", "trace_id", "--terms", "1", "-o", "each"];
+    let each =
+        ["survey", "fit", "fung", "all.parquet", "--by", "trace_id", "--terms", "1", "-o", "each"];
     assert_eq!(call(folder.path(), &each).0, 0);
     assert_eq!(rows(&folder.path().join("each")).1[3].0.key, [Some("1b".into())]);
 }
@@ -321,7 +335,10 @@ fn a_key_that_nothing_tells_and_a_pattern_that_cannot_be_are_refused_before_any_
     refused(&[&fit[..], &["--by", "operator"]].concat(), "nothing tells its `operator`");
     refused(&[&fit[..], &["--by", "finger", "--names", "{a}{b}"]].concat(), "side by side");
     refused(&[&fit[..], &["--by", "status"]].concat(), "nothing tells its `status`");
-    refused(&["survey", "fit", "fnug", "lab", "--by", "finger", "-o", "out"], "did you mean `fung`?");
+    refused(
+        &["survey", "fit", "fnug", "lab", "--by", "finger", "-o", "out"],
+        "did you mean `fung`?",
+    );
     refused(&["survey", "fit", "fung", "lab", "-o", "out"], "--by");
 }
 

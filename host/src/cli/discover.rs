@@ -1,6 +1,7 @@
 //! `palpate discover`.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use super::diagnose::next;
 use super::output::{Output, print_json, print_sections, write_report};
@@ -11,7 +12,7 @@ use crate::files::plan::MODEL;
 use crate::fit::data::Data;
 use crate::model::Model;
 use crate::summary::{DiscoverySummary, unit_of};
-use crate::trace::Trace;
+use crate::trace::{Trace, read_set};
 
 /// Find a formula for what no effect of the library explains.
 #[derive(clap::Args)]
@@ -50,7 +51,8 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     }
     let model = Model::read(&args.model).map_err(Failure::input)?;
     let signal = &model.base.signal;
-    let (traces, preparation) = args.prepare.read(&args.traces, signal)?;
+    let traces = Arc::new(read_set(&args.traces).map_err(Failure::input)?);
+    let (traces, preparation) = args.prepare.take(traces, signal)?;
     let unit = unit_of(signal);
     let discovery = progress::watched("looking for a formula", || discover(&model, &traces, unit))?
         .map_err(Failure::input)?;

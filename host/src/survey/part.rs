@@ -38,6 +38,9 @@ pub const RESERVED: [&str; 17] = [
     "estimates",
 ];
 
+/// One number of what an answer says.
+type Number = fn(&Said) -> Option<f64>;
+
 /// What was found, as Parquet.
 pub(super) fn found_bytes(by: &[String], rows: &[Row]) -> Result<Vec<u8>, ParquetError> {
     let mut fields = vec![whole("group")?];
@@ -53,7 +56,7 @@ pub(super) fn found_bytes(by: &[String], rows: &[Row]) -> Result<Vec<u8>, Parque
     columns.push(Column::Whole(rows.iter().map(|row| row.samples as i64).collect()));
     fields.push(text("unit")?);
     columns.push(texts(rows, |row| row.said.unit.as_deref()));
-    let errors: [(&str, fn(&Said) -> Option<f64>); 4] = [
+    let errors: [(&str, Number); 4] = [
         ("residual_rms", |said| said.residual_rms),
         ("noise_rms", |said| said.noise_rms),
         ("heldout_rms", |said| said.heldout_rms),
