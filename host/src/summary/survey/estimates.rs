@@ -13,6 +13,8 @@ const MOST_DRAWN: usize = 8;
 /// Most bars of a distribution, and samples for each on average.
 const MOST_BARS: usize = 40;
 const IN_A_BAR: usize = 5;
+/// Fewest values that make a distribution.
+const FEWEST: usize = 8;
 /// Most values far out that JSON lists.
 const MOST_TOLD: usize = 1000;
 
@@ -22,8 +24,8 @@ pub(super) fn sections(overview: &Overview) -> Vec<Section> {
         return Vec::new();
     }
     let mut first = Section::new("Estimates").table(table(overview));
-    let drawn = overview.kinds.iter().filter(|kind| kind.values.len() > 1).take(MOST_KINDS);
-    let figures: Vec<Block> = drawn.map(|kind| figure(distribution(kind))).collect();
+    let drawn = overview.kinds.iter().filter(|kind| kind.values.len() >= FEWEST).take(MOST_KINDS);
+    let figures: Vec<Block> = drawn.map(distribution).collect();
     let (shown, folded) = figures.split_at(figures.len().min(MOST_DRAWN));
     first.blocks.extend(shown.iter().cloned());
     if !folded.is_empty() {
@@ -34,10 +36,6 @@ pub(super) fn sections(overview: &Overview) -> Vec<Section> {
     sections.extend(far_out(overview));
     sections.extend(drift(overview));
     sections
-}
-
-fn figure(plot: Plot) -> Block {
-    Block::Figure { figure: Box::new(plot.into()), caption: String::new() }
 }
 
 /// Every kind of number with its distribution.
@@ -104,7 +102,7 @@ fn table(overview: &Overview) -> Table {
 }
 
 /// How many groups have a value in each of equal spans. What lies far out stands in the outermost.
-fn distribution(kind: &Kind) -> Plot {
+fn distribution(kind: &Kind) -> Block {
     let (least, most) = match kind.median_and_spread() {
         Some((median, spread)) => (
             kind.quantile(0.0).max(median - FAR * spread),
@@ -122,11 +120,17 @@ fn distribution(kind: &Kind) -> Plot {
     let edges: Vec<f64> = (0..=bars).map(|k| least + k as f64 * width).collect();
     counts.push(0.0);
     let axis = Axis::new(kind.name.clone(), kind.unit.clone());
-    Plot::new(kind.name.clone(), axis, Axis::new("groups", ""))
+    let clipped = kind.quantile(0.0) < least || kind.quantile(1.0) > most;
+    let caption = match clipped {
+        true => format!("In the outermost bars also all beyond {FAR} spreads from the median."),
+        false => String::new(),
+    };
+    let plot = Plot::new(kind.name.clone(), axis, Axis::new("groups", ""))
         .summary(format!("Distribution of {} over the groups", kind.name))
         .series(Series::band("", doubled(&edges), vec![0.0; 2 * edges.len()], steps(&counts)))
         .mark(kind.quantile(0.5), "median")
-        .height(120.0)
+        .height(120.0);
+    Block::Figure { figure: Box::new(plot.into()), caption }
 }
 
 /// Each edge twice, so that what is between them has an upright side.
