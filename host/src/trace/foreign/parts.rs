@@ -10,7 +10,7 @@ use palpate_formats::{
 
 use super::Opened;
 use super::kind::{Format, Reader};
-use crate::trace::caught::caught;
+use crate::caught::caught;
 use crate::trace::error::Error;
 use crate::trace::mapping::Delimiter;
 use crate::trace::table::split;
@@ -73,7 +73,7 @@ fn contents(path: &Path, format: Format, part: Option<&str>) -> Result<Contents,
         Reader::Gzip | Reader::Zstandard | Reader::None(_) => Ok(Contents::default()),
     };
     let damaged = || Error::Foreign { path: path.into(), message: "is damaged".into() };
-    caught(AssertUnwindSafe(read)).ok_or_else(damaged)?.map_err(|error| foreign(path, error))
+    caught(AssertUnwindSafe(read)).map_err(|_| damaged())?.map_err(|error| foreign(path, error))
 }
 
 fn foreign(path: &Path, error: palpate_formats::Error) -> Error {
