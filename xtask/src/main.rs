@@ -8,6 +8,7 @@ mod formats;
 mod golden;
 mod modelled;
 mod packages;
+mod python;
 mod supply;
 
 use std::process::ExitCode;
@@ -68,6 +69,14 @@ enum Task {
     },
     /// Let other programs' libraries write a file of each format, and read them: whole, cut off and damaged.
     Formats,
+    /// Build the wheel of the Python package and test all that it installs, in an environment under target/.
+    Python {
+        /// Profile of the wheel that is tested.
+        #[arg(long, default_value = "dev")]
+        profile: String,
+    },
+    /// Build the wheel of the Python package for this platform and leave it in target/wheels/.
+    Wheel,
     /// Check licences, sources, versions and known faults of all crates.
     Supply,
     /// Write the bill of materials of the program to target/palpate.cdx.json (CycloneDX).
@@ -96,6 +105,8 @@ fn main() -> ExitCode {
         Task::Pictures => browser::pictures(),
         Task::Fuzz { seconds, seed, target } => check::fuzz(seconds, seed, target.as_deref()),
         Task::Formats => formats::run(),
+        Task::Python { profile } => python::check(&profile),
+        Task::Wheel => python::wheel(),
         Task::Supply => supply::run(),
         Task::Sbom => generate("sbom"),
         Task::Effects => generate("effects"),

@@ -6,12 +6,12 @@ use std::process::Command;
 use miette::{IntoDiagnostic, bail};
 
 use crate::check::{rust, workspace};
-use crate::firmware;
+use crate::{firmware, python};
 
 /// The version of cargo-deny that is run.
 const VERSION: &str = "0.20.2";
 
-/// Installs cargo-deny where it is missing, then checks both workspaces by `deny.toml`. Known faults are looked up where their
+/// Installs cargo-deny where it is missing, then checks all workspaces by `deny.toml`. Known faults are looked up where their
 /// list can be fetched.
 pub fn run() -> miette::Result<()> {
     let tool = set_up()?;
@@ -29,7 +29,7 @@ pub fn run() -> miette::Result<()> {
     } else {
         println!("==> the list of known faults could not be fetched: advisories are not checked");
     }
-    for folder in [workspace().to_path_buf(), firmware::folder()] {
+    for folder in [workspace().to_path_buf(), firmware::folder(), python::folder()] {
         println!("==> supply chain of {}: cargo deny check {}", folder.display(), checks.join(" "));
         let status = Command::new(&tool)
             .args([
