@@ -1,11 +1,10 @@
 //! What is done to traces before anything is fitted to them.
 
-use std::path::Path;
 use std::sync::Arc;
 
 use super::Failure;
 use crate::summary::Preparation;
-use crate::trace::{Trace, outliers, read_set, tare, without};
+use crate::trace::{Trace, outliers, tare, without};
 
 /// Flags of every command that fits a model or compares it.
 #[derive(clap::Args)]
@@ -22,11 +21,6 @@ pub struct Prepare {
 pub type Prepared = (Arc<Vec<Trace>>, Preparation);
 
 impl Prepare {
-    /// Reads a data set, and takes it as [`Prepare::take`] does.
-    pub fn read<P: AsRef<Path>>(&self, paths: &[P], signal: &str) -> Result<Prepared, Failure> {
-        self.take(Arc::new(read_set(paths).map_err(Failure::input)?), signal)
-    }
-
     /// Looks for impossible samples in the motion of a data set and in `signal`, and does what the flags ask for. The
     /// traces are copied only where a flag changes them.
     pub fn take(&self, traces: Arc<Vec<Trace>>, signal: &str) -> Result<Prepared, Failure> {
