@@ -254,9 +254,22 @@ impl Search<'_> {
     /// likelihood of the noise says nothing about names.
     #[must_use]
     pub fn climb(&self, base: Fitted) -> Found {
+        self.climb_until(base, |_| false)
+    }
+
+    /// The same, and no further than to the first model that leaves only noise.
+    #[must_use]
+    pub fn climb_to_the_noise(&self, base: Fitted) -> Found {
+        self.climb_until(base, |fitted| self.leaves_noise(fitted))
+    }
+
+    fn climb_until(&self, base: Fitted, enough: impl Fn(&Fitted) -> bool) -> Found {
         let mut found = Found { inexact: true, ..self.begin(base) };
         found.evidence.push(self.evidence(&found.base));
-        while found.steps.len() < MOST_STEPS && self.step_up(&mut found) {}
+        let climbing = |found: &Found| {
+            found.steps.len() < MOST_STEPS && found.models.last().is_none_or(|it| !enough(it))
+        };
+        while climbing(&found) && self.step_up(&mut found) {}
         found
     }
 

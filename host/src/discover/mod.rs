@@ -120,11 +120,11 @@ pub fn discover(
 /// The climb from the model without effects; or from what the library explains of it, where that predicts traces left out better by
 /// more than its uncertainty over the traces: an effect of the library that was named for want of a better one is no part of a formula.
 fn best_climb(search: &Search, library: &Found) -> Found {
-    let alone = search.climb(library.base.clone());
+    let alone = search.climb_to_the_noise(library.base.clone());
     if library.steps.is_empty() || search.leaves_noise(alone.model()) {
         return alone;
     }
-    let beside = search.climb(library.model().clone());
+    let beside = search.climb_to_the_noise(library.model().clone());
     let left_out = |found: &Found| found.evidence.last().and_then(|it| it.left_out().cloned());
     let better = match (left_out(&beside), left_out(&alone)) {
         (Some(beside), Some(alone)) => beside.gain(&alone).exceeds(1.0),
