@@ -3,7 +3,8 @@
 //! What it does is in the crate `device`, which the host's simulated device shares. Here is what drives it:
 //!
 //! ```text
-//! priority 4   line       USART interrupt: one byte in, one byte out               ── queue of bytes ──┐
+//! priority 5   line       USART interrupt: one byte in, one byte out               ── queue of bytes ──┐
+//! priority 4   SysTick    every 1 ms: wakes what sleeps                                                │
 //! priority 3   read       DRDY interrupt: stamps the time, reads the converter     ── queue of samples ┼─┐
 //! priority 2   command    cuts frames, carries out commands                        ◄───────────────────┘ │
 //! priority 2   send       asks the device for frames                               ── queue of frames ─► line
@@ -12,7 +13,8 @@
 //! ```
 //!
 //! The line comes first because it waits least: at 1 Mbaud a byte must be fetched within 10 µs, and to read the converter takes
-//! longer. The converter keeps two samples. Its driver is locked only while it is spoken to.
+//! longer; so does the timer's interrupt at 16 MHz, which after a reset would come before all others. The converter keeps two
+//! samples. Its driver is locked only while it is spoken to.
 //!
 //! Interrupts do the least; nothing waits for the host; what finds a queue full is counted. The device's state is shared by
 //! the lower priorities, one row or one command at a time, so settings change between two rows.
@@ -41,6 +43,7 @@ type Frame = heapless::Vec<u8, { shared::wire::FRAME_MAX }>;
 mod app {
     use core::mem::MaybeUninit;
     use core::sync::atomic::{AtomicU32, Ordering};
+    use cortex_m::peripheral::scb::SystemHandler;
     use defmt::{Debug2Format, info, warn};
     use device::converters::FourChannels;
     use device::{Device, FrontEnd, Identity, Lost, Room, Sample, begin_with};
@@ -104,7 +107,7 @@ mod app {
         device_place: MaybeUninit<Device<'static>> = MaybeUninit::uninit(),
         panic: [u8; Hello::PANIC] = [0; Hello::PANIC],
     ])]
-    fn init(cx: init::Context) -> (Shared, Local) {
+    fn init(mut cx: init::Context) -> (Shared, Local) {
         let p = cx.device;
         let panic = reset::last_words(cx.local.panic, &p.RCC, &p.SYSCFG);
         let why = reset::cause(&p.RCC);
@@ -113,6 +116,9 @@ mod app {
         let (mut rcc, clock) = clocks::start(p.RCC, p.TIM11);
         let sysclk = rcc.clocks.sysclk();
         time::start(p.TIM2, &mut rcc);
+        let beat = rtic::export::cortex_logical2hw(4, stm32f4xx_hal::pac::NVIC_PRIO_BITS);
+        // SAFETY: no lock rests on its priority; its queue is locked by critical sections.
+        unsafe { cx.core.SCB.set_priority(SystemHandler::SysTick, beat) };
         Mono::start(cx.core.SYST, sysclk.raw());
 
         let (b, c) = (p.GPIOB.split(&mut rcc), p.GPIOC.split(&mut rcc));
@@ -219,7 +225,7 @@ mod app {
     static BYTES_LOST: AtomicU32 = AtomicU32::new(0);
 
     /// One byte of the link, in or out.
-    #[task(binds = USART3, priority = 4, local = [tx, bytes_in, frames, sent: usize = 0])]
+    #[task(binds = USART3, priority = 5, local = [tx, bytes_in, frames, sent: usize = 0])]
     fn line(cx: line::Context) {
         let line::LocalResources { tx, bytes_in, frames, sent, .. } = cx.local;
         let received = receiver::take();
