@@ -35,6 +35,19 @@ fn inner(model: &Bound<'_, Model>) -> Inner {
     model.get().inner.clone()
 }
 
+/// A question of a model beside traces.
+fn of_model(
+    py: Python<'_>,
+    question: fn(Inner, Set, &[String]) -> Asked,
+    model: &Bound<'_, Model>,
+    data: &Bound<'_, DataSet>,
+    options: Vec<String>,
+    tell: Tell<'_>,
+) -> PyResult<Answer> {
+    let (model, data) = (inner(model), set(data));
+    asked(py, tell, move || question(model, data, &options))
+}
+
 #[pyfunction]
 pub fn fit(
     py: Python<'_>,
@@ -55,8 +68,7 @@ pub fn compare(
     options: Vec<String>,
     tell: Tell<'_>,
 ) -> PyResult<Answer> {
-    let (model, data) = (inner(model), set(data));
-    asked(py, tell, move || ask::compare(model, data, &options))
+    of_model(py, ask::compare, model, data, options, tell)
 }
 
 #[pyfunction]
@@ -67,8 +79,7 @@ pub fn diagnose(
     options: Vec<String>,
     tell: Tell<'_>,
 ) -> PyResult<Answer> {
-    let (model, data) = (inner(model), set(data));
-    asked(py, tell, move || ask::diagnose(model, data, &options))
+    of_model(py, ask::diagnose, model, data, options, tell)
 }
 
 #[pyfunction]
@@ -79,8 +90,18 @@ pub fn explore(
     options: Vec<String>,
     tell: Tell<'_>,
 ) -> PyResult<Answer> {
-    let (model, data) = (inner(model), set(data));
-    asked(py, tell, move || ask::explore(model, data, &options))
+    of_model(py, ask::explore, model, data, options, tell)
+}
+
+#[pyfunction]
+pub fn discover(
+    py: Python<'_>,
+    model: &Bound<'_, Model>,
+    data: &Bound<'_, DataSet>,
+    options: Vec<String>,
+    tell: Tell<'_>,
+) -> PyResult<Answer> {
+    of_model(py, ask::discover, model, data, options, tell)
 }
 
 #[pyfunction]

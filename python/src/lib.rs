@@ -33,8 +33,8 @@ mod _palpate {
     use super::answer::Answer;
     #[pymodule_export]
     use super::ask::{
-        add, compare, decompose, diagnose, drop, explore, fit, grasp_friction, grasp_growth,
-        grasp_margin, grasp_plan, grasp_surface, plan, relaxation, segment, simulate,
+        add, compare, decompose, diagnose, discover, drop, explore, fit, grasp_friction,
+        grasp_growth, grasp_margin, grasp_plan, grasp_surface, plan, relaxation, segment, simulate,
         simulate_file, simulate_force,
     };
     #[pymodule_export]

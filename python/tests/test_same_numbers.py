@@ -76,6 +76,14 @@ def test_compare_diagnose_explore_add_drop(practice: Path, model: Path, tmp_path
     assert dropped.to_dict() == answer("drop", "mullins", other, practice)
 
 
+def test_discover(practice: Path, model: Path, tmp_path: Path) -> None:
+    found = palpate.discover(palpate.Model.read(model), palpate.read(practice))
+    path = tmp_path / "found.toml"
+    assert found.to_dict() == answer("discover", "--model", model, practice, "-o", path)
+    assert found.outcome == "library"
+    assert found.model.to_toml() == path.read_text()
+
+
 def test_decompose(tmp_path: Path) -> None:
     found = palpate.decompose(PRESS)
     assert found.to_dict() == answer("decompose", PRESS, "-o", tmp_path / "split")

@@ -139,6 +139,11 @@ fn the_walk_from_an_unknown_to_a_formula_runs_as_printed() {
 }
 
 #[test]
+fn the_motion_that_decides_is_found_and_recorded_as_printed() {
+    run_all("docs/next-experiment.md");
+}
+
+#[test]
 fn the_survey_of_a_hundred_fingers_finds_the_three() {
     run_all("docs/fleet.md");
 }
@@ -167,6 +172,8 @@ fn every_link_to_a_file_leads_somewhere() {
         "docs/measured.md",
         "docs/effects/README.md",
         "docs/missing-effect.md",
+        "docs/next-experiment.md",
+        "docs/discover.md",
         "docs/base-laws.md",
         "docs/fleet.md",
         "docs/grasp.md",

@@ -8,6 +8,7 @@ use serde_json::Value;
 use super::answer::{Answer, labels};
 use super::output::Output;
 use super::preparation::Prepare;
+use super::published::Published;
 use super::{Failure, progress};
 use crate::criticism::change::{self, Change, ChangeError};
 use crate::criticism::compare::compare;
@@ -40,6 +41,8 @@ pub struct Args {
     traces: Vec<PathBuf>,
     #[command(flatten)]
     options: Options,
+    #[command(flatten)]
+    published: Published,
     /// Write the model with the effect
     #[arg(short, long, value_name = "BETTER.toml")]
     output: Option<PathBuf>,
@@ -59,11 +62,12 @@ pub struct Options {
 
 /// Adds, refits and prints.
 pub fn run(args: &Args) -> Result<(), Failure> {
-    let mut files = args.result.files(args.traces.iter().chain([&args.model]))?;
+    let mut files =
+        args.result.files(args.traces.iter().chain([&args.model]).chain(&args.published.files))?;
     if let Some(path) = &args.output {
         files.writes(path, &MODEL)?;
     }
-    let model = Model::read(&args.model).map_err(Failure::input)?;
+    let model = args.published.beside(Model::read(&args.model).map_err(Failure::input)?)?;
     let traces = Arc::new(read_set(&args.traces).map_err(Failure::input)?);
     give(&*ask(&args.options, &args.name, &model, traces)?, args.output.as_deref(), &args.result)
 }

@@ -11,8 +11,8 @@ use clap::error::ErrorKind;
 pub use super::answer::Answer;
 pub use super::decompose::{Channels, Decomposed};
 pub use super::simulate::{Course, Simulated, motion};
-use super::{Failure, add, compare, decompose, diagnose, drop, explore, fit, grasp, hide, plan};
-use super::{relaxation, segment, simulate};
+use super::{Failure, add, compare, decompose, diagnose, discover, drop, explore, fit, grasp};
+use super::{hide, plan, relaxation, segment, simulate};
 use crate::grasp::hand::Hand;
 use crate::model::Model;
 use crate::practice::Practice;
@@ -57,6 +57,14 @@ pub fn diagnose(model: Model, traces: Set, options: &[String]) -> Asked {
 /// As the command.
 pub fn explore(model: Model, traces: Set, options: &[String]) -> Asked {
     explore::ask(&parsed(options)?, model, traces, next())
+}
+
+/// `palpate discover`; the answer has the model, with the formulas as candidates.
+///
+/// # Errors
+/// As the command.
+pub fn discover(model: Model, traces: Set, options: &[String]) -> Asked {
+    discover::ask(&parsed(options)?, model, traces, next())
 }
 
 /// `palpate add`; the answer has the model.

@@ -8,13 +8,22 @@ use serde_json::Value;
 use super::answer::{Answer, labels};
 use super::output::Output;
 use super::preparation::Prepare;
+use super::published::Published;
 use super::{Failure, progress};
 use crate::criticism::diagnose::{Diagnosis, diagnose};
+use crate::criticism::next_motion::{Proposed, RigFile, propose};
+use crate::files::plan::COMPUTED;
 use crate::fit::data::Data;
 use crate::model::Model;
 use crate::report::Section;
-use crate::summary::{DiagnosisSummary, NextCommand, Preparation};
-use crate::trace::{Trace, read_set};
+use crate::summary::{
+    DiagnosisSummary, NextCommand, Preparation, motion_file, next_motion_json, next_motion_section,
+    no_motion,
+};
+use crate::trace::{Trace, read_set, write};
+
+/// What is done, for those who wait.
+const DOING: &str = "looking for what is missing";
 
 /// Say which physical effect a model lacks, with the evidence.
 #[derive(clap::Args)]
@@ -26,7 +35,8 @@ tell apart, or none. `palpate add` puts it into the model.
 Examples:
   palpate diagnose --model model.toml traces/
   palpate diagnose --model model.toml traces/ --report diagnosis.html
-  palpate diagnose --model model.toml traces/ --json | jq .verdict")]
+  palpate diagnose --model model.toml traces/ --json | jq .verdict
+  palpate diagnose --model model.toml traces/ --next motion.csv --rig rig.toml")]
 pub struct Args {
     /// The model
     #[arg(long, value_name = "MODEL.toml")]
@@ -34,6 +44,14 @@ pub struct Args {
     /// Traces, or folders of traces: one data set
     #[arg(required = true, value_name = "TRACE")]
     traces: Vec<PathBuf>,
+    /// Write the motion that would best tell apart what these traces do not, with what each effect predicts for it
+    #[arg(long, value_name = "MOTION.csv")]
+    next: Option<PathBuf>,
+    /// Limits of the rig for it [default: what the traces did]
+    #[arg(long, value_name = "RIG.toml", requires = "next")]
+    rig: Option<PathBuf>,
+    #[command(flatten)]
+    published: Published,
     #[command(flatten)]
     prepare: Prepare,
     #[command(flatten)]
@@ -42,11 +60,22 @@ pub struct Args {
 
 /// Diagnoses and prints.
 pub fn run(args: &Args) -> Result<(), Failure> {
-    args.result.files(args.traces.iter().chain([&args.model]))?;
-    let model = Model::read(&args.model).map_err(Failure::input)?;
+    let read =
+        args.traces.iter().chain([&args.model]).chain(&args.rig).chain(&args.published.files);
+    let mut files = args.result.files(read)?;
+    if let Some(path) = &args.next {
+        files.writes(path, &COMPUTED)?;
+    }
+    let limits = args.rig.as_deref().map(RigFile::read).transpose().map_err(Failure::input)?;
+    let model = args.published.beside(Model::read(&args.model).map_err(Failure::input)?)?;
     let traces = Arc::new(read_set(&args.traces).map_err(Failure::input)?);
-    let next = next(&args.model, &args.traces, &args.prepare);
-    args.result.show(&*ask(&args.prepare, model, traces, next)?)
+    let flags = args.prepare.flags() + &args.published.flags();
+    let next = next(&args.model, &args.traces, &flags);
+    let mut found = diagnosed(&args.prepare, model, traces, next, DOING)?;
+    if let Some(path) = &args.next {
+        found.propose(path, &limits.unwrap_or_default())?;
+    }
+    args.result.show(&found)
 }
 
 /// Says what a model lacks beside traces in memory; the next commands name both as `next` says.
@@ -56,8 +85,7 @@ pub fn ask(
     traces: Arc<Vec<Trace>>,
     next: NextCommand,
 ) -> Result<Box<dyn Answer>, Failure> {
-    let doing = "looking for what is missing";
-    Ok(Box::new(diagnosed(prepare, model, traces, next, doing)?))
+    Ok(Box::new(diagnosed(prepare, model, traces, next, DOING)?))
 }
 
 /// The same, as both commands need it that diagnose.
@@ -71,7 +99,7 @@ pub(super) fn diagnosed(
     let (traces, preparation) = prepare.take(traces, &model.base.signal)?;
     let diagnosis =
         progress::watched(doing, || diagnose(&model, &traces))?.map_err(Failure::input)?;
-    let found = Diagnosed { traces, preparation, model, diagnosis, next };
+    let found = Diagnosed { traces, preparation, model, diagnosis, next, proposed: None };
     found.with(|_, _| ())?;
     Ok(found)
 }
@@ -83,6 +111,8 @@ pub(super) struct Diagnosed {
     pub model: Model,
     pub diagnosis: Diagnosis,
     next: NextCommand,
+    /// The next motion that was asked for, and its file.
+    proposed: Option<(Proposed, PathBuf)>,
 }
 
 impl Diagnosed {
@@ -90,6 +120,28 @@ impl Diagnosed {
     pub fn with<T>(&self, tell: impl FnOnce(&DiagnosisSummary, &Data) -> T) -> Result<T, Failure> {
         let data = Data::of_model(&self.model, &self.traces).map_err(Failure::input)?;
         Ok(tell(&DiagnosisSummary::new(&self.diagnosis, &data, self.next.clone()), &data))
+    }
+
+    /// Looks for the motion that would decide, and writes it where there is one.
+    fn propose(&mut self, path: &Path, limits: &RigFile) -> Result<(), Failure> {
+        let Self { model, diagnosis, traces, .. } = self;
+        let found = progress::watched("looking for a motion that decides", || {
+            propose(model, diagnosis, traces, limits)
+        })?;
+        let proposed = found.map_err(Failure::input)?;
+        if let Some(trace) = motion_file(&proposed, &self.diagnosis.signal) {
+            write(path, &trace).map_err(Failure::work)?;
+            eprintln!("motion: {}", path.display());
+        }
+        self.proposed = Some((proposed, path.into()));
+        Ok(())
+    }
+
+    fn with_motion(&self, mut sections: Vec<Section>) -> Vec<Section> {
+        let signal = &self.diagnosis.signal;
+        let proposed = self.proposed.as_ref();
+        sections.extend(proposed.map(|(found, path)| next_motion_section(found, path, signal)));
+        sections
     }
 
     /// Sections with what was found in the traces before them.
@@ -113,20 +165,31 @@ impl Answer for Diagnosed {
 
     fn json(&self) -> Value {
         let json = self.with(|summary, _| summary.json());
-        self.preparation.within(json.expect("these traces were diagnosed"))
+        let mut answer = self.preparation.within(json.expect("these traces were diagnosed"));
+        if let Some((proposed, path)) = &self.proposed {
+            answer["next_motion"] = next_motion_json(proposed, path);
+        }
+        answer
     }
 
     fn sections(&self) -> Result<Vec<Section>, Failure> {
-        self.with(|summary, _| self.before(summary.sections()))
+        self.with(|summary, _| self.with_motion(self.before(summary.sections())))
     }
 
     fn in_short(&self) -> Result<Vec<Section>, Failure> {
-        self.with(|summary, _| self.before(summary.in_short()))
+        self.with(|summary, _| self.with_motion(self.before(summary.in_short())))
+    }
+
+    fn failed(&self) -> Option<String> {
+        let (proposed, path) = self.proposed.as_ref()?;
+        proposed.motion.is_none().then(|| {
+            format!("{} was not written: {}", path.display(), no_motion(proposed, &self.diagnosis))
+        })
     }
 }
 
 /// Model and traces as they were named.
-pub fn next(model: &Path, traces: &[PathBuf], prepare: &Prepare) -> NextCommand {
+pub fn next(model: &Path, traces: &[PathBuf], flags: &str) -> NextCommand {
     let names: Vec<String> = traces.iter().map(|path| path.display().to_string()).collect();
-    NextCommand { model: model.display().to_string(), traces: names.join(" ") + &prepare.flags() }
+    NextCommand { model: model.display().to_string(), traces: names.join(" ") + flags }
 }

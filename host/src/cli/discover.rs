@@ -3,15 +3,20 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use serde_json::Value;
+
+use super::answer::{Answer, labels};
 use super::diagnose::next;
-use super::output::{Output, print_json, print_sections, write_report};
+use super::output::Output;
 use super::preparation::Prepare;
+use super::published::Published;
 use super::{Failure, progress};
-use crate::discover::discover;
+use crate::discover::{Discovery, discover};
 use crate::files::plan::MODEL;
 use crate::fit::data::Data;
 use crate::model::Model;
-use crate::summary::{DiscoverySummary, unit_of};
+use crate::report::Section;
+use crate::summary::{DiscoverySummary, NextCommand, Preparation, unit_of};
 use crate::trace::{Trace, read_set};
 
 /// Find a formula for what no effect of the library explains.
@@ -38,6 +43,8 @@ pub struct Args {
     #[arg(short, long, value_name = "FOUND.toml")]
     output: Option<PathBuf>,
     #[command(flatten)]
+    published: Published,
+    #[command(flatten)]
     prepare: Prepare,
     #[command(flatten)]
     result: Output,
@@ -45,33 +52,97 @@ pub struct Args {
 
 /// Looks for formulas and prints them.
 pub fn run(args: &Args) -> Result<(), Failure> {
-    let mut files = args.result.files(args.traces.iter().chain([&args.model]))?;
+    let mut files =
+        args.result.files(args.traces.iter().chain([&args.model]).chain(&args.published.files))?;
     if let Some(path) = &args.output {
         files.writes(path, &MODEL)?;
     }
-    let model = Model::read(&args.model).map_err(Failure::input)?;
-    let signal = &model.base.signal;
+    let model = args.published.beside(Model::read(&args.model).map_err(Failure::input)?)?;
     let traces = Arc::new(read_set(&args.traces).map_err(Failure::input)?);
-    let (traces, preparation) = args.prepare.take(traces, signal)?;
-    let unit = unit_of(signal);
-    let discovery = progress::watched("looking for a formula", || discover(&model, &traces, unit))?
-        .map_err(Failure::input)?;
-    let labels: Vec<String> = traces.iter().map(Trace::label).collect();
-    if let Some(path) = &args.output {
-        let data = Data::of_model(&model, &traces).map_err(Failure::input)?;
-        discovery.with_candidates(&model, &data, unit).write(path).map_err(Failure::work)?;
+    let flags = args.prepare.flags() + &args.published.flags();
+    let next = next(&args.model, &args.traces, &flags);
+    let found = discovered(&args.prepare, model, traces, next, args.output.clone())?;
+    if let Some(path) = &args.output
+        && let Some(with) = found.model()?
+    {
+        with.write(path).map_err(Failure::work)?;
         eprintln!("model: {}", path.display());
     }
-    let output = args.output.as_ref().map(|path| path.display().to_string());
-    let summary =
-        DiscoverySummary::new(&discovery, &labels, next(&args.model, &args.traces, &args.prepare));
-    if let Some(path) = &args.result.report {
-        let sections = preparation.before(summary.sections(output.as_deref()));
-        write_report(path, "A formula for what is missing", signal, labels.clone(), sections)?;
+    args.result.show(&found)
+}
+
+/// Looks for formulas of what a model lacks beside traces in memory; the next commands name both as `next` says.
+pub fn ask(
+    prepare: &Prepare,
+    model: Model,
+    traces: Arc<Vec<Trace>>,
+    next: NextCommand,
+) -> Result<Box<dyn Answer>, Failure> {
+    Ok(Box::new(discovered(prepare, model, traces, next, None)?))
+}
+
+fn discovered(
+    prepare: &Prepare,
+    model: Model,
+    traces: Arc<Vec<Trace>>,
+    next: NextCommand,
+    written: Option<PathBuf>,
+) -> Result<Discovered, Failure> {
+    let (traces, preparation) = prepare.take(traces, &model.base.signal)?;
+    let unit = unit_of(&model.base.signal);
+    let discovery = progress::watched("looking for a formula", || discover(&model, &traces, unit))?
+        .map_err(Failure::input)?;
+    let labels = labels(&traces);
+    Ok(Discovered { traces, labels, preparation, model, discovery, next, written })
+}
+
+/// What was found of what a model lacks.
+struct Discovered {
+    traces: Arc<Vec<Trace>>,
+    labels: Vec<String>,
+    preparation: Preparation,
+    model: Model,
+    discovery: Discovery,
+    next: NextCommand,
+    /// The file of the model with the formulas as candidates.
+    written: Option<PathBuf>,
+}
+
+impl Discovered {
+    fn summary(&self) -> DiscoverySummary<'_> {
+        let written = self.written.as_ref().map(|path| path.display().to_string());
+        DiscoverySummary::new(&self.discovery, &self.labels, self.next.clone(), written)
     }
-    if args.result.json {
-        print_json(&preparation.within(summary.json()))
-    } else {
-        print_sections(&preparation.before(summary.in_short(output.as_deref())))
+}
+
+impl Answer for Discovered {
+    fn title(&self) -> &'static str {
+        "A formula for what is missing"
+    }
+
+    fn subtitle(&self) -> String {
+        self.model.base.signal.clone()
+    }
+
+    fn inputs(&self) -> Vec<String> {
+        self.labels.clone()
+    }
+
+    fn json(&self) -> Value {
+        self.preparation.within(self.summary().json())
+    }
+
+    fn sections(&self) -> Result<Vec<Section>, Failure> {
+        Ok(self.preparation.before(self.summary().sections()))
+    }
+
+    fn in_short(&self) -> Result<Vec<Section>, Failure> {
+        Ok(self.preparation.before(self.summary().in_short()))
+    }
+
+    fn model(&self) -> Result<Option<Model>, Failure> {
+        let data = Data::of_model(&self.model, &self.traces).map_err(Failure::input)?;
+        let unit = unit_of(&self.model.base.signal);
+        Ok(Some(self.discovery.with_candidates(&self.model, &data, unit)))
     }
 }

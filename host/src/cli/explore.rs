@@ -10,6 +10,7 @@ use super::answer::Answer;
 use super::diagnose::{Diagnosed, diagnosed, next};
 use super::output::Output;
 use super::preparation::Prepare;
+use super::published::Published;
 use crate::criticism::change::{Worse, worse};
 use crate::criticism::diagnose::Diagnosis;
 use crate::criticism::explore::{explored, rungs};
@@ -40,6 +41,8 @@ pub struct Args {
     #[arg(short, long, value_name = "BETTER.toml")]
     output: Option<PathBuf>,
     #[command(flatten)]
+    published: Published,
+    #[command(flatten)]
     prepare: Prepare,
     #[command(flatten)]
     result: Output,
@@ -47,13 +50,15 @@ pub struct Args {
 
 /// Explores and prints.
 pub fn run(args: &Args) -> Result<(), Failure> {
-    let mut files = args.result.files(args.traces.iter().chain([&args.model]))?;
+    let mut files =
+        args.result.files(args.traces.iter().chain([&args.model]).chain(&args.published.files))?;
     if let Some(path) = &args.output {
         files.writes(path, &MODEL)?;
     }
-    let model = Model::read(&args.model).map_err(Failure::input)?;
+    let model = args.published.beside(Model::read(&args.model).map_err(Failure::input)?)?;
     let traces = Arc::new(read_set(&args.traces).map_err(Failure::input)?);
-    let next = next(&args.model, &args.traces, &args.prepare);
+    let flags = args.prepare.flags() + &args.published.flags();
+    let next = next(&args.model, &args.traces, &flags);
     let found = explored_by(&args.prepare, model, traces, next, args.output.clone())?;
     if let Some(path) = &args.output
         && let Some(better) = found.model()?

@@ -6,10 +6,14 @@ use serde_json::Value;
 
 use super::answer::{Answer, labels};
 use super::output::{Output, print_json, print_sections, write_report};
-use super::{Failure, progress};
-use crate::practice::{Choice, Practice, check_empty, hide, open, seed_from_clock, write_set};
+use super::{Failure, progress, simulate};
+use crate::files::plan::COMPUTED;
+use crate::practice::{
+    Choice, Practice, check_empty, hide, open, record, seed_from_clock, write_set,
+};
 use crate::report::Section;
 use crate::summary::{practice_json, practice_sections, trace_panels, truth_json, truth_sections};
+use crate::trace::{read_set, write};
 
 /// Make a practice data set with a hidden effect; the truth goes to a sealed file.
 #[derive(clap::Args)]
@@ -22,11 +26,15 @@ Examples:
   palpate hide -o practice/                 one effect, nobody knows which
   palpate hide --any 2 --seed 7 -o two/     two, the same on every run
   palpate hide mullins --size 0.5 -o faint/
+  palpate hide --record motion.csv -o practice/   one more recording of the same specimen
   palpate hide --open practice/             what it was")]
 pub struct Args {
     #[command(flatten)]
     options: Options,
-    /// Folder to make; must be new or empty
+    /// Record this motion too, on the specimen of the practice set in the folder
+    #[arg(long, value_name = "MOTION.csv", conflicts_with_all = ["open", "effects", "any", "seed", "size"], requires = "output")]
+    record: Option<PathBuf>,
+    /// Folder to make; must be new or empty, but for --record
     #[arg(short, long, value_name = "DIR", required_unless_present = "open")]
     output: Option<PathBuf>,
     /// Show what is hidden in a folder
@@ -54,10 +62,11 @@ pub struct Options {
 
 /// Makes a practice set, or opens one.
 pub fn run(args: &Args) -> Result<(), Failure> {
-    match (&args.open, &args.output) {
-        (Some(folder), _) => reveal(folder, &args.result),
-        (None, Some(folder)) => make(args, folder),
-        (None, None) => {
+    match (&args.open, &args.output, &args.record) {
+        (Some(folder), ..) => reveal(folder, &args.result),
+        (None, Some(folder), Some(motion)) => record_into(folder, motion, &args.result),
+        (None, Some(folder), None) => make(args, folder),
+        (None, None, _) => {
             Err(Failure::Input(miette::miette!("name a folder with -o, or --open one")))
         }
     }
@@ -69,6 +78,25 @@ fn make(args: &Args, folder: &Path) -> Result<(), Failure> {
     let practice = ask(&args.options)?;
     write_set(folder, &practice).map_err(Failure::work)?;
     args.result.show(&Hidden { practice: &practice, folder: folder.display().to_string() })
+}
+
+/// Adds a recording of a motion to a practice set.
+fn record_into(folder: &Path, path: &Path, result: &Output) -> Result<(), Failure> {
+    let truth = open(folder).map_err(Failure::input)?;
+    let traces = read_set(&[folder]).map_err(Failure::input)?;
+    let motion = simulate::motion(path)?;
+    let trace = record(&truth, &traces, &motion).map_err(Failure::input)?;
+    let output = folder.join(trace.label());
+    // The folder is read, and the recording is to lie in it: the next diagnosis takes both.
+    result.files([path])?.writes(&output, &COMPUTED)?;
+    write(&output, &trace).map_err(Failure::work)?;
+    let recorded = output.display().to_string();
+    let words = format!("Recorded {} s after the traces that were there.", trace.duration());
+    let section =
+        Section::new("One more recording").paragraph(words).figure(trace_panels(&trace), "");
+    eprintln!("trace: {recorded}");
+    let json = || serde_json::json!({ "recorded": recorded, "duration_s": trace.duration() });
+    result.give("One more recording", "", vec![recorded.clone()], &[section], json)
 }
 
 /// Makes a practice set.

@@ -32,6 +32,7 @@ mod plan;
 mod plot;
 mod preparation;
 mod progress;
+mod published;
 mod rates;
 mod record;
 mod relaxation;
@@ -114,6 +115,7 @@ enum Command {
     Drop(drop::Args),
     /// Add what is missing until only noise is left, or say that it does not know
     Explore(explore::Args),
+    /// Find a formula for what no effect of the library explains
     Discover(discover::Args),
     /// Show the library of effects, or one effect in depth
     Effects(effects::Args),

@@ -8,6 +8,7 @@ use super::fitted::Fitted;
 use super::held_out::HeldOut;
 use super::noise::{NoiseModel, Seen, noise_model, residual_noise, samples_at_rest};
 use super::search::{FALSE_ALARMS, Found, Search, Step};
+use super::separation::Rivals;
 use crate::effects::{Candidate, EffectError, candidates, chain_of, find};
 use crate::fit::data::{Data, DataError};
 use crate::fit::least_squares::Effort;
@@ -143,13 +144,9 @@ pub fn diagnose(model: &Model, traces: &[Trace]) -> Result<Diagnosis, DiagnoseEr
     let single = data.labels.len() == 1;
     let exact = assessed.verdict != Verdict::Unknown && !(single && assessed.discrepancy > 0.0);
     let denied = search.examine(&mut found, exact);
-    if denied.is_some() || (!exact && !found.steps.is_empty()) {
-        found = search.borne_out(&found);
-        let known = |denied: &Refused| {
-            found.names(&denied.effect) || found.refused.iter().any(|r| r.effect == denied.effect)
-        };
-        let denied: Vec<Refused> = denied.into_iter().filter(|denied| !known(denied)).collect();
-        found.refuse(denied);
+    let inexact = denied.is_some() || (!exact && !found.steps.is_empty());
+    if inexact {
+        found = borne_out(&search, &found, denied);
         assessed = Assessed::of(&search, &found, &before, &noise);
     }
     if noise.seen == Seen::Residual && data.labels.len() == 1 && beside_others(&mut found) {
@@ -168,6 +165,12 @@ pub fn diagnose(model: &Model, traces: &[Trace]) -> Result<Diagnosis, DiagnoseEr
         let steps = found.steps.len();
         found.score(&problem, &rows);
         if found.steps.len() < steps {
+            // What describes the means to the noise need not describe the rows.
+            if !inexact {
+                let denied = std::mem::take(&mut found.refused);
+                found = borne_out(&search, &found, denied);
+                found.score(&problem, &rows);
+            }
             assessed = Assessed::of(&search, &found, &before, &noise);
         }
         notes.push(format!(
@@ -341,17 +344,46 @@ fn beside_others(found: &mut Found) -> bool {
     changed
 }
 
+/// The steps that are borne out where no law describes the data to the noise, beside what was refused before.
+fn borne_out(search: &Search, found: &Found, denied: impl IntoIterator<Item = Refused>) -> Found {
+    let mut climbed = search.borne_out(found);
+    let known = |denied: &Refused| {
+        let refused = &climbed.refused;
+        climbed.names(&denied.effect) || refused.iter().any(|it| it.effect == denied.effect)
+    };
+    let denied: Vec<Refused> = denied.into_iter().filter(|denied| !known(denied)).collect();
+    climbed.refuse(denied);
+    climbed
+}
+
+/// The members of the first credible set with several: their names and models, the best first.
+#[must_use]
+pub fn undecided(found: &Found) -> Vec<(&str, &Fitted)> {
+    let Some(step) = found.steps.iter().find(|step| step.credible.len() > 1) else {
+        return Vec::new();
+    };
+    let member = |name: &'_ String| {
+        let rival = step.rivals.iter().find(|rival| rival.effect == *name);
+        rival.map(|rival| (rival.effect.as_str(), &rival.fitted))
+    };
+    step.credible.iter().filter_map(member).collect()
+}
+
 /// The experiment that would decide between the members of the first credible set with several.
 fn deciding(found: &Found, data: &Data, traces: &[Trace], whitening: &Whitening) -> Option<String> {
-    let step = found.steps.iter().find(|step| step.credible.len() > 1)?;
-    let member = |name: &String| {
-        let rival = step.rivals.iter().find(|rival| rival.effect == *name);
-        rival.map(|rival| &rival.fitted)
+    let members = undecided(found);
+    let (name, _) = members.first()?;
+    let models: Vec<&Fitted> = members.iter().map(|(_, fitted)| *fitted).collect();
+    let rivals = Rivals {
+        members: &models,
+        signal: &data.signal,
+        reference_temperature: data.reference_temperature,
+        traces,
+        whitening,
     };
-    let members: Vec<&Fitted> = step.credible.iter().filter_map(member).collect();
-    let proposal = next_experiment(&members, data, traces, whitening);
+    let proposal = next_experiment(&rivals, data);
     // Where no simulation tells them apart, the effect's own declaration may know a way.
-    let declared = || find(&step.effect).map(|effect| effect.experiment.to_owned());
+    let declared = || find(name).map(|effect| effect.experiment.to_owned());
     proposal.map(|proposal| proposal.text).or_else(declared)
 }
 

@@ -1,15 +1,11 @@
-//! The next experiment: of a menu, the one on which the members of a credible set would disagree most
-//! after each had been refitted to it (T-optimality, Atkinson and Fedorov 1975).
-
-use nalgebra::{DMatrix, DVector};
+//! The next experiment: of a menu, the one that would set the members of a credible set furthest apart.
 
 use super::fitted::Fitted;
+use super::separation::{Condition, Rivals, TELLS, signal_of, squares};
 use crate::effects::Scales;
 use crate::fit::data::Data;
-use crate::fit::problem::Problem;
-use crate::fit::whitening::Whitening;
 use crate::model::{BaseLaw, Chain, Hold, Move, Profile, Stage, Step};
-use crate::trace::{Column, DISPLACEMENT, TEMPERATURE, Trace};
+use crate::trace::Trace;
 
 /// An experiment of the menu.
 pub struct Experiment {
@@ -123,113 +119,70 @@ pub const MENU: [Experiment; 10] = [
 /// Samples of the data set above which the history of the specimen is not simulated again.
 const MOST_HISTORY: usize = 300_000;
 /// Members of a credible set that are compared with the first.
-const MOST_MEMBERS: usize = 4;
+pub const MOST_MEMBERS: usize = 4;
 
 /// The experiment that would tell the first member best from the others; none where no experiment of the
 /// menu tells them apart beyond the noise.
 #[must_use]
-pub fn next_experiment(
-    members: &[&Fitted],
-    data: &Data,
-    traces: &[Trace],
-    whitening: &Whitening,
-) -> Option<Proposal> {
-    let members = &members[..members.len().min(MOST_MEMBERS)];
+pub fn next_experiment(rivals: &Rivals, data: &Data) -> Option<Proposal> {
+    let members = &rivals.members[..rivals.members.len().min(MOST_MEMBERS)];
     if members.len() < 2 || data.samples() > MOST_HISTORY {
         return None;
     }
+    let rivals = Rivals { members, ..*rivals };
     let scales = data.scales();
-    let noise = whitening.standard_deviation();
     MENU.iter()
         .filter(|experiment| experiment.warmer == 0.0 || data.reference_temperature.is_some())
         .filter_map(|experiment| {
-            let separates = experiment.separates(members, data, traces, &scales, noise)?;
+            let separates = experiment.separates(&rivals, &scales)?;
             Some(Proposal { text: experiment.text.into(), separates })
         })
-        .filter(|proposal| proposal.separates > TOLD)
+        .filter(|proposal| proposal.separates > TELLS)
         .max_by(|a, b| a.separates.total_cmp(&b.separates))
 }
 
-/// Sum of squares over the noise below which an experiment does not tell.
-const TOLD: f64 = 10.0;
-
 impl Experiment {
+    /// The motion, where it is one of the specimen as it is: not of a block, nor of a warmer one.
+    #[must_use]
+    pub fn plain(&self, scales: &Scales) -> Option<Profile> {
+        (!self.rigid && self.warmer == 0.0).then(|| (self.motion)(scales))
+    }
+
     /// Predicted misfit of the member worst told from the first.
-    fn separates(
-        &self,
-        members: &[&Fitted],
-        data: &Data,
-        traces: &[Trace],
-        scales: &Scales,
-        noise: f64,
-    ) -> Option<f64> {
-        let mut set: Vec<Trace> = if self.rigid { Vec::new() } else { traces.to_vec() };
-        set.push(self.trace(scales, data, traces));
-        let all =
-            Data::of_motions(&set, &data.signal).ok()?.with_reference(data.reference_temperature);
-        let own = set.len() - 1;
-        let first = self.predicted(members[0], &all, own, scales);
-        members[1..]
-            .iter()
-            .map(|member| {
-                let difference: Vec<f64> = self
-                    .predicted(member, &all, own, scales)
-                    .iter()
-                    .zip(&first)
-                    .map(|(a, b)| a - b)
-                    .collect();
-                if self.rigid {
-                    return squares(&difference) / (noise * noise);
-                }
-                after_refit(member, &all, own, &difference, noise)
-            })
-            .min_by(f64::total_cmp)
-    }
-
-    /// The experiment as a recording after the others.
-    fn trace(&self, scales: &Scales, data: &Data, traces: &[Trace]) -> Trace {
+    fn separates(&self, rivals: &Rivals, scales: &Scales) -> Option<f64> {
         let motion = (self.motion)(scales).motion();
-        let mut trace = Trace {
-            time: motion.time.to_vec(),
-            columns: vec![Column {
-                name: DISPLACEMENT.into(),
-                values: motion.displacement.to_vec(),
-            }],
-            ..Trace::default()
-        };
-        if let Some(reference) = data.reference_temperature {
-            let temperature = vec![reference + self.warmer; trace.len()];
-            trace.set_column(TEMPERATURE, temperature);
-        }
-        let last = traces.last();
-        trace.head.setup.start_s = last
-            .and_then(|last| last.head.setup.start_s.map(|start| start + last.duration()))
-            .map(|end| end + self.rest);
-        trace
-    }
-
-    /// What a member says of the recording with index `own`.
-    fn predicted(&self, member: &Fitted, all: &Data, own: usize, scales: &Scales) -> Vec<f64> {
-        let (chain, values) = if self.rigid {
-            on_a_rigid_block(member, scales)
+        let under = Condition { rest: self.rest, warmer: self.warmer };
+        let trace = rivals.trace(motion.time.to_vec(), motion.displacement.to_vec(), under);
+        if self.rigid {
+            on_a_rigid_block(rivals, trace, scales)
         } else {
-            (member.chain.clone(), member.values.clone())
-        };
-        let white = Whitening::none();
-        let problem = Problem::new(&chain, all, &white, None);
-        let mut found = Vec::new();
-        problem.each_piece(&[problem.point(&values)], |piece, forces| {
-            if piece.trace == own {
-                found.extend_from_slice(&forces[0]);
-            }
-        });
-        found
+            Some(rivals.foresee(trace)?.separates())
+        }
     }
+}
+
+/// Predicted misfit of the member worst told from the first where a block takes the specimen's place.
+fn on_a_rigid_block(rivals: &Rivals, trace: Trace, scales: &Scales) -> Option<f64> {
+    let set = [trace];
+    let all = Data::of_motions(&set, rivals.signal).ok()?;
+    let all = all.with_reference(rivals.reference_temperature);
+    let mut predicted = rivals.members.iter().map(|member| {
+        let (chain, values) = without_specimen(member, scales);
+        signal_of(&chain, &values, &all, 0)
+    });
+    let first = predicted.next()?;
+    predicted
+        .map(|other| {
+            let mut difference: Vec<f64> = other.iter().zip(&first).map(|(a, b)| a - b).collect();
+            rivals.whitening.apply(&mut difference);
+            squares(&difference)
+        })
+        .min_by(f64::total_cmp)
 }
 
 /// Only what does not belong to the specimen, on a block that gives a fiftieth of the stroke at full
 /// force.
-fn on_a_rigid_block(member: &Fitted, scales: &Scales) -> (Chain, Vec<f64>) {
+fn without_specimen(member: &Fitted, scales: &Scales) -> (Chain, Vec<f64>) {
     let base = BaseLaw::fung(1, member.chain.base.separation);
     let mut chain = Chain::new(base);
     let mut values = vec![scales.force / (0.02 * scales.compression), 0.0, 0.0, 1.0];
@@ -240,49 +193,6 @@ fn on_a_rigid_block(member: &Fitted, scales: &Scales) -> (Chain, Vec<f64>) {
         }
     }
     (chain, values)
-}
-
-/// The misfit that is left of a difference once the member is refitted to the data it has and to the
-/// experiment.
-fn after_refit(member: &Fitted, all: &Data, own: usize, difference: &[f64], noise: f64) -> f64 {
-    let white = Whitening::none();
-    let problem = Problem::new(&member.chain, all, &white, None);
-    let size = member.point.len();
-    let mut curvature = DMatrix::zeros(size, size);
-    for block in &member.blocks {
-        curvature += &block.raw.curvature;
-    }
-    let mut along = DVector::zeros(size);
-    let mut begin = 0;
-    problem.derivatives(&member.point, |piece, residual, columns| {
-        if piece.trace != own {
-            return;
-        }
-        let end = begin + residual.len();
-        let difference = &difference[begin..end];
-        begin = end;
-        for (i, column) in &columns {
-            along[*i] += dot(column, difference);
-            for (j, other) in &columns {
-                curvature[(*i, *j)] += dot(column, other);
-            }
-        }
-    });
-    let scale = curvature.diagonal().map(|v| if v > 0.0 { 1.0 / v.sqrt() } else { 0.0 });
-    let scaled = DMatrix::from_fn(size, size, |i, j| {
-        curvature[(i, j)] * scale[i] * scale[j] + if i == j { 1e-9 } else { 0.0 }
-    });
-    let right = along.component_mul(&scale);
-    let taken = scaled.cholesky().map_or(0.0, |factor| right.dot(&factor.solve(&right)));
-    (squares(difference) - taken).max(0.0) / (noise * noise)
-}
-
-fn squares(values: &[f64]) -> f64 {
-    dot(values, values)
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 fn profile(start: f64, speed: f64, rate: f64, steps: Vec<Step>) -> Profile {

@@ -198,9 +198,9 @@ impl Fitted {
     fn jackknife(&self, problem: &Problem) -> DMatrix<f64> {
         let traces = self.blocks.iter().map(|block| block.trace + 1).max().unwrap_or(0);
         let part = |index: usize| {
-            if traces >= FEWEST_PARTS { self.blocks[index].trace } else { index }
+            if traces >= FEWEST_TRACES { self.blocks[index].trace } else { index }
         };
-        let parts = if traces >= FEWEST_PARTS { traces } else { self.blocks.len() };
+        let parts = if traces >= FEWEST_TRACES { traces } else { self.blocks.len() };
         let refit = |left_out: usize| {
             let weights: Vec<f64> =
                 (0..self.blocks.len()).map(|k| f64::from(u8::from(part(k) != left_out))).collect();
@@ -218,7 +218,7 @@ impl Fitted {
 }
 
 /// Fewest traces that count as the parts of the data; of fewer, their pieces do.
-const FEWEST_PARTS: usize = 8;
+const FEWEST_TRACES: usize = 8;
 
 /// Part of the samples that are independent: the mean square of a whitened sample over that of block
 /// sums per sample, at most one.

@@ -6,6 +6,8 @@
 //! - [`compare`]: all of it for one model and one data set.
 //! - [`signature`]: what an effect leaves of a base law that lacks it.
 //! - [`foretold`]: what a candidate would make of the prediction, before anything is refitted.
+//! - [`separation`]: how far a recording would set apart what the present ones do not tell apart.
+//! - [`next_motion`]: the motion, within what a rig can do, that sets it furthest apart.
 //! - [`change`]: an effect added or taken out, everything refitted.
 
 pub mod adequacy;
@@ -24,12 +26,14 @@ pub mod held_out;
 mod hum;
 pub mod leftover;
 pub mod leftover_curve;
+pub mod next_motion;
 pub mod noise;
 pub mod region;
 pub mod residuals;
 pub mod rest;
 pub mod screen;
 pub mod search;
+pub mod separation;
 pub mod signature;
 mod tail;
 

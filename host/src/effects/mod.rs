@@ -10,6 +10,7 @@ mod amplitude_dependent_relaxation;
 mod backlash;
 mod candidates;
 mod contact_offset;
+pub mod contract;
 mod coulomb_friction;
 mod crosstalk;
 mod cyclic_softening;
@@ -28,6 +29,7 @@ mod mains_hum;
 mod memory;
 mod mullins;
 mod permanent_set;
+mod published;
 mod rate_drag;
 mod saturation;
 mod sensor_lag;
@@ -38,6 +40,7 @@ mod sync_delay;
 mod thermal_output;
 mod thermal_stiffness;
 mod time_temperature;
+mod units;
 mod viscous_drag;
 mod warm_up;
 mod zero_shift;
@@ -47,6 +50,7 @@ pub use declaration::{
     Count, Effect, Grid, Law, Needs, Role, Scales, Setting, Shape, Sign, Strength,
 };
 pub use library::{LIBRARY, find, meant};
+pub use published::{PublishedError, read_laws};
 pub use stored::{EffectError, applied, chain_of, store};
 
 use crate::model::covariate::Covariate;

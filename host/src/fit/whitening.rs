@@ -8,8 +8,6 @@
 
 use std::sync::Arc;
 
-use nalgebra::{DMatrix, DVector};
-
 use super::levels::Levels;
 
 /// A model of noise, as a filter.
@@ -180,7 +178,6 @@ impl Whitening {
 
     fn apply_kalman(&self, values: &mut [f64]) {
         let (order, decays) = (self.order(), decays());
-        let coefficients = self.coefficients();
         let mut state = vec![0.0; order + TIMES.len()];
         for (k, value) in values.iter_mut().enumerate() {
             let (gain, left) = &self.schedule[k.min(self.schedule.len() - 1)];
@@ -188,13 +185,7 @@ impl Whitening {
             for (state, gain) in state.iter_mut().zip(gain) {
                 *state += gain * innovation;
             }
-            // The autoregression's last values move up; the flicker decays.
-            let next: f64 = coefficients.iter().zip(&state).map(|(a, x)| a * x).sum();
-            state.copy_within(0..order - 1, 1);
-            state[0] = next;
-            for (state, decay) in state[order..].iter_mut().zip(&decays) {
-                *state *= decay;
-            }
+            self.advance(&mut state, &decays);
             *value = innovation / left;
         }
     }
@@ -209,43 +200,65 @@ impl Whitening {
         let order = self.order();
         let size = order + TIMES.len();
         let autocovariance = self.autocovariance(order);
-        let mut covariance = DMatrix::from_fn(size, size, |i, j| match (i < order, j < order) {
-            (true, true) => autocovariance[i.abs_diff(j)],
-            (false, false) if i == j => self.flicker.powi(2),
-            _ => 0.0,
-        });
-        let mut transition = DMatrix::zeros(size, size);
-        for (j, coefficient) in self.coefficients().iter().enumerate() {
-            transition[(0, j)] = *coefficient;
+        let flicker = self.flicker.powi(2);
+        // Row by row; the matrices are so small that a general product would cost ten times as much.
+        let mut covariance = vec![0.0; size * size];
+        for (i, row) in covariance.chunks_exact_mut(size).enumerate() {
+            match i < order {
+                true => (0..order).for_each(|j| row[j] = autocovariance[i.abs_diff(j)]),
+                false => row[i] = flicker,
+            }
         }
-        for i in 1..order {
-            transition[(i, i - 1)] = 1.0;
+        let decays = decays();
+        let mut chance = vec![0.0; size];
+        chance[0] = self.left[self.left.len() - 1].powi(2);
+        for (chance, decay) in chance[order..].iter_mut().zip(&decays) {
+            *chance = flicker * (1.0 - decay * decay);
         }
-        let mut chance = DMatrix::zeros(size, size);
-        chance[(0, 0)] = self.left[self.left.len() - 1].powi(2);
-        for (k, decay) in decays().into_iter().enumerate() {
-            transition[(order + k, order + k)] = decay;
-            chance[(order + k, order + k)] = self.flicker.powi(2) * (1.0 - decay * decay);
-        }
-        let seen = DVector::from_fn(size, |i, _| if i == 0 || i >= order { 1.0 } else { 0.0 });
+        let mut turned = covariance.clone();
+        let mut towards = vec![0.0; size];
         let mut found: Vec<(Vec<f64>, f64)> = Vec::new();
         while found.len() < longest.clamp(1, SETTLED) {
-            let towards = &covariance * &seen;
-            let variance = seen.dot(&towards);
-            let gain = &towards / variance;
-            covariance -= &gain * towards.transpose();
-            covariance = &transition * covariance * transition.transpose() + &chance;
+            for (towards, row) in towards.iter_mut().zip(covariance.chunks_exact(size)) {
+                *towards = row[0] + row[order..].iter().sum::<f64>();
+            }
+            let variance = towards[0] + towards[order..].iter().sum::<f64>();
+            let gain: Vec<f64> = towards.iter().map(|towards| towards / variance).collect();
+            for (gain, row) in gain.iter().zip(covariance.chunks_exact_mut(size)) {
+                row.iter_mut().zip(&towards).for_each(|(own, towards)| *own -= gain * towards);
+            }
+            // The covariance is symmetric: what time does to a state, done to each row and then to each column.
+            for (i, row) in covariance.chunks_exact_mut(size).enumerate() {
+                self.advance(row, &decays);
+                row.iter().enumerate().for_each(|(j, value)| turned[j * size + i] = *value);
+            }
+            for (i, row) in turned.chunks_exact_mut(size).enumerate() {
+                self.advance(row, &decays);
+                row[i] += chance[i];
+            }
+            std::mem::swap(&mut covariance, &mut turned);
             let left = variance.sqrt();
             let settled = found.last().is_some_and(|(last, before)| {
-                let moved = last.iter().zip(gain.iter()).map(|(a, b)| (a - b).abs());
+                let moved = last.iter().zip(&gain).map(|(a, b)| (a - b).abs());
                 (left - before).abs() < 1e-9 * left && moved.fold(0.0, f64::max) < 1e-7
             });
-            found.push((gain.as_slice().to_vec(), left));
+            found.push((gain, left));
             if settled {
                 break;
             }
         }
         found
+    }
+
+    /// What a sample of time does to a state: the autoregression's last values move up, the flicker decays.
+    fn advance(&self, state: &mut [f64], decays: &[f64]) {
+        let order = self.order();
+        let next: f64 = self.coefficients().iter().zip(&*state).map(|(a, x)| a * x).sum();
+        state.copy_within(0..order - 1, 1);
+        state[0] = next;
+        for (state, decay) in state[order..].iter_mut().zip(decays) {
+            *state *= decay;
+        }
     }
 
     /// Autocovariance of the autoregression at distances from 0 to below `count`.

@@ -76,7 +76,7 @@ impl Covariate {
 
     /// Unit; the predicted force has that of the signal.
     #[must_use]
-    pub fn unit(self, signal: &'static str) -> &'static str {
+    pub fn unit(self, signal: &str) -> &str {
         match self {
             Self::Displacement | Self::Largest => "mm",
             Self::Velocity => "mm/s",

@@ -9,7 +9,9 @@ use super::left::Ground;
 use super::sealed::{Truth, VERSION};
 use super::session::ten_traces;
 use crate::criticism::screen::ABSORBED;
-use crate::effects::{Effect, EffectError, LIBRARY, Law, Role, Setting, Sign, find, store};
+use crate::effects::{
+    Effect, EffectError, LIBRARY, Law, Role, Setting, Sign, chain_of, find, store,
+};
 use crate::fit::data::{Data, DataError};
 use crate::fit::whole_motion::predict;
 use crate::model::{Applied, BaseLaw, Chain, Model, Separation};
@@ -41,6 +43,12 @@ pub enum HideError {
     Effect(#[from] EffectError),
     #[error(transparent)]
     Data(#[from] DataError),
+    #[error("no practice set in order: its traces have `start_s` in their heads")]
+    NoTraces,
+    #[error("the motion has no `displacement_mm`")]
+    NoMotion,
+    #[error("{0}")]
+    Gap(String),
     #[error("`{0}` is named twice")]
     Twice(String),
     #[error("the size is {0}; it must be above 0 and at most {MOST_SIZE}")]
@@ -65,6 +73,8 @@ const REFITS: usize = 8;
 const NEAR: f64 = 0.02;
 /// Laws and shapes drawn before an effect counts as out of reach.
 const DRAWS: usize = 20;
+/// Rest before one more recording, s.
+const PAUSE_S: f64 = 60.0;
 /// Streams of the random numbers: what is hidden changes neither session nor noise.
 #[derive(Clone, Copy)]
 enum Stream {
@@ -86,13 +96,9 @@ pub fn hide(choice: &Choice, size: f64, seed: u64) -> Result<Practice, HideError
     if count > MOST_EFFECTS {
         return Err(HideError::TooMany(count));
     }
-    let stream = |stream: Stream| {
-        let mut random = ChaCha8Rng::seed_from_u64(seed);
-        random.set_stream(stream as u64);
-        random
-    };
+    let stream = |of: Stream| stream(seed, of as u64);
     let (mut session, mut effects) = (stream(Stream::Session), stream(Stream::Effects));
-    let mut traces = ten_traces(&mut session);
+    let (mut traces, _) = ten_traces(&mut session);
     let base = Chain::new(BaseLaw::fung(2, Separation::Clamp));
     let values = specimen(&mut session);
     let bare = predict(&base, &values, &Data::of_motions(&traces, FORCE)?);
@@ -148,6 +154,39 @@ pub fn hide(choice: &Choice, size: f64, seed: u64) -> Result<Practice, HideError
         trace.set_column(FORCE, measured);
     }
     Ok(Practice { traces, truth })
+}
+
+/// Random numbers of a seed that no other stream of it has.
+fn stream(seed: u64, stream: u64) -> ChaCha8Rng {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    random.set_stream(stream);
+    random
+}
+
+/// Records one more motion on the specimen of a practice set, a minute after the last of its traces.
+///
+/// # Errors
+/// When the traces are not those of the set, or the motion is not usable.
+pub fn record(truth: &Truth, traces: &[Trace], motion: &Trace) -> Result<Trace, HideError> {
+    let last = traces.last().ok_or(HideError::NoTraces)?;
+    let begin = last.head.setup.start_s.ok_or(HideError::NoTraces)? + last.duration() + PAUSE_S;
+    let number = traces.len() + 1;
+    let (_, around) = ten_traces(&mut stream(truth.seed, Stream::Session as u64));
+    let displacement = motion.displacement().ok_or(HideError::NoMotion)?;
+    let mut trace = around.recorded(&motion.time, displacement, number, begin);
+    trace.head.name = Some(format!("practice, recording {number}"));
+    trace.path = Some(format!("recording-{number:02}.csv").into());
+    let set: Vec<Trace> = traces.iter().cloned().chain([trace.clone()]).collect();
+    let data = Data::of_motions(&set, FORCE)?.with_reference(truth.model.reference_temperature);
+    if let Some(what) = data.left_out.first() {
+        return Err(HideError::Gap(what.clone()));
+    }
+    let (chain, values) = chain_of(&truth.model, &data.setting())?;
+    let force = predict(&chain, &values, &data).pop().unwrap_or_default();
+    let mut random = stream(truth.seed, Stream::Noise as u64 + number as u64);
+    let force = measured(force, truth.noise_rms, truth.noise_correlation, &mut random);
+    trace.set_column(FORCE, force);
+    Ok(trace)
 }
 
 /// The effects to take from, and how many of them.

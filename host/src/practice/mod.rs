@@ -12,6 +12,6 @@ pub mod sealed;
 pub mod session;
 
 pub use folder::{FolderError, check_empty, seed_from_clock, write_set};
-pub use hidden::{Choice, HideError, Practice, hide};
+pub use hidden::{Choice, HideError, Practice, hide, record};
 pub use left::Ground;
 pub use sealed::{SEALED, SealError, Truth, open, seal};

@@ -24,7 +24,7 @@ struct Plan {
 }
 
 /// What the air and the lateral force do over the session.
-struct Around {
+pub(super) struct Around {
     /// Mean, K of each wave, its period, s, and phase.
     mean: f64,
     waves: [(f64, f64, f64); 2],
@@ -33,9 +33,9 @@ struct Around {
 }
 
 /// Ten traces in a random order: three amplitudes at three speeds, and one of repeated cycles, with
-/// pauses between, in air that wanders by a few kelvin.
+/// pauses between, in air that wanders by a few kelvin; and that air.
 #[must_use]
-pub fn ten_traces(random: &mut ChaCha8Rng) -> Vec<Trace> {
+pub(super) fn ten_traces(random: &mut ChaCha8Rng) -> (Vec<Trace>, Around) {
     let mut plans = Vec::new();
     for amplitude in [4.0, 8.0, 12.0] {
         for speed in [5.0, 20.0, 60.0] {
@@ -59,7 +59,7 @@ pub fn ten_traces(random: &mut ChaCha8Rng) -> Vec<Trace> {
         sway: random.random_range(0.0..TAU),
     };
     let pauses: Vec<f64> = plans.iter().map(|_| random.random_range(10.0..40.0)).collect();
-    record(plans, &around, &pauses)
+    (record(plans, &around, &pauses), around)
 }
 
 /// The traces on which signatures are shown: a press with a hold of 4 s, and four cycles.
@@ -109,38 +109,11 @@ fn profile(start_mm: f64, speed_mm_per_s: f64, steps: Vec<Step>) -> Profile {
 fn record(plans: Vec<Plan>, around: &Around, pauses: &[f64]) -> Vec<Trace> {
     let mut begin = 0.0;
     let mut traces = Vec::with_capacity(plans.len());
-    for (number, (plan, pause)) in plans.into_iter().zip(pauses).enumerate() {
+    for (index, (plan, pause)) in plans.into_iter().zip(pauses).enumerate() {
         let motion = plan.profile.motion();
-        let temperature = |t: &f64| rounded(around.temperature(begin + t), 100.0);
-        let place = motion.displacement.iter();
-        let columns = vec![
-            Column {
-                name: DISPLACEMENT.into(),
-                values: place.clone().map(|&x| rounded(x, 1e5)).collect(),
-            },
-            Column {
-                name: TEMPERATURE.into(),
-                values: motion.time.iter().map(temperature).collect(),
-            },
-            Column {
-                name: TANGENTIAL.into(),
-                values: place.map(|&x| rounded(around.lateral(x), 1e5)).collect(),
-            },
-        ];
-        let mut head = Head {
-            version: Some(1),
-            name: Some(format!("practice, {}", plan.name)),
-            control: Some(Control::Displacement),
-            ..Head::default()
-        };
-        head.setup.sequence = Some(number as i64 + 1);
-        head.setup.start_s = Some(rounded(begin, 10.0));
-        let trace = Trace {
-            path: Some(PathBuf::from(plan.file)),
-            head,
-            time: motion.time.to_vec(),
-            columns,
-        };
+        let mut trace = around.recorded(&motion.time, &motion.displacement, index + 1, begin);
+        trace.head.name = Some(format!("practice, {}", plan.name));
+        trace.path = Some(PathBuf::from(plan.file));
         begin = rounded(begin + trace.duration() + pause, 10.0);
         traces.push(trace);
     }
@@ -148,6 +121,31 @@ fn record(plans: Vec<Plan>, around: &Around, pauses: &[f64]) -> Vec<Trace> {
 }
 
 impl Around {
+    /// A motion, mm at times in s, as the recording of this number that begins so many s after the session: with everything but
+    /// the force.
+    pub(super) fn recorded(
+        &self,
+        time: &[f64],
+        motion: &[f64],
+        number: usize,
+        begin: f64,
+    ) -> Trace {
+        let began = time.first().copied().unwrap_or_default();
+        let temperature = |t: &f64| rounded(self.temperature(begin + t - began), 100.0);
+        let column = |name: &str, values: Vec<f64>| Column { name: name.into(), values };
+        let lateral = |x: &f64| rounded(self.lateral(*x), 1e5);
+        let columns = vec![
+            column(DISPLACEMENT, motion.iter().map(|&x| rounded(x, 1e5)).collect()),
+            column(TEMPERATURE, time.iter().map(temperature).collect()),
+            column(TANGENTIAL, motion.iter().map(lateral).collect()),
+        ];
+        let control = Some(Control::Displacement);
+        let mut head = Head { version: Some(1), control, ..Head::default() };
+        head.setup.sequence = Some(number as i64);
+        head.setup.start_s = Some(rounded(begin, 10.0));
+        Trace { path: None, head, time: time.to_vec(), columns }
+    }
+
     /// °C at a time since the session began, s.
     fn temperature(&self, set_time: f64) -> f64 {
         let wave = |&(size, period, phase): &(f64, f64, f64)| {
@@ -164,6 +162,6 @@ impl Around {
 }
 
 /// The value as it is written, with so many steps to the unit.
-fn rounded(value: f64, steps: f64) -> f64 {
+pub(super) fn rounded(value: f64, steps: f64) -> f64 {
     (value * steps).round() / steps
 }

@@ -105,7 +105,8 @@ fn in_short(change: &Change) -> String {
 /// What each value of the fit is of: the base law or an effect, and its parameter.
 fn declared(change: &Change) -> Vec<(String, Parameter)> {
     let chain = &change.fit.chain;
-    let of_base = chain.base.parameters().into_iter().map(|p| ("fung".to_owned(), p));
+    let law = chain.base.name();
+    let of_base = chain.base.parameters().into_iter().map(|p| (law.to_owned(), p));
     let of_effects = chain.effects.iter().flat_map(|effect| {
         effect.parameters.iter().map(|parameter| (effect.name.clone(), parameter.clone()))
     });

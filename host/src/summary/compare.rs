@@ -2,9 +2,10 @@
 
 use serde_json::{Value, json};
 
+use super::dependence::{dependence_plot, scale};
 use super::{ladder, name_of, unit_of};
 use crate::criticism::compare::{Cell, Comparison};
-use crate::criticism::dependence::{Bin, Dependence, SEED};
+use crate::criticism::dependence::{Dependence, SEED};
 use crate::criticism::region::Region;
 use crate::model::Model;
 use crate::report::number::{percent, significant};
@@ -167,16 +168,18 @@ fn dependence_section(comparison: &Comparison, traces: &[Trace]) -> Section {
          Trend: correlation of the mean residual with the quantity."
     );
     let mut section = Section::new("What the failure depends on");
+    let (unit, most) = (unit_of(&comparison.signal), scale(&comparison.dependences));
+    let plot = |dependence: &Dependence| dependence_plot(dependence, unit, most);
     let (told, chance): (Vec<&Dependence>, Vec<&Dependence>) =
         by_p_value(comparison).into_iter().partition(|dependence| dependence.p_value <= TOLD);
     for dependence in told {
-        section = section.figure(dependence_plot(comparison, dependence), "");
+        section = section.figure(plot(dependence), "");
     }
     if !chance.is_empty() {
         let summary = format!("{} that explain no more than chance does", counted(chance.len()));
         let folded = chance
             .into_iter()
-            .map(|dependence| dependence_plot(comparison, dependence))
+            .map(plot)
             .fold(Section::new(""), |folded, plot| folded.figure(plot, ""));
         section = section.block(Block::Details { summary, blocks: folded.blocks });
     }
@@ -202,52 +205,6 @@ fn by_p_value(comparison: &Comparison) -> Vec<&Dependence> {
     let mut found: Vec<&Dependence> = comparison.dependences.iter().collect();
     found.sort_by(|a, b| a.p_value.total_cmp(&b.p_value).then(b.explained.total_cmp(&a.explained)));
     found
-}
-
-/// All means of all quantities with their errors lie within this.
-fn scale(comparison: &Comparison) -> f64 {
-    let bins = comparison.dependences.iter().flat_map(|dependence| &dependence.bins);
-    1.05 * bins.map(|bin| bin.mean.abs() + bin.standard_error).fold(0.0, f64::max)
-}
-
-fn dependence_plot(comparison: &Comparison, dependence: &Dependence) -> Plot {
-    let unit = unit_of(&comparison.signal);
-    let covariate = dependence.covariate;
-    let column =
-        |value: fn(&Bin) -> f64| -> Vec<f64> { dependence.bins.iter().map(value).collect() };
-    let force_unit = if unit == "µε" { "µε" } else { "N" };
-    let most = scale(comparison);
-    let mut means = Axis::new("mean residual", unit);
-    if most > 0.0 && most.is_finite() {
-        means = means.range(-most, most);
-    }
-    Plot::new(
-        format!(
-            "Residual against {}: {}, p = {:.3}",
-            covariate.name(),
-            percent(dependence.explained, 2),
-            dependence.p_value
-        ),
-        Axis::new(covariate.name(), covariate.unit(force_unit)),
-        means,
-    )
-    .summary(format!(
-        "Mean residual in {} bins of the {}, which explain {}",
-        dependence.bins.len(),
-        covariate.name(),
-        percent(dependence.explained, 2)
-    ))
-    .series(
-        Series::error_bars(
-            "mean residual",
-            column(|bin| bin.at),
-            column(|bin| bin.mean),
-            column(|bin| bin.standard_error),
-        )
-        .colour(Colour::RESIDUAL),
-    )
-    .level(0.0, "")
-    .height(170.0)
 }
 
 /// Measurement and model of every trace with what is left, regions shaded.

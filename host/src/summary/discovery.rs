@@ -2,11 +2,12 @@
 
 use serde_json::{Value, json};
 
+use super::dependence::{dependence_plot, scale};
 use super::diagnosis::NextCommand;
 use super::ladder::{ABOUT, ladder_bars, rung_name};
 use super::unit_of;
 use crate::criticism::covariate::Covariate;
-use crate::criticism::dependence::{Bin, Dependence};
+use crate::criticism::dependence::Dependence;
 use crate::criticism::diagnose::Verdict;
 use crate::discover::causes::cause_of;
 use crate::discover::formula::{Alternative, Formula, Shares};
@@ -15,9 +16,7 @@ use crate::discover::surface::Surface;
 use crate::discover::{Discovery, Outcome};
 use crate::model::StoredEffect;
 use crate::report::number::{percent, significant, with_error};
-use crate::report::{
-    Axis, Block, Callout, CellFormat, Colour, Column, HeatMap, Plot, Section, Series, Table,
-};
+use crate::report::{Block, Callout, CellFormat, Column, HeatMap, Section, Table};
 
 /// Shares whose distance from 1 is less than this are all of a term.
 const ALL: f64 = 0.25;
@@ -31,13 +30,20 @@ pub struct DiscoverySummary<'a> {
     discovery: &'a Discovery,
     labels: &'a [String],
     next: NextCommand,
+    written: Option<String>,
 }
 
 impl<'a> DiscoverySummary<'a> {
-    /// A discovery on traces of these labels; `next` names model and traces as they were given.
+    /// A discovery on traces of these labels; `next` names model and traces as they were given, `written` the file of the model
+    /// with the formulas.
     #[must_use]
-    pub fn new(discovery: &'a Discovery, labels: &'a [String], next: NextCommand) -> Self {
-        Self { discovery, labels, next }
+    pub fn new(
+        discovery: &'a Discovery,
+        labels: &'a [String],
+        next: NextCommand,
+        written: Option<String>,
+    ) -> Self {
+        Self { discovery, labels, next, written }
     }
 
     fn formulas(&self) -> &[Formula] {
@@ -53,16 +59,16 @@ impl<'a> DiscoverySummary<'a> {
 
     /// What a terminal shows.
     #[must_use]
-    pub fn in_short(&self, output: Option<&str>) -> Vec<Section> {
-        let mut sections = vec![self.answer(output)];
+    pub fn in_short(&self) -> Vec<Section> {
+        let mut sections = vec![self.answer()];
         sections.extend(self.formulas().iter().map(|formula| self.formula(formula)));
         sections
     }
 
     /// What a report shows: all.
     #[must_use]
-    pub fn sections(&self, output: Option<&str>) -> Vec<Section> {
-        let mut sections = self.in_short(output);
+    pub fn sections(&self) -> Vec<Section> {
+        let mut sections = self.in_short();
         if !self.discovery.ladder.is_empty() {
             let noise = Some(self.discovery.diagnosis.noise.level);
             sections[0] = std::mem::replace(&mut sections[0], Section::new(""))
@@ -72,7 +78,7 @@ impl<'a> DiscoverySummary<'a> {
         sections
     }
 
-    fn answer(&self, output: Option<&str>) -> Section {
+    fn answer(&self) -> Section {
         let (kind, title, text) = match &self.discovery.outcome {
             Outcome::Adequate => (
                 Callout::Finding,
@@ -100,8 +106,8 @@ impl<'a> DiscoverySummary<'a> {
             section = section.block(Block::Code(self.next.diagnose()));
         }
         if let Some(first) = self.formulas().first() {
-            let model = output.unwrap_or("found.toml");
-            let words = match output {
+            let model = self.written.as_deref().unwrap_or("found.toml");
+            let words = match self.written {
                 Some(_) => {
                     "The formulas stand in the model file as candidates. Add one like an effect of the library:"
                 }
@@ -249,42 +255,18 @@ impl<'a> DiscoverySummary<'a> {
             ]);
         }
         let clear = self.discovery.dependences.iter().filter(|it| it.p_value <= CLEAR);
-        clear.take(DRAWN).fold(section.table(single), |section, dependence| {
-            section.figure(self.curve(dependence), "")
+        let drawn: Vec<&Dependence> = clear.take(DRAWN).collect();
+        let most = scale(drawn.iter().copied());
+        drawn.into_iter().fold(section.table(single), |section, dependence| {
+            section.figure(dependence_plot(dependence, self.unit(), most), "")
         })
-    }
-
-    /// The mean residual over one quantity.
-    fn curve(&self, dependence: &Dependence) -> Plot {
-        let (unit, covariate) = (self.unit(), dependence.covariate);
-        let column =
-            |value: fn(&Bin) -> f64| -> Vec<f64> { dependence.bins.iter().map(value).collect() };
-        let force_unit = if unit == "µε" { "µε" } else { "N" };
-        let (at, mean) = (column(|bin| bin.at), column(|bin| bin.mean));
-        Plot::new(
-            format!("Residual over the {}", covariate.name()),
-            Axis::new(covariate.name(), covariate.unit(force_unit)),
-            Axis::new("mean residual", unit),
-        )
-        .summary(format!(
-            "Mean residual over the {}, which explains {}",
-            covariate.name(),
-            percent(dependence.explained, 2)
-        ))
-        .series(
-            Series::error_bars("", at, mean, column(|bin| bin.standard_error))
-                .colour(Colour::RESIDUAL),
-        )
-        .level(0.0, "")
-        .height(170.0)
     }
 
     fn surface_map(&self, surface: &Surface) -> HeatMap {
         let unit = self.unit();
-        let force_unit = if unit == "µε" { "µε" } else { "N" };
         let [a, b] = surface.of;
         let label = |of: Covariate| {
-            let unit = of.unit(force_unit);
+            let unit = of.unit(unit);
             if unit.is_empty() { of.name().to_owned() } else { format!("{}, {unit}", of.name()) }
         };
         let noise = self.discovery.diagnosis.noise.level;

@@ -3,8 +3,10 @@
 mod afm;
 mod change;
 mod compare;
+mod contract;
 mod creep;
 mod decomposition;
+mod dependence;
 mod diagnosis;
 mod discovery;
 mod dissertation;
@@ -14,6 +16,7 @@ mod grasp;
 mod holds;
 mod ladder;
 mod markers;
+mod next_motion;
 mod outliers;
 mod plan;
 mod practice;
@@ -35,6 +38,7 @@ pub(crate) use afm::hold_figure;
 pub use afm::{FittedCurve, afm_json, afm_sections, rough_json, rough_sections};
 pub use change::{change_json, change_report, change_sections};
 pub use compare::{compare_json, compare_sections, overlays};
+pub use contract::{contract_json, contract_section};
 pub use creep::{Conditioning, creep_json, creep_sections};
 pub use decomposition::{
     decomposed_trace, decomposition_json, decomposition_sections, part_panels, region_spans,
@@ -58,6 +62,7 @@ pub use grasp::{
 pub use holds::{hold_json, hold_sections};
 pub use ladder::ladder;
 pub use markers::{markers_figure, markers_json, markers_sections};
+pub use next_motion::{motion_file, next_motion_json, next_motion_section, no_motion};
 pub use outliers::{Preparation, Refit};
 pub use plan::plan_section;
 pub use practice::{practice_json, practice_sections, truth_json, truth_sections};

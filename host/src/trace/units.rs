@@ -19,6 +19,8 @@ pub enum Quantity {
     Ratio,
     /// Base unit V.
     Voltage,
+    /// Base unit Ω.
+    Resistance,
     /// Base unit N m.
     Torque,
 }
@@ -100,6 +102,12 @@ pub const UNITS: &[Unit] = &[
     unit("µV", Quantity::Voltage, 1e-6),
     unit("mV", Quantity::Voltage, 1e-3),
     unit("V", Quantity::Voltage, 1.0),
+    unit("mohm", Quantity::Resistance, 1e-3),
+    unit("ohm", Quantity::Resistance, 1.0),
+    unit("Ω", Quantity::Resistance, 1.0),
+    unit("Ohm", Quantity::Resistance, 1.0),
+    unit("kohm", Quantity::Resistance, 1e3),
+    unit("kΩ", Quantity::Resistance, 1e3),
     unit("uNm", Quantity::Torque, 1e-6),
     unit("mNm", Quantity::Torque, 1e-3),
     unit("Nm", Quantity::Torque, 1.0),
@@ -125,6 +133,8 @@ pub fn of_column(column: &str) -> Option<&'static Unit> {
 pub fn printed(column: &str) -> &str {
     match of_column(column).map(|unit| unit.name) {
         Some("ustrain") => "µε",
+        Some("ohm" | "Ohm") => "Ω",
+        Some("kohm") => "kΩ",
         Some("C") => "°C",
         Some(unit) => unit.strip_prefix("per_").map_or(unit, |_| "1/Pa"),
         None => "",

@@ -283,6 +283,30 @@ class Exploration(Diagnosis, _WithModel):
     """The way from a first model to the last, which is its `model`."""
 
 
+class Discovery(_WithModel):
+    """Formulas for what no effect of the library explains; its `model` has them as candidates."""
+
+    @property
+    def outcome(self) -> str:
+        """`adequate`, `library`, `formula` or `nothing`."""
+        return str(self._answer["outcome"])
+
+    @property
+    def formulas(self) -> list[dict[str, Any]]:
+        """Each with its `name`, `stage`, `expression`, `parameters`, `alternatives`, `cause` and `experiment`."""
+        found: list[dict[str, Any]] = self._answer["formulas"]
+        return found
+
+    @property
+    def ladder(self) -> list[dict[str, Any]]:
+        """The errors of the model without formula and with each: `add`, `fitted_rms`, `heldout_rms`."""
+        found: list[dict[str, Any]] = self._answer["ladder"]
+        return found
+
+    def _rows(self) -> list[dict[str, Any]]:
+        return self.ladder
+
+
 class Change(_WithModel):
     """An effect added to a model, or taken out, and what that did to the error."""
 

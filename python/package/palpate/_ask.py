@@ -13,6 +13,7 @@ from palpate._answers import (
     Change,
     Comparison,
     Diagnosis,
+    Discovery,
     Exploration,
     Fit,
     HoldFits,
@@ -141,6 +142,15 @@ def explore(
     words = options(tare=tare, drop_outliers=drop_outliers)
     with told() as tell:
         return Exploration(_palpate.explore(native_model(model), native(data), words, tell))
+
+
+def discover(
+    model: AnyModel, data: Data, *, tare: bool = False, drop_outliers: bool = False
+) -> Discovery:
+    """Finds a formula for what no effect of the library explains: `palpate discover`."""
+    words = options(tare=tare, drop_outliers=drop_outliers)
+    with told() as tell:
+        return Discovery(_palpate.discover(native_model(model), native(data), words, tell))
 
 
 def add(

@@ -11,10 +11,10 @@ from palpate import _palpate
 from palpate._data import PathLike
 
 if TYPE_CHECKING:
-    from palpate._answers import Change, Exploration, Fit, HoldFits
+    from palpate._answers import Change, Discovery, Exploration, Fit, HoldFits
 
 #: What every question takes for a model: one, its file, or the answer that it came of.
-AnyModel = Union["Model", "Fit", "HoldFits", "Change", "Exploration", PathLike]
+AnyModel = Union["Model", "Fit", "HoldFits", "Change", "Discovery", "Exploration", PathLike]
 
 
 class Model:

@@ -35,7 +35,7 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<(), Failure> {
     let model = Model::read(&args.model).map_err(Failure::input)?;
     let ask = |group: &Group, traces| {
-        let next = diagnose::next(&args.model, &files(group), &args.prepare);
+        let next = diagnose::next(&args.model, &files(group), &args.prepare.flags());
         diagnose::ask(&args.prepare, model.clone(), traces, next)
     };
     let given = Given { path: &args.model, model: &model };

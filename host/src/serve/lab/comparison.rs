@@ -10,10 +10,7 @@ use crate::summary::{Preparation, compare_json, unit_of};
 #[must_use]
 pub fn comparison_json(comparison: &Comparison, preparation: &Preparation) -> Value {
     let mut found = preparation.within(compare_json(comparison));
-    let unit = match unit_of(&comparison.signal) {
-        "µε" => "µε",
-        _ => "N",
-    };
+    let unit = unit_of(&comparison.signal);
     let bin = |bin: &Bin| json!([bin.at, bin.mean, bin.standard_error]);
     let drawn = |dependence: &Dependence| {
         json!({

@@ -52,7 +52,6 @@ impl DiagnosisSummary<'_> {
     /// What is left over the quantity it depends on most, each way by itself.
     fn curve_plot(&self, curve: &LeftoverCurve) -> Plot {
         let unit = self.unit();
-        let force_unit = if unit == "µε" { "µε" } else { "N" };
         let name = curve.covariate.name();
         let series = |way: &str, bins: &[Bin], colour| {
             let column = |value: fn(&Bin) -> f64| bins.iter().map(value).collect::<Vec<f64>>();
@@ -61,7 +60,7 @@ impl DiagnosisSummary<'_> {
         let split = !curve.loading.is_empty() && !curve.unloading.is_empty();
         Plot::new(
             format!("What is left over the {name}"),
-            Axis::new(name, curve.covariate.unit(force_unit)),
+            Axis::new(name, curve.covariate.unit(unit)),
             Axis::new("mean residual", unit),
         )
         .summary(format!(

@@ -222,6 +222,10 @@ impl DiagnosisSummary<'_> {
             Verdict::Named => vec![add(true)],
             Verdict::Ambiguous => {
                 let mut next: Vec<_> = self.experiment_in_words().into_iter().collect();
+                next.push((
+                    "As a motion that your machine can run:".into(),
+                    Some(self.next.diagnose() + " --next motion.csv"),
+                ));
                 next.push(add(false));
                 next
             }
