@@ -46,6 +46,8 @@ const WRITERS: &[(&[&str], &str, Option<&str>)] = &[
     (&["discover", "--model", "model.toml", "press.csv", "-o", "OUT"], "toml", Some("model.toml")),
     (&["compare", "model.toml", "press.csv", "--report", "OUT"], "html", None),
     (&["diagnose", "--model", "model.toml", "press.csv", "--report", "OUT"], "html", None),
+    (&["diagnose", "--model", "model.toml", "press.csv", "--figure", "OUT"], "svg", None),
+    (&["explore", "--model", "model.toml", "press.csv", "--figure", "OUT"], "svg", None),
     (&["simulate", "model.toml", "--motion", "press.csv", "-o", "OUT"], "csv", Some("press.csv")),
     (&["sensor", "press", "-o", "OUT"], "csv", None),
     (&["sensor", "slide", "--report", "OUT"], "html", None),

@@ -1,5 +1,7 @@
 //! The local page in a real browser.
 
+use std::process::Command;
+
 use crate::check::{rust, set_up_tests, workspace};
 use crate::packages;
 
@@ -8,14 +10,46 @@ pub fn pictures() -> miette::Result<()> {
     set_up()?;
     let tests = ["test", "--workspace", "--test", "browser"];
     let how = ["--", "--ignored", "--nocapture", "--test-threads=1", "pictures::"];
-    rust("pictures", workspace(), &[&tests[..], &how].concat(), &[("PALPATE_PICTURES", "docs")])
+    let axe = axe();
+    let mut environment = vec![("PALPATE_PICTURES", "docs")];
+    environment.extend(axe.as_deref().map(|file| (AXE, file)));
+    rust("pictures", workspace(), &[&tests[..], &how].concat(), &environment)
 }
 
 /// Installs the browser, then does everything that its user is promised; the Live room runs for so many seconds.
 pub fn run(steady_s: u32) -> miette::Result<()> {
     set_up()?;
-    set_up_tests("page in a browser", "browser", steady_s)?;
-    set_up_tests("page among what it should not trust", "hostile_page", steady_s)
+    let axe = axe();
+    let environment: Vec<_> = axe.as_deref().map(|file| (AXE, file)).into_iter().collect();
+    set_up_tests("page in a browser", "browser", steady_s, &environment)?;
+    set_up_tests("page among what it should not trust", "hostile_page", steady_s, &environment)
+}
+
+/// Where the tests are told that axe-core lies.
+const AXE: &str = "PALPATE_AXE";
+/// The package of PyPI that brings its file; nothing of it is in this repository.
+const AXE_PACKAGE: &str = "axe-playwright-python==0.1.8";
+
+/// The file of axe-core: what the environment names, or what pip puts into `target/`. Where neither is there, the tests go without it
+/// and say so.
+fn axe() -> Option<String> {
+    if let Ok(file) = std::env::var(AXE) {
+        return Some(file);
+    }
+    let folder = workspace().join("target/axe");
+    let file = folder.join("axe_playwright_python/axe.min.js");
+    if !file.is_file() {
+        println!("==> axe-core into {}, to look for what hinders readers", folder.display());
+        let pip = ["-m", "pip", "install", "--quiet", "--no-deps", "--target"];
+        let python = if cfg!(windows) { "python" } else { "python3" };
+        let installed = Command::new(python).args(pip).arg(&folder).arg(AXE_PACKAGE).status();
+        if !installed.is_ok_and(|status| status.success()) {
+            println!(
+                "    pip could not fetch {AXE_PACKAGE}: the page is not checked with axe-core"
+            );
+        }
+    }
+    file.is_file().then(|| file.display().to_string())
 }
 
 fn set_up() -> miette::Result<()> {

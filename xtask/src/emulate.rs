@@ -18,7 +18,7 @@ pub fn run(steady_s: u32, update: bool) -> miette::Result<()> {
     firmware::check(&mut golden)?;
     cost(&mut golden)?;
     golden.close()?;
-    set_up_tests("emulated device", "emulated", steady_s)
+    set_up_tests("emulated device", "emulated", steady_s, &[])
 }
 
 /// Instructions of a sample, printed beside those of rivals and held to the golden file.

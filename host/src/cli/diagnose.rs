@@ -6,13 +6,13 @@ use std::sync::Arc;
 use serde_json::Value;
 
 use super::answer::{Answer, labels};
-use super::output::Output;
+use super::output::{Output, write_file};
 use super::preparation::Prepare;
 use super::published::Published;
 use super::{Failure, progress};
 use crate::criticism::diagnose::{Diagnosis, diagnose};
 use crate::criticism::next_motion::{Proposed, RigFile, propose};
-use crate::files::plan::COMPUTED;
+use crate::files::plan::{COMPUTED, DRAWING, Plan};
 use crate::fit::data::Data;
 use crate::model::Model;
 use crate::report::Section;
@@ -35,6 +35,7 @@ tell apart, or none. `palpate add` puts it into the model.
 Examples:
   palpate diagnose --model model.toml traces/
   palpate diagnose --model model.toml traces/ --report diagnosis.html
+  palpate diagnose --model model.toml traces/ --figure figure.svg
   palpate diagnose --model model.toml traces/ --json | jq .verdict
   palpate diagnose --model model.toml traces/ --next motion.csv --rig rig.toml")]
 pub struct Args {
@@ -53,9 +54,35 @@ pub struct Args {
     #[command(flatten)]
     published: Published,
     #[command(flatten)]
+    figure: Figure,
+    #[command(flatten)]
     prepare: Prepare,
     #[command(flatten)]
     result: Output,
+}
+
+/// One figure of all for a paper.
+#[derive(Clone, Debug, Default, clap::Args)]
+pub(super) struct Figure {
+    /// Also write one figure for a paper: the worst trace before, the verdict, the same trace after
+    #[arg(long, value_name = "FILE.svg")]
+    figure: Option<PathBuf>,
+}
+
+impl Figure {
+    /// Plans its file.
+    pub fn plan(&self, files: &mut Plan) -> Result<(), Failure> {
+        self.figure.as_ref().map_or(Ok(()), |path| Ok(files.writes(path, &DRAWING)?))
+    }
+
+    /// Writes it where one is asked for, and says where it is.
+    pub fn write(&self, found: &Diagnosed) -> Result<(), Failure> {
+        let Some(path) = &self.figure else { return Ok(()) };
+        let svg = found.with(|summary, _| summary.paper_figure())?;
+        write_file(path, svg.as_bytes())?;
+        eprintln!("figure: {}", path.display());
+        Ok(())
+    }
 }
 
 /// Diagnoses and prints.
@@ -66,6 +93,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     if let Some(path) = &args.next {
         files.writes(path, &COMPUTED)?;
     }
+    args.figure.plan(&mut files)?;
     let limits = args.rig.as_deref().map(RigFile::read).transpose().map_err(Failure::input)?;
     let model = args.published.beside(Model::read(&args.model).map_err(Failure::input)?)?;
     let traces = Arc::new(read_set(&args.traces).map_err(Failure::input)?);
@@ -75,6 +103,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     if let Some(path) = &args.next {
         found.propose(path, &limits.unwrap_or_default())?;
     }
+    args.figure.write(&found)?;
     args.result.show(&found)
 }
 

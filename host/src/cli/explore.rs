@@ -7,7 +7,7 @@ use serde_json::Value;
 
 use super::Failure;
 use super::answer::Answer;
-use super::diagnose::{Diagnosed, diagnosed, next};
+use super::diagnose::{Diagnosed, Figure, diagnosed, next};
 use super::output::Output;
 use super::preparation::Prepare;
 use super::published::Published;
@@ -43,6 +43,8 @@ pub struct Args {
     #[command(flatten)]
     published: Published,
     #[command(flatten)]
+    figure: Figure,
+    #[command(flatten)]
     prepare: Prepare,
     #[command(flatten)]
     result: Output,
@@ -55,6 +57,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     if let Some(path) = &args.output {
         files.writes(path, &MODEL)?;
     }
+    args.figure.plan(&mut files)?;
     let model = args.published.beside(Model::read(&args.model).map_err(Failure::input)?)?;
     let traces = Arc::new(read_set(&args.traces).map_err(Failure::input)?);
     let flags = args.prepare.flags() + &args.published.flags();
@@ -66,6 +69,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         better.write(path).map_err(Failure::work)?;
         eprintln!("model: {}", path.display());
     }
+    args.figure.write(&found.found)?;
     args.result.show(&found)
 }
 

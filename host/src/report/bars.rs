@@ -7,7 +7,7 @@ use super::draw::{Drawing, Heading, Place, anchored, begin, centred, segment};
 use super::layout::{ROW, SWATCH, WIDTH, horizontal_ticks};
 use super::number::{significant, typographic, with_error};
 use super::plot::Level;
-use super::svg::{Svg, TEXT, TITLE, shorten, text_width, wrap};
+use super::svg::{Svg, TEXT, shorten, text_width, title_lines};
 
 /// One bar in each group.
 #[derive(Clone, Debug, PartialEq)]
@@ -90,7 +90,7 @@ impl Bars {
         let left = names.fold(0.0, f64::max).min(0.4 * WIDTH) + 24.0;
         let label_room = if self.series.iter().any(|s| !s.errors.is_empty()) { 72.0 } else { 24.0 };
         let map = Map { scale: self.axis.scale, range, drawn: (left, WIDTH - label_room) };
-        let title = wrap(&self.title, TITLE, WIDTH - 24.0);
+        let title = title_lines(&self.title, WIDTH - 24.0);
         let legend_top = 12.0 + 20.0 * title.len() as f64;
         let named_levels = self.levels.iter().any(|l| !l.label.is_empty() && map.holds(l.y));
         let legend_rows = usize::from(self.series.len() > 1) + usize::from(named_levels);

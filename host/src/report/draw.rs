@@ -6,7 +6,7 @@ use super::curve::{self, Map, Samples, Shape};
 use super::embed;
 use super::layout::{self, Entry, Placed, ROW, SWATCH, WIDTH};
 use super::plot::{Dash, Legend, Panels, Plot, Series, Style};
-use super::svg::{Svg, TEXT, TITLE, text_width, wrap};
+use super::svg::{Svg, TEXT, text_width, title_lines, wrap};
 
 /// Whether a picture is a file of its own or a part of a page.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -99,7 +99,7 @@ fn draw(heading: &Heading<'_>, plots: &[Plot], titled: bool, place: Place) -> Dr
     let area = (left, WIDTH - right);
     let x_ticks = layout::horizontal_ticks(&axis, x_range, area.1 - area.0, x_exponent);
 
-    let title = wrap(heading.title, TITLE, WIDTH - 24.0);
+    let title = title_lines(heading.title, WIDTH - 24.0);
     let mut top = if title.is_empty() { 6.0 } else { 12.0 + 20.0 * title.len() as f64 };
     for frame in &mut frames {
         top = place_frame(frame, area, top) + 10.0;

@@ -4,7 +4,7 @@
 use super::draw::{Drawing, Heading, Place, anchored, begin, centred};
 use super::layout::WIDTH;
 use super::number::{percent, significant, typographic};
-use super::svg::{Svg, TEXT, TITLE, shorten, text_width, wrap};
+use super::svg::{Svg, TEXT, shorten, text_width, title_lines};
 
 /// How the numbers of a heat map are written.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -68,7 +68,7 @@ impl HeatMap {
         let names = self.rows.iter().map(|r| text_width(r, TEXT));
         let left = names.fold(text_width(&self.row_label, TEXT), f64::max).min(0.38 * WIDTH) + 24.0;
         let cell = (WIDTH - 12.0 - left) / self.columns.len().max(1) as f64;
-        let title = wrap(&self.title, TITLE, WIDTH - 24.0);
+        let title = title_lines(&self.title, WIDTH - 24.0);
         let top = 20.0 * title.len() as f64 + 56.0;
         let height = (top + CELL * self.rows.len() as f64 + 10.0).ceil();
         let heading = Heading { title: &self.title, summary: &self.summary, id };

@@ -557,15 +557,17 @@
   });
   document.body.prepend(theme);
 
-  // A table that is wider than the page can be scrolled by keyboard.
+  // A table or a command that is wider than the page can be scrolled by keyboard.
+  const boxes = (kind) => [...document.querySelectorAll(kind)];
+  const numbered = (box) => (box.tagName === "PRE" ? `Command ${boxes("pre").indexOf(box) + 1}` : `Table ${boxes("div.table").indexOf(box) + 1}`);
   const scrollable = () => {
-    for (const box of document.querySelectorAll("div.table")) {
+    for (const box of boxes("div.table,pre")) {
       const isWide = box.scrollWidth > box.clientWidth;
       box.toggleAttribute("tabindex", isWide);
       if (!isWide) continue;
       box.tabIndex = 0;
       box.setAttribute("role", "region");
-      box.setAttribute("aria-label", box.querySelector("caption")?.textContent || `Table ${[...document.querySelectorAll("div.table")].indexOf(box) + 1}`);
+      box.setAttribute("aria-label", box.querySelector("caption")?.textContent || numbered(box));
     }
   };
   scrollable();

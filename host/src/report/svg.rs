@@ -192,6 +192,13 @@ pub(super) fn shorten(text: &str, size: f64, width: f64) -> String {
         .unwrap_or_else(|| "…".to_owned())
 }
 
+/// A title, which is bold, in lines of at most a width.
+pub(super) fn title_lines(text: &str, width: f64) -> Vec<String> {
+    /// How much wider bold letters are, at most.
+    const BOLD: f64 = 1.12;
+    wrap(text, BOLD * TITLE, width)
+}
+
 /// Breaks text into lines of at most a width, at spaces.
 pub(super) fn wrap(text: &str, size: f64, width: f64) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();

@@ -7,7 +7,7 @@ use crate::fit::exponentials::{Correlated, Fit, Parameter, Stop};
 use crate::fit::hold::{HoldError, HoldFit, Spread, spreads};
 use crate::regions::numeral;
 use crate::report::number::significant;
-use crate::report::{Axis, Callout, Colour, Column, Plot, Section, Series, Table};
+use crate::report::{Axis, Callout, Colour, Column, Panels, Plot, Section, Series, Table};
 use crate::trace::Trace;
 
 /// Most holds that a report draws one by one.
@@ -280,33 +280,41 @@ pub(super) fn warnings(fits: &[HoldFit]) -> Vec<String> {
         .collect()
 }
 
-/// A hold as measured and fitted.
-pub(super) fn plot(hold: &HoldFit, trace: &Trace, signal: &str) -> Plot {
-    let time: Vec<f64> =
-        trace.time[hold.range.clone()].iter().map(|time| time - hold.from_s).collect();
-    let measured =
-        trace.column(signal).map_or(Vec::new(), |values| values[hold.range.clone()].to_vec());
-    let fitted = smooth(&hold.fit, hold.duration_s);
+/// A hold as measured and fitted over the logarithm of time, which shows the fast and the slow part alike, and what the fit leaves.
+pub(super) fn plot(hold: &HoldFit, trace: &Trace, signal: &str) -> Panels {
+    let measured = trace.column(signal).map_or(&[][..], |values| &values[hold.range.clone()]);
+    // A logarithm has no zero: the first sample of a hold is not drawn.
+    let since = trace.time[hold.range.clone()].iter().map(|time| time - hold.from_s);
+    let (time, measured): (Vec<f64>, Vec<f64>) =
+        since.zip(measured).filter(|(time, _)| *time > 0.0).unzip();
+    let residual: Vec<f64> =
+        time.iter().zip(&measured).map(|(time, y)| y - hold.fit.sum.at(*time)).collect();
+    let first = time.first().copied().unwrap_or(hold.duration_s);
+    let fitted = smooth(&hold.fit, (first, hold.duration_s));
     let title =
         format!("{}: Type {} from {:.2} s", hold.trace, numeral(hold.relaxation), hold.from_s);
     let settled = hold.fit.sum.scale * hold.fit.sum.constant;
-    Plot::new(
-        title,
-        Axis::new("time in the hold", "s"),
-        Axis::new(name_of(signal), unit_of(signal)),
-    )
-    .summary(format!(
-        "Measured and fitted {} over a hold of {:.2} s; R² {:.4}",
+    let axis = || Axis::new("time in the hold", "s").log();
+    let above = Plot::new("", axis(), Axis::new(name_of(signal), unit_of(signal)))
+        .series(Series::points("measured", &time[..], measured).colour(Colour::MEASURED))
+        .series(Series::line("eq. 3.4", fitted.0, fitted.1).colour(Colour::MODEL).width(1.8))
+        .level(settled, "where it settles")
+        .height(180.0);
+    let below = Plot::new("", axis(), Axis::new("residual", unit_of(signal)))
+        .series(Series::points("measured − fitted", time, residual).colour(Colour::RESIDUAL))
+        .level(0.0, "")
+        .height(105.0);
+    let summary = format!(
+        "Measured and fitted {} over a hold of {:.2} s, and what the fit leaves; R² {:.4}",
         name_of(signal),
         hold.duration_s,
         hold.fit.r_squared
-    ))
-    .series(Series::points("measured", time, measured).colour(Colour::MEASURED))
-    .series(Series::line("eq. 3.4", fitted.0, fitted.1).colour(Colour::MODEL).width(1.8))
-    .level(settled, "where it settles")
+    );
+    Panels::new(title).summary(summary).plot(above).plot(below)
 }
 
-/// The fitted function at 200 instants.
-fn smooth(fit: &Fit, duration: f64) -> (Vec<f64>, Vec<f64>) {
-    (0..=200).map(|k| duration * f64::from(k) / 200.0).map(|time| (time, fit.sum.at(time))).unzip()
+/// The fitted function at 200 instants, as dense at every decade.
+fn smooth(fit: &Fit, (from, to): (f64, f64)) -> (Vec<f64>, Vec<f64>) {
+    let at = |k: u32| from * (to / from).powf(f64::from(k) / 200.0);
+    (0..=200).map(at).map(|time| (time, fit.sum.at(time))).unzip()
 }

@@ -1,6 +1,7 @@
 //! The local page as its user sees and handles it, in a real browser: `cargo xtask browser`.
 #![cfg(unix)]
 
+mod axe;
 mod device;
 mod lab;
 mod live;

@@ -6,6 +6,7 @@ use palpate_tests::server::Server;
 use palpate_tests::{answer, bundled, workspace};
 use serde_json::Value;
 
+use crate::axe::axe;
 use crate::{HEIGHT, WIDTH, opened};
 
 const WIDTHS: [u32; 4] = [390, 1024, 1440, 2560];
@@ -22,19 +23,7 @@ const TORN: &str = r"
   }
   return found";
 
-/// What axe-core says, where its file is given in `PALPATE_AXE`.
-fn axe(browser: &Browser) -> Vec<String> {
-    let Ok(file) = std::env::var("PALPATE_AXE") else { return Vec::new() };
-    let source = std::fs::read_to_string(&file).expect("axe can be read");
-    let _ = browser.script(&format!("{source}; return 0"));
-    let found = browser.later(
-        "const { violations } = await window.axe.run(document, { resultTypes: ['violations'] });
-         return violations.flatMap((of) => of.nodes.map((node) => `${of.id}: ${node.target} ${node.failureSummary}`))",
-    );
-    words(&found)
-}
-
-fn words(found: &Value) -> Vec<String> {
+pub(super) fn words(found: &Value) -> Vec<String> {
     let words = found.as_array().expect("a list").iter();
     words.map(|text| text.as_str().unwrap_or_default().to_owned()).collect()
 }
@@ -72,9 +61,6 @@ fn for_docs(browser: &Browser, name: &str) {
 #[test]
 #[ignore = "needs a browser: cargo xtask browser"]
 fn no_room_is_torn_at_any_width_in_any_theme() {
-    if std::env::var_os("PALPATE_AXE").is_none() {
-        println!("without axe-core: PALPATE_AXE names no axe.min.js");
-    }
     let server = Server::begin(&["--demo"]);
     let browser = opened(&server);
     let mut wrong = looked_at(&browser, "lab-new");

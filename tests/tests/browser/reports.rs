@@ -6,6 +6,8 @@ use palpate_tests::browser::Browser;
 use palpate_tests::{answer, bundled};
 use serde_json::Value;
 
+use crate::axe::axe;
+
 /// Opens a file in a window of a desk.
 fn opened(file: &Path) -> Browser {
     Browser::open(&format!("file://{}", file.display()), 1440, 900)
@@ -57,6 +59,7 @@ fn the_tables_of_a_report_have_one_left_edge_and_none_is_clipped() {
             let wide = browser.script("return document.scrollingElement.scrollWidth - innerWidth");
             assert!(wide.as_f64().unwrap() <= 0.0, "{file:?} at {width}: {wide}");
         }
+        assert_eq!(axe(&browser), Vec::<String>::new(), "{file:?}");
         // An index is set as an index.
         let raw = browser.script(r"return /[ε]_[a-z]/.test(document.body.innerText)");
         assert_eq!(raw, false, "{file:?}");
@@ -72,4 +75,29 @@ fn a_report_of_ten_traces_fits_on_six_pages() {
         let pages = opened(&file).printed_pages();
         assert!((2..=6).contains(&pages), "{file:?}: {pages}");
     }
+}
+
+#[test]
+#[ignore = "needs a browser: cargo xtask browser"]
+fn the_figure_for_a_paper_is_one_page_with_before_verdict_and_after_and_nothing_runs_out_of_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    answer(folder, &["hide", "mullins", "--seed", "7", "-o", "set", "--json"]);
+    answer(folder, &["fit", "fung", "set", "-o", "model.toml", "--json"]);
+    answer(folder, &["diagnose", "--model", "model.toml", "set", "--figure", "one.svg", "--json"]);
+    let browser = opened(&folder.join("one.svg"));
+    let titles = browser.script(
+        "return [...document.querySelectorAll('.pl-title')].map((title) => title.textContent).join(' ')",
+    );
+    let titles = titles.as_str().unwrap();
+    let places = ["Before: ", "mullins is missing", "After: "].map(|words| titles.find(words));
+    assert!(places.iter().all(Option::is_some) && places.is_sorted(), "{titles}");
+    let beyond = browser.script(
+        "const { width, height } = document.documentElement.viewBox.baseVal;
+         const scale = document.documentElement.getBoundingClientRect().width / width;
+         const within = ({ left, right, top, bottom }) => left >= 0 && top >= 0 && right <= scale * width && bottom <= scale * height;
+         return [...document.querySelectorAll('text')].filter((text) => !within(text.getBoundingClientRect())).map((text) => text.textContent)",
+    );
+    assert_eq!(beyond, Value::Array(Vec::new()));
+    assert_eq!(browser.printed_pages(), 1);
 }

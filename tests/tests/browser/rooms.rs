@@ -3,6 +3,7 @@
 use palpate_tests::browser::Browser;
 use palpate_tests::server::Server;
 
+use crate::axe::axe;
 use crate::{HEIGHT, WIDTH, opened};
 
 /// Text against what is behind it, as WCAG 2.1 counts (1.4.3, level AA); the worst that falls short.
@@ -93,6 +94,7 @@ fn every_room_can_be_read_and_handled_in_both_themes_and_in_narrow_windows() {
                     .iter()
                     .map(|text| format!("{room}, {theme}, contrast {text}")),
             );
+            wrong.extend(axe(&browser).iter().map(|text| format!("{room}, {theme}, axe: {text}")));
         }
         let nameless = browser.script(NAMELESS);
         wrong.extend(

@@ -7,11 +7,13 @@
 //! - [`refused`]: what was tried and refused.
 //! - [`rest`]: what is left beside the noise, and how all was done.
 //! - [`explore`]: the way up the ladder.
+//! - [`paper`]: all in one figure.
 //! - [`json`]: the answer that other programs read.
 
 mod candidates;
 mod explore;
 mod json;
+mod paper;
 mod places;
 mod refused;
 mod rest;

@@ -96,7 +96,7 @@ impl DiagnosisSummary<'_> {
     }
 
     /// The traces with the most of the misfit before, the worst first.
-    fn worst(&self) -> Vec<usize> {
+    pub(super) fn worst(&self) -> Vec<usize> {
         let share = |trace: usize| -> f64 {
             let own = self.before().cells.iter().filter(|cell| cell.trace == trace);
             own.map(|cell| cell.share_of_excess).sum()
@@ -111,11 +111,7 @@ impl DiagnosisSummary<'_> {
     fn residuals(&self, trace: usize) -> Panels {
         let label = &self.data.labels[trace];
         let plots = self.models();
-        let most = |comparison: &Comparison| {
-            let own = comparison.stretches.iter().filter(|stretch| stretch.trace == trace);
-            own.flat_map(Stretch::residual).fold(0.0, |most: f64, r| most.max(r.abs()))
-        };
-        let most = 1.05 * most(self.before()).max(most(self.after()));
+        let most = self.most_left(trace, &[self.before(), self.after()]);
         let mut panels = Panels::new(label.as_str()).summary(format!(
             "{label}: the residual over time, {}",
             plots
@@ -133,8 +129,15 @@ impl DiagnosisSummary<'_> {
         panels
     }
 
+    /// The largest residual of a trace in any of these, with a little room.
+    pub(super) fn most_left(&self, trace: usize, comparisons: &[&Comparison]) -> f64 {
+        let stretches = comparisons.iter().flat_map(|of| &of.stretches);
+        let own = stretches.filter(|stretch| stretch.trace == trace);
+        1.05 * own.flat_map(Stretch::residual).fold(0.0, |most: f64, r| most.max(r.abs()))
+    }
+
     /// The model before and after, each with what it leaves.
-    fn models(&self) -> Vec<(String, &Comparison)> {
+    pub(super) fn models(&self) -> Vec<(String, &Comparison)> {
         let mut plots = vec![(self.base_name(), self.before())];
         if !self.diagnosis.found.steps.is_empty() {
             plots.push((self.top_name(), self.after()));
@@ -142,7 +145,7 @@ impl DiagnosisSummary<'_> {
         plots
     }
 
-    fn residual(
+    pub(super) fn residual(
         &self,
         trace: usize,
         name: &str,

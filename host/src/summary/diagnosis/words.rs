@@ -74,7 +74,7 @@ impl DiagnosisSummary<'_> {
     }
 
     /// Which effects are missing.
-    fn missing(&self) -> String {
+    pub(super) fn missing(&self) -> String {
         let steps = &self.diagnosis.found.steps;
         let single = |step: &&Step| step.credible.len() == 1;
         let names: Vec<String> = steps.iter().filter(single).map(|s| s.effect.clone()).collect();
@@ -94,7 +94,7 @@ impl DiagnosisSummary<'_> {
     }
 
     /// How far the error falls, fitted and held out.
-    fn fall(&self) -> String {
+    pub(super) fn fall(&self) -> String {
         let (diagnosis, unit) = (self.diagnosis, self.unit());
         let mut text = format!(
             "The error falls from {} {unit} to {} {unit} (noise {} {unit})",
