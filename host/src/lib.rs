@@ -17,6 +17,7 @@
 //! - [`sensor`]: a simulated fingertip.
 //! - [`afm`]: force curves of a tip.
 //! - [`grasp`]: what a soft contact can hold before it slips.
+//! - [`held`]: what a law foretells of a held press from the signal alone.
 //! - [`dissertation`]: the figures that the dissertation prints.
 //! - [`practice`]: data sets with a hidden effect.
 //! - [`serve`]: a local page over the same functions as the commands.
@@ -39,6 +40,7 @@ pub mod events;
 pub mod files;
 pub mod fit;
 pub mod grasp;
+pub mod held;
 pub mod latency;
 mod meant;
 pub mod model;

@@ -6,6 +6,7 @@ use std::path::Path;
 use std::process::{Child, Command};
 use std::time::{Duration, Instant};
 
+use palpate::model::{BaseLaw, Elastic, Kernel, Model, Separation};
 use palpate::serve::guard::PROTOCOL;
 use palpate_tests::bundled;
 use palpate_tests::device::Foreign;
@@ -549,4 +550,78 @@ fn words_for_the_log_that_are_none_are_refused_at_the_start() {
         let said = String::from_utf8(output.stderr).unwrap();
         assert!(said.contains(words), "{said}");
     }
+}
+
+/// A model that relaxes by these shares at the rates of the simulated fingertip, as a file in a folder.
+fn model_file(folder: &Path, shares: [f64; 2]) -> String {
+    let law = BaseLaw::fung(2, Separation::Free);
+    let values = [0.07, 1.0, shares[0], shares[1], 3.981, 0.5325];
+    let model = Model::of(&law, "force_N", &values, &[None; 6]);
+    let path = folder.join("model.toml");
+    model.write(&path).unwrap();
+    path.display().to_string()
+}
+
+/// What is told of the model once it has been held against a press.
+fn judged(bench: &Bench) -> Value {
+    let verdict = |told: &Value| {
+        let gauges = told["bench"]["foretold"]["gauges"].as_array().cloned().unwrap_or_default();
+        ["agrees", "fails"].iter().any(|word| gauges.contains(&json!(word)))
+    };
+    bench.watch().until("a hold is judged", verdict)["bench"]["foretold"].take()
+}
+
+#[test]
+fn the_filter_of_the_device_foretells_the_hold_of_a_fingertip_that_relaxes_like_it() {
+    let bench = Bench::begin(&["--simulate"]);
+    let mut watch = bench.watch();
+    let foretold = |told: &Value| told["bench"]["foretold"].clone();
+    // Two of its gauges are never at rest, as bridges that are not tared: they are followed for a while first. Then through a whole
+    // hold of three seconds and out of it again.
+    watch.until("a hold is judged at every gauge", |told| {
+        foretold(told)["gauges"] == json!(["agrees", "agrees", "agrees", "agrees"])
+    });
+    let over = watch.until("it is over", |told| {
+        foretold(told)["words"].as_str().is_some_and(|words| words.starts_with("The finger moves"))
+    });
+    let told = foretold(&over);
+    assert_eq!(told["law"]["file"], Value::Null);
+    let holds = told["holds"].as_array().unwrap();
+    let holds = &holds[holds.len() - 4..];
+    for hold in holds {
+        assert!(hold["failure"].is_null() && near(&hold["residual"], 0.0, 0.5), "{hold}");
+        let seconds = hold["to_s"].as_f64().unwrap() - hold["entered_s"].as_f64().unwrap();
+        assert!((seconds - 3.0).abs() < 0.2, "{hold}");
+    }
+    let (from, to) = (&holds[0]["from_s"], &holds[0]["to_s"]);
+    let again = bench.server.json(&format!("/api/live/foretold?from={from}&to={to}"));
+    assert_eq!(again.as_array().map(Vec::len), Some(4), "{again}");
+    assert_eq!(bench.server.json("/api/live/foretold?from=1e6&to=2e6"), json!([]));
+}
+
+#[test]
+fn a_model_that_relaxes_too_little_fails_while_the_press_is_held_and_says_where_and_which_way() {
+    let folder = tempfile::tempdir().unwrap();
+    let model = model_file(folder.path(), [0.2472, 0.15]);
+    let bench = Bench::begin(&["--simulate", "--model", &model]);
+    let told = judged(&bench);
+    assert_eq!(told["law"]["file"], json!(model));
+    let words = told["words"].as_str().unwrap();
+    assert!(words.starts_with("The model fails now, in region CD, since "), "{words}");
+    assert!(words.contains("changes more than the model says") && words.contains("µε"), "{words}");
+    let failed = told["holds"].as_array().unwrap().iter().find(|hold| !hold["failure"].is_null());
+    assert_eq!(failed.unwrap()["failure"]["changes_less"], false);
+}
+
+#[test]
+fn a_model_whose_hold_does_not_follow_from_the_signal_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let law = BaseLaw::fung(1, Separation::Free).with(Elastic::Power, Kernel::PowerLaw);
+    let values = vec![0.5; law.count()];
+    let path = folder.path().join("power.toml");
+    Model::of(&law, "force_N", &values, &vec![None; values.len()]).write(&path).unwrap();
+    let refused = program().args(["serve", "--simulate", "--model"]).arg(&path).output().unwrap();
+    assert_eq!(refused.status.code(), Some(2));
+    let said = String::from_utf8(refused.stderr).unwrap();
+    assert!(said.contains("power.toml: a hold of") && said.contains("is no sum"), "{said}");
 }

@@ -7,9 +7,11 @@ use super::output::print;
 use super::{Failure, interrupt, progress};
 use crate::device::discover::{self, DiscoverError};
 use crate::device::session::LinkError;
+use crate::held::Law;
+use crate::model::Model;
 use crate::practice::{Choice, SEALED, check_empty, hide, write_set};
 use crate::serve::lab::Session;
-use crate::serve::live::{Elf, Live, Source};
+use crate::serve::live::{Elf, Given, Live, Source};
 use crate::serve::{Options, run as serve};
 
 /// Folder of the demo, where none is named.
@@ -34,6 +36,8 @@ Examples:
   palpate serve traces/ --model model.toml   the same, from this model on
   palpate serve --simulate --open            a simulated fingertip
   palpate serve --port /dev/ttyUSB0          a fingertip on a port
+  palpate serve --simulate --model model.toml  the same, and whether this model foretells how a
+                                             held press goes on; without one, the device's filter
   palpate serve --replay press.csv           a trace through the filter of the device, as fast as
                                              it was recorded
   palpate serve --replay press.csv --speed 4 --recordings touches/")]
@@ -41,8 +45,8 @@ Examples:
 pub struct Args {
     /// Folder of traces to open in the Lab; practice sets and model files are written to it
     folder: Option<PathBuf>,
-    /// Model to begin with
-    #[arg(long, value_name = "MODEL.toml", requires = "folder")]
+    /// Model to begin with in the Lab, and that foretells a held press in the Live room
+    #[arg(long, value_name = "MODEL.toml")]
     model: Option<PathBuf>,
     /// Serial port of the device; without it, the only device that answers on any port
     #[arg(long, visible_alias = "device-port", value_name = "PORT", group = "source")]
@@ -169,8 +173,23 @@ impl Args {
         if beside && !named {
             return Ok(None);
         }
-        let live = Live::begin(source(self)?, self.recordings.clone(), self.elf()?);
+        let given = self.given(beside)?;
+        let live = Live::begin(source(self)?, self.recordings.clone(), self.elf()?, given);
         live.map(Some).map_err(Failure::input)
+    }
+
+    /// The model that foretells in the Live room. One that does not is of use in the Lab alone.
+    fn given(&self, beside: bool) -> Result<Option<Given>, Failure> {
+        let Some(path) = &self.model else { return Ok(None) };
+        let name = path.display().to_string();
+        match Law::of(&Model::read(path).map_err(Failure::input)?) {
+            Ok(law) => Ok(Some(Given { name, law })),
+            Err(error) if beside => {
+                eprintln!("! {name} foretells nothing in the Live room: {error}");
+                Ok(None)
+            }
+            Err(error) => Err(Failure::Input(miette::miette!("{name}: {error}"))),
+        }
     }
 }
 

@@ -97,6 +97,18 @@ impl Memory {
 
     /// The elastic response that leaves the surface free of force after `interval` seconds, N.
     pub fn free(&mut self, relaxation: &Relaxation, interval: f64) -> f64 {
+        self.reaching(relaxation, 0.0, interval)
+    }
+
+    /// The force reaches a value, N, within `interval` seconds, with an elastic response that moves
+    /// linearly; returns that response, N.
+    pub fn reach(&mut self, relaxation: &Relaxation, force: f64, interval: f64) -> f64 {
+        let elastic = self.reaching(relaxation, force, interval);
+        let _ = self.step(relaxation, elastic, interval);
+        elastic
+    }
+
+    fn reaching(&mut self, relaxation: &Relaxation, force: f64, interval: f64) -> f64 {
         self.prepare(relaxation, interval);
         let mut held = 0.0;
         let mut immediate = 0.0;
@@ -106,7 +118,22 @@ impl Memory {
             held += branch.share * state * decay;
             immediate += branch.share * gain;
         }
-        (immediate * self.elastic - held) / (relaxation.equilibrium() + immediate)
+        (force + immediate * self.elastic - held) / (relaxation.equilibrium() + immediate)
+    }
+
+    /// Elastic response at the last sample, N.
+    #[must_use]
+    pub const fn elastic(&self) -> f64 {
+        self.elastic
+    }
+
+    /// How the force goes on while the elastic response stands, N: what stays, and what decays of each
+    /// branch with its rate, 1/s.
+    #[must_use]
+    pub fn parts(&self, relaxation: &Relaxation) -> (f64, Vec<(f64, f64)>) {
+        let parts = relaxation.branches.iter().zip(&self.states);
+        let parts = parts.map(|(branch, state)| (branch.share * state, branch.rate)).collect();
+        (relaxation.equilibrium() * self.elastic, parts)
     }
 
     fn force(&self, relaxation: &Relaxation) -> f64 {
@@ -189,6 +216,20 @@ mod tests {
             let free = memory.free(&g, 0.01);
             assert!(memory.step(&g, free, 0.01).abs() < 1e-14);
         }
+    }
+
+    #[test]
+    fn the_elastic_response_comes_back_from_the_force_and_a_hold_goes_on_in_parts() {
+        let g = sushi();
+        let (mut there, mut back) = (Memory::rested(2), Memory::rested(2));
+        for k in 1..=300 {
+            let elastic = 3.0 * (f64::from(k) * 0.01).sin();
+            let force = there.step(&g, elastic, 0.01);
+            assert!((back.reach(&g, force, 0.01) - elastic).abs() < 1e-12);
+        }
+        let (stays, parts) = back.parts(&g);
+        let later: f64 = parts.iter().map(|(part, rate)| part * (-rate * 0.7).exp()).sum();
+        assert!((stays + later - there.step(&g, back.elastic(), 0.7)).abs() < 1e-12);
     }
 
     proptest! {

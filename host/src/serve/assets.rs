@@ -26,6 +26,8 @@ const FILES: &[(&str, &str, &[u8])] = &[
     ("/live.css", CSS, include_bytes!("page/live.css")),
     ("/live.js", SCRIPT, include_bytes!("page/live.js")),
     ("/live/controls.js", SCRIPT, include_bytes!("page/live/controls.js")),
+    ("/live/fingertip.js", SCRIPT, include_bytes!("page/live/fingertip.js")),
+    ("/live/foretold.js", SCRIPT, include_bytes!("page/live/foretold.js")),
     ("/live/health.js", SCRIPT, include_bytes!("page/live/health.js")),
     ("/live/window.js", SCRIPT, include_bytes!("page/live/window.js")),
     ("/live/margin.js", SCRIPT, include_bytes!("page/live/margin.js")),

@@ -2,6 +2,7 @@
 
 use std::time::{Duration, Instant};
 
+use palpate::model::{BaseLaw, Model, Separation};
 use palpate_tests::browser::Browser;
 use palpate_tests::bundled;
 #[cfg(target_os = "linux")]
@@ -309,4 +310,39 @@ fn a_steady_stream_is_shown_without_a_loss_and_in_little_memory() {
     assert_eq!(browser.complaints(), Vec::<String>::new());
     device.kill().unwrap();
     device.wait().unwrap();
+}
+
+#[test]
+#[ignore = "needs a browser: cargo xtask browser"]
+fn the_page_says_that_the_model_fails_now_and_that_it_holds() {
+    let folder = tempfile::tempdir().unwrap();
+    let values = [0.07, 1.0, 0.2472, 0.15, 3.981, 0.5325];
+    let law = BaseLaw::fung(2, Separation::Free);
+    let model = Model::of(&law, "force_N", &values, &[None; 6]);
+    model.write(&folder.path().join("model.toml")).unwrap();
+    let server = Server::begin_in(folder, &["--simulate", "--model", "model.toml"]);
+    let browser = opened(&server);
+    browser.says(".foretold-words", "The model fails now, in region CD, since");
+    browser.says(".foretold-law", "model.toml: g(t) = 0.603");
+    assert_eq!(browser.count(".foretold canvas"), 1);
+    let lit = "[...document.querySelectorAll('.tip-slow')].map((of) => Number(of.getAttribute('fill-opacity')))";
+    browser.until("the gauges light up", &format!("Math.max(...{lit}) > 0.5"));
+    let _ = browser.picture("live-fails");
+    let curve = browser.later(
+        "const { foretold } = await import('/live/foretold.js');
+         const hold = { gauge: 1, from_s: 1, to_s: 2, level: 10, parts: [[5, 1], [2, 0]] };
+         return [0, 1].map((gauge) => foretold(Float64Array.of(0, 1, 2, 3), [hold], gauge))",
+    );
+    assert_eq!(curve[0], json!([null, null, null, null]));
+    assert_eq!((&curve[1][0], &curve[1][3]), (&Value::Null, &Value::Null));
+    for (point, value) in [(1, 17.0), (2, 12.0 + 5.0 * (-1_f64).exp())] {
+        let drawn = curve[1][point].as_f64().unwrap();
+        assert!((drawn - value).abs() < 1e-12, "{curve}");
+    }
+    assert_eq!(browser.complaints(), Vec::<String>::new());
+
+    let server = Server::simulated();
+    let browser = opened(&server);
+    browser.says(".foretold-words", "The model holds: what is left is within the noise.");
+    browser.says(".foretold-law", "The device's filter: g(t) = 0.485");
 }

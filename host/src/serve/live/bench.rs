@@ -4,6 +4,7 @@ use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
 
+use super::foretold::Foretold;
 use super::grasp::Readings;
 use crate::device::release::Verdict;
 
@@ -23,6 +24,8 @@ pub struct Bench {
     pub holding: Value,
     /// The margin of the grasp.
     pub readings: Readings,
+    /// What a model foretells.
+    pub foretold: Foretold,
 }
 
 impl Bench {
@@ -37,6 +40,7 @@ impl Bench {
             "holding": self.holding,
             "resting": self.readings.is_resting(),
             "readings": self.readings.after(from),
+            "foretold": self.foretold.json(),
         })
     }
 }

@@ -11,6 +11,7 @@ use shared::wire::{Columns, Row, Source, Start, ToDevice};
 
 use super::care::calibration;
 use super::counts::Counts;
+use super::foretold::Foretelling;
 use super::grasp::Grasp;
 use super::log::Log;
 use super::recorder::Recorder;
@@ -57,6 +58,7 @@ pub(super) struct Feed {
     pub(super) recorder: Option<(String, Recorder)>,
     pub(super) counts: Counts,
     pub(super) grasp: Grasp,
+    pub(super) foretelling: Foretelling,
     pub(super) log: Log,
     /// Whether a stream is wanted.
     pub(super) wanted: bool,
@@ -158,6 +160,7 @@ impl Feed {
         self.wanted = true;
         let mut store = lock(&self.store);
         store.begin_stream();
+        self.foretelling.begin(&mut store.bench.foretold);
         store.health.streaming = true;
         Ok(())
     }
@@ -194,6 +197,9 @@ impl Feed {
         let store = Arc::clone(&self.store);
         let mut store = lock(&store);
         for mark in marks {
+            if breaks_history(mark) {
+                self.foretelling.begin(&mut store.bench.foretold);
+            }
             note(&mut store, mark, interval_s);
         }
         store.health.tally = *self.stream.tally();
@@ -208,6 +214,9 @@ impl Feed {
                 Some(rows) => {
                     store.take(&rows, interval_s);
                     self.show(&mut store, &rows, interval_s);
+                    let filter = &session.settings().1.relaxation;
+                    let times = (interval_s, store.now_s());
+                    self.foretelling.take(&rows, times, filter, &mut store.bench.foretold);
                 }
                 None => store.say(format!("{} rows came before their settings", rows.len())),
             },
@@ -406,6 +415,11 @@ impl From<LinkError> for Trouble {
     fn from(error: LinkError) -> Self {
         Self::Link(error)
     }
+}
+
+/// Whether what comes next does not go on from what was felt before: rows are missing, or a tare moves the zero.
+const fn breaks_history(mark: Mark) -> bool {
+    matches!(mark, Mark::RowsLost { .. } | Mark::Reset | Mark::Settings { .. })
 }
 
 /// What is missing, as a stretch of time.

@@ -11,12 +11,14 @@
 //!   time of the first row, that of the last, and how long nothing was known before (s, f64), then of each signal n first
 //!   values, n extremes that came first, n others and n last values (µε, f32), little-endian.
 //! - `GET /api/live/events?from=S&to=S`: what happened then.
+//! - `GET /api/live/foretold?from=S&to=S`: the presses that were held then, and what a model foretold of them.
 //! - `POST /api/live/wish`: a [`Wish`].
 
 pub mod bench;
 mod care;
 mod counts;
 mod feed;
+pub mod foretold;
 pub mod grasp;
 pub mod log;
 mod push;
@@ -44,6 +46,8 @@ use tokio::sync::{Semaphore, oneshot};
 use self::counts::Counts;
 use self::feed::Feed;
 pub(super) use self::feed::lock;
+use self::foretold::Foretelling;
+pub use self::foretold::Given;
 use self::grasp::Grasp;
 pub use self::log::Elf;
 use self::log::Log;
@@ -115,11 +119,17 @@ pub struct Live {
 }
 
 impl Live {
-    /// Begins to listen; recordings go to `folder`, and the words of the device's log are in `elf`.
+    /// Begins to listen; recordings go to `folder`, the words of the device's log are in `elf`, and `given` foretells in place
+    /// of the filter of the device.
     ///
     /// # Errors
     /// [`LiveError`].
-    pub fn begin(source: Source, folder: PathBuf, elf: Option<Elf>) -> Result<Self, LiveError> {
+    pub fn begin(
+        source: Source,
+        folder: PathBuf,
+        elf: Option<Elf>,
+        given: Option<Given>,
+    ) -> Result<Self, LiveError> {
         let ended = Arc::new(AtomicBool::new(false));
         let mut threads = Vec::new();
         let (mut about, port, session, replay) = match source {
@@ -154,6 +164,7 @@ impl Live {
             recorder: None,
             counts: Counts::new(),
             grasp: Grasp::default(),
+            foretelling: Foretelling::new(given),
             log: Log::new(elf),
             wanted: true,
             heard_at: Instant::now(),
@@ -205,6 +216,7 @@ pub fn routes(live: Arc<Live>) -> Router {
         .route("/stream", get(stream))
         .route("/view", get(view))
         .route("/events", get(events))
+        .route("/foretold", get(foretold))
         .route("/wish", post(wish))
         .with_state(live)
 }
@@ -271,6 +283,10 @@ async fn events(State(live): State<Arc<Live>>, Query(stretch): Query<Stretch>) -
     let store = lock(&live.store);
     let events = store.events_of(stretch.from, stretch.to);
     Json(events.into_iter().map(Event::json).collect())
+}
+
+async fn foretold(State(live): State<Arc<Live>>, Query(stretch): Query<Stretch>) -> Json<Value> {
+    Json(json!(lock(&live.store).bench.foretold.holds_of(stretch.from, stretch.to)))
 }
 
 async fn wish(

@@ -3,6 +3,8 @@
 import { h, isForPage, put } from "./dom.js";
 import { plot } from "./plot.js";
 import { healthPanel } from "./live/health.js";
+import { fingertip } from "./live/fingertip.js";
+import { foretold, foretoldPanel } from "./live/foretold.js";
 import { Window, columnsOf, readRows, readView } from "./live/window.js";
 import { controls } from "./live/controls.js";
 import { marginPanel } from "./live/margin.js";
@@ -23,6 +25,9 @@ const SIGNALS = [
   ["elastic input", "c3", [6, 3], false, "the response without memory to the same motion"],
   ["equilibrium", "c2", [8, 4], true, "where the signal will settle if the motion stops"],
 ];
+/** What is drawn besides, and no signal of the stream. */
+const FORETOLD = ["foretold", "c4", [4, 4], true, "how a held press must go on by the model, from what was felt before"];
+const DRAWN = [...SIGNALS, FORETOLD];
 /** Colour of each region by its number; rest has none. */
 const REGION_COLOURS = [undefined, "c4", "c1", "c3", "c0", "c2", "c5"];
 /** What letters and colours mean. */
@@ -73,7 +78,7 @@ export function open(root, api) {
   const longer = h("button", { type: "button", "aria-label": "Zoom out", onclick: () => zoom(2) }, "−");
   const slider = h("input", { type: "range", min: 0, max: 1000, value: 1000, class: "session", "aria-label": "Place in the session", oninput: slide });
   const where = h("span", { class: "muted where", role: "status" });
-  const shown = SIGNALS.map(([name, colour, , on, words], signal) => {
+  const shown = DRAWN.map(([name, colour, , on, words], signal) => {
     const box = h("input", { type: "checkbox", checked: on, onchange: () => plots.forEach(({ drawn }) => drawn.show(signal, box.checked)) });
     const label = h("label", { title: words }, box, h("span", { class: `key ${colour}` }), name);
     return label;
@@ -98,7 +103,7 @@ export function open(root, api) {
     const drawn = plot(place, {
       x: [], label: `Strain of gauge ${gauge + 1} over time`, axes: { x: "s", y: "µε" }, units: { unit: "µε", decimals: 1 }, height: LEAST_HEIGHT, group: "live",
       // Hairlines: those that are wider are stroked with joins, which without a GPU takes most of a frame.
-      series: SIGNALS.map(([label, colour, dash, show]) => ({ label, colour, dash, show, width: 1, values: [] })),
+      series: DRAWN.map(([label, colour, dash, show]) => ({ label, colour, dash, show, width: 1, values: [] })),
       onZoom: (from, to) => (from === null ? goOn() : look(from, to)),
     });
     return { drawn, reading };
@@ -107,8 +112,10 @@ export function open(root, api) {
   side.append(h("details", { class: "panel live-legend" }, h("summary", {}, "What OA … EF, Type I and II, FA and SA mean"), h("dl", {}, LEGEND.flatMap(([term, colour, words]) => [
     h("dt", {}, colour ? h("span", { class: `shade shade-${colour}` }) : null, term), h("dd", {}, words),
   ]))));
+  const model = foretoldPanel(side);
+  const tip = fingertip(side);
   const panel = controls(side, api);
-  const closeMargin = marginPanel(side, api);
+  const margin = marginPanel(side, api);
   const healthShown = healthPanel(side);
 
   const columnsShown = () => Math.min(Math.max(2 * Math.round(gauges.firstElementChild.clientWidth / 2), COLUMNS[0]), COLUMNS[1]);
@@ -142,6 +149,20 @@ export function open(root, api) {
     rowsDropped = 0;
     if (isOpen) refill();
     else where.textContent = why;
+  });
+
+  /** The holds that the model foretold, those of now and those of the stretch that is looked at. */
+  let holds = [];
+  let modelDrawn = null;
+  const closeWatch = api.socket("/device/watch", (data) => {
+    const { linked, bench } = JSON.parse(data);
+    holds = bench.foretold.holds;
+    margin.show(linked, bench);
+    model.show(linked, bench);
+  }, (isOpen) => {
+    if (isOpen) return;
+    margin.show(false, null);
+    model.show(false, null);
   });
 
   function told(message) {
@@ -210,8 +231,9 @@ export function open(root, api) {
     plots.forEach(({ drawn }) => drawn.range(past.from, past.to));
     const mine = past;
     try {
-      const [bytes, events] = await Promise.all([
-        api.bytes(`/live/view?from=${past.from}&to=${past.to}&bins=1200`), api.get(`/live/events?from=${past.from}&to=${past.to}`),
+      const of = `from=${past.from}&to=${past.to}`;
+      const [bytes, events, held] = await Promise.all([
+        api.bytes(`/live/view?${of}&bins=1200`), api.get(`/live/events?${of}`), api.get(`/live/foretold?${of}`),
       ]);
       if (past !== mine) return;
       const states = Array.from({ length: GAUGES }, () => []);
@@ -220,7 +242,7 @@ export function open(root, api) {
         if (event.kind === "state") states[event.gauge].push(event);
         else if (event.kind === "gap") missing.push(event);
       }
-      pastDrawing = { ...columnsOf(readView(bytes)), regions: states, gaps: missing, fresh: true };
+      pastDrawing = { ...columnsOf(readView(bytes)), regions: states, gaps: missing, holds: held, fresh: true };
     } catch (error) {
       where.textContent = error.message;
     }
@@ -277,14 +299,19 @@ export function open(root, api) {
     if (!still && now.bins === 0) return;
     const { from, to } = stretch();
     const { x, values, breaks } = still ? pastDrawing : now.columns();
-    const marks = still ? pastDrawing : { regions, gaps };
+    const marks = still ? pastDrawing : { regions, gaps, holds };
     plots.forEach(({ drawn, reading }, gauge) => {
       drawn.range(from, to);
       const bands = spans(marks.regions[gauge], from, to).concat(missing(marks.gaps, from, to));
-      drawn.set({ x, values: SIGNALS.map((_, signal) => values[GAUGES * signal + gauge]), bands, breaks });
+      const all = SIGNALS.map((_, signal) => values[GAUGES * signal + gauge]);
+      drawn.set({ x, values: [...all, foretold(x, marks.holds, gauge)], bands, breaks });
       if (!still) read(reading, gauge);
     });
+    // The panel's plot is drawn when there is news of the model, or another stretch is looked at.
+    if (still || modelDrawn !== holds) model.draw({ x, values }, marks.holds, from, to);
+    modelDrawn = holds;
     if (still) pastDrawing.fresh = false;
+    else tip.show((part, gauge) => now.value(GAUGES * part + gauge));
   }
 
   function read(reading, gauge) {
@@ -338,7 +365,9 @@ export function open(root, api) {
     resized.disconnect();
     removeEventListener("resize", fit);
     closeSocket();
-    closeMargin();
+    closeWatch();
+    margin.close();
+    model.close();
     document.removeEventListener("keydown", pressed);
     plots.forEach(({ drawn }) => drawn.close());
   };

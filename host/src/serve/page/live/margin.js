@@ -20,7 +20,7 @@ const LARGEST = 2;
 const SHOWN_S = 60;
 const MOST = 600;
 
-/** A panel in the side of the Live room; returns what closes it. */
+/** A panel in the side of the Live room; `show(linked, bench)` tells what came, five times a second. */
 export function marginPanel(root, api) {
   const words = h("p", { class: "margin-words", role: "status" }, UNKNOWN);
   const factor = h("p", { class: "margin-factor" });
@@ -67,8 +67,10 @@ export function marginPanel(root, api) {
   let [times, now, settled] = [[], [], []];
   let drawn = null;
   let held = "";
-  const close = api.socket("/device/watch", (data) => {
-    const { linked, bench } = JSON.parse(data);
+
+  /** What came of the device, or nothing while it is away. */
+  function told(linked, bench) {
+    if (!bench) return show(false, null);
     const holding = JSON.stringify(bench.holding);
     if (holding !== held) {
       held = holding;
@@ -77,9 +79,7 @@ export function marginPanel(root, api) {
     }
     for (const reading of bench.readings) take(reading);
     show(linked, bench);
-  }, (isOpen) => {
-    if (!isOpen) show(false, null);
-  });
+  }
 
   function fill(holding) {
     if (!holding) return;
@@ -138,8 +138,5 @@ export function marginPanel(root, api) {
     drawn.set({ x, values });
   }
 
-  return () => {
-    close();
-    drawn?.close();
-  };
+  return { show: told, close: () => drawn?.close() };
 }
