@@ -4,9 +4,10 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use palpate::serve::guard::BODY_LIMIT;
+use palpate::serve::guard::{BODY_LIMIT, UPLOAD_LIMIT};
 use palpate::trace::{DISPLACEMENT, FORCE, Trace, write};
 use palpate_tests::server::{PATIENCE, Server, memory_mb, program};
+use palpate_tests::{bundled, workspace};
 use serde_json::{Value, json};
 
 /// `palpate serve FOLDER` as a process, in the folder above.
@@ -553,4 +554,95 @@ fn panned(lab: &Lab) -> String {
         .collect();
     pans.sort();
     format!("median {:.1?}, worst {:.1?}", pans[100], pans[199])
+}
+
+impl Lab {
+    /// Status of the answer to a file that is dropped, and what is told of it.
+    fn dropped(&self, name: &str, into: &str, bytes: &[u8]) -> (u16, Value) {
+        let (status, answer) =
+            self.ask("POST", &format!("drop?name={name}&into={into}"), Some(bytes));
+        (status, serde_json::from_slice(&answer).unwrap_or_default())
+    }
+}
+
+#[test]
+fn files_that_are_dropped_are_a_data_set_in_a_new_folder_of_the_one_opened() {
+    let lab = Lab::open(practice_sets(), &["traces"]);
+    let press = std::fs::read(bundled("press.csv")).unwrap();
+    let (status, told) = lab.dropped("press.csv", "", &press);
+    assert_eq!((status, &told["kind"], &told["set"]), (200, &json!("trace"), &json!("dropped")));
+    assert_eq!(std::fs::read(lab.above().join("traces/dropped/press.csv")).unwrap(), press);
+    lab.done("choose", &json!({"set": "dropped"}));
+    assert_eq!(lab.wait(), Value::Null);
+    let state = lab.get("state");
+    assert_eq!(state["traces"][0]["name"], "press.csv");
+    assert_eq!(lab.work(&fung())["comparison"]["labels"], json!(["press.csv"]));
+    // A name leads nowhere else, nor does a folder.
+    let (status, told) = lab.dropped("..%2F..%2Fescape.csv", "dropped", &press);
+    assert_eq!((status, &told["file"]), (200, &json!("escape.csv")));
+    for other in ["friction", "..", "%2Ftmp", "..%2Felsewhere", "dropped%2Fforeign"] {
+        assert_eq!(lab.dropped("a.csv", other, &press).0, 422, "{other}");
+    }
+    assert!(!lab.above().join("escape.csv").exists());
+}
+
+#[test]
+fn a_file_that_is_too_large_is_not_taken_and_other_bodies_are_as_small_as_before() {
+    let lab = lab();
+    let large = vec![b'0'; UPLOAD_LIMIT + 1];
+    assert_eq!(lab.dropped("large.csv", "", &large).0, 413);
+    assert!(!lab.above().join("traces/dropped").exists());
+    let (status, told) = lab.dropped("noise.bin", "", &large[..BODY_LIMIT + 1]);
+    assert_eq!((status, &told["kind"]), (200, &json!("foreign")));
+    assert!(told["why"].is_string() && told["mapping"].is_null(), "{told}");
+}
+
+#[test]
+fn a_foreign_recording_is_imported_with_its_mapping_and_the_command_does_the_same() {
+    let lab = lab();
+    let text = std::fs::read(workspace().join("tests/foreign/lab.txt")).unwrap();
+    let mapping = std::fs::read_to_string(workspace().join("tests/foreign/lab.map.toml")).unwrap();
+    let (_, told) = lab.dropped("lab.txt", "", &text);
+    assert_eq!((&told["kind"], told["mapping"].is_string()), (&json!("foreign"), true), "{told}");
+    let import = |keep: bool, mapping: &str| json!({"set": "dropped", "file": "lab.txt", "mapping": mapping, "keep": keep});
+    let seen = lab.done("import", &import(false, &mapping));
+    assert!(seen["samples"].as_u64() > Some(2) && seen["head"].is_array(), "{seen}");
+    assert!(!lab.above().join("traces/dropped/lab.trace.csv").exists());
+    let kept = lab.done("import", &import(true, &mapping));
+    assert_eq!(kept["file"], "lab.trace.csv");
+    let made = std::fs::read(lab.above().join("traces/dropped/lab.trace.csv")).unwrap();
+    let command = kept["command"].as_str().unwrap().strip_prefix("palpate ").unwrap();
+    let again = program()
+        .args(command.replace("lab.trace.csv", "again.csv").split(' '))
+        .current_dir(lab.above())
+        .output()
+        .unwrap();
+    assert!(again.status.success(), "{command}: {}", String::from_utf8_lossy(&again.stderr));
+    assert_eq!(std::fs::read(lab.above().join("traces/dropped/again.csv")).unwrap(), made);
+    let refused = lab.refused(422, "import", &import(true, "palpate-map = 1\nwhat = 3\n"));
+    assert!(refused.contains("what") && !refused.contains(&lab.above().display().to_string()));
+    let elsewhere = json!({"set": "dropped", "file": "../../friction/trace-01.csv", "mapping": "", "keep": false});
+    lab.refused(422, "import", &elsewhere);
+}
+
+#[test]
+fn a_recording_of_a_device_is_a_data_set_as_it_is() {
+    let above = tempfile::tempdir().unwrap();
+    std::fs::create_dir(above.path().join("traces")).unwrap();
+    let press = bundled("press.csv").display().to_string();
+    let made = program()
+        .args(["convert", &press, "-o", "traces/touch.palpate"])
+        .current_dir(above.path())
+        .output()
+        .unwrap();
+    assert!(made.status.success(), "{}", String::from_utf8_lossy(&made.stderr));
+    let lab = Lab::open(above, &["traces"]);
+    let state = lab.get("state");
+    assert_eq!(
+        (&state["sets"], &state["set"]),
+        (&json!(["touch.palpate"]), &json!("touch.palpate"))
+    );
+    assert!(state["signals"].as_array().unwrap().contains(&json!("gauge1_ustrain")), "{state}");
+    let overlay = lab.get("overlay?trace=0&width=100");
+    assert!(overlay["measured"].as_array().unwrap().len() > 100);
 }

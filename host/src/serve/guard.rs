@@ -21,6 +21,8 @@ use axum::http::uri::Authority;
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 
+use tokio::sync::Semaphore;
+
 use super::Problem;
 use super::connections::BODY_TIME;
 
@@ -32,6 +34,12 @@ pub const PROTOCOL: &str = "palpate";
 const TOKEN_PROTOCOL: &str = "token.";
 /// Most bytes of a request's body.
 pub const BODY_LIMIT: usize = 256 * 1024;
+/// Most bytes of a file that is dropped on the page, the one body that may be larger.
+pub const UPLOAD_LIMIT: usize = 64 * 1024 * 1024;
+/// Where it goes.
+const UPLOAD: &str = "/api/lab/drop";
+/// Files that are taken at the same time; others wait.
+const UPLOADS: usize = 2;
 /// Most bytes of a message from a page over a websocket.
 pub const MESSAGE_LIMIT: usize = 4 * 1024;
 /// Random bytes of the token.
@@ -60,6 +68,7 @@ pub struct TokenError(String);
 pub struct Guard {
     at: SocketAddr,
     token: String,
+    uploads: Semaphore,
 }
 
 impl Guard {
@@ -74,7 +83,7 @@ impl Guard {
             let _ = write!(token, "{byte:02x}");
             token
         });
-        Ok(Self { at, token })
+        Ok(Self { at, token, uploads: Semaphore::new(UPLOADS) })
     }
 
     /// The address to open. The token stands behind `#`, which browsers do not send and do not log.
@@ -150,10 +159,7 @@ fn token(headers: &HeaderMap) -> Option<&str> {
 /// Checks a request, and tells the browser what the answer may do.
 pub async fn guard(State(guard): State<Arc<Guard>>, request: Request, next: Next) -> Response {
     let mut response = match guard.check(request.uri().path(), request.headers()) {
-        Ok(()) => match whole(request).await {
-            Ok(request) => next.run(request).await,
-            Err(problem) => problem.into_response(),
-        },
+        Ok(()) => guard.pass(request, next).await,
         Err(problem) => problem.into_response(),
     };
     for (name, value) in TOLD {
@@ -162,12 +168,25 @@ pub async fn guard(State(guard): State<Arc<Guard>>, request: Request, next: Next
     response
 }
 
+impl Guard {
+    /// Lets a request in once all of it is there; few large ones at a time.
+    async fn pass(&self, request: Request, next: Next) -> Response {
+        let is_upload = request.uri().path() == UPLOAD;
+        // It is closed never.
+        let _place = if is_upload { self.uploads.acquire().await.ok() } else { None };
+        match whole(request, if is_upload { UPLOAD_LIMIT } else { BODY_LIMIT }).await {
+            Ok(request) => next.run(request).await,
+            Err(problem) => problem.into_response(),
+        }
+    }
+}
+
 /// The request with its body, once all of it is there.
-async fn whole(request: Request) -> Result<Request, Problem> {
+async fn whole(request: Request, limit: usize) -> Result<Request, Problem> {
     let (head, body) = request.into_parts();
-    match tokio::time::timeout(BODY_TIME, to_bytes(body, BODY_LIMIT)).await {
+    match tokio::time::timeout(BODY_TIME, to_bytes(body, limit)).await {
         Ok(Ok(bytes)) => Ok(Request::from_parts(head, Body::from(bytes))),
-        Ok(Err(_)) => Err(Problem::too_large(format!("a body has at most {BODY_LIMIT} bytes"))),
+        Ok(Err(_)) => Err(Problem::too_large(format!("a body has at most {limit} bytes"))),
         Err(_) => Err(Problem::too_slow("the body of the request did not come in time")),
     }
 }
@@ -177,7 +196,7 @@ mod tests {
     use super::*;
 
     fn guard_at(at: &str) -> Guard {
-        Guard { at: at.parse().unwrap(), token: "abc".into() }
+        Guard { at: at.parse().unwrap(), token: "abc".into(), uploads: Semaphore::new(UPLOADS) }
     }
 
     #[test]

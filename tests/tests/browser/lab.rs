@@ -2,9 +2,9 @@
 
 use std::time::{Duration, Instant};
 
-use palpate_tests::answer;
 use palpate_tests::browser::Browser;
 use palpate_tests::server::Server;
+use palpate_tests::{answer, bundled};
 
 use crate::opened;
 
@@ -177,4 +177,82 @@ fn nothing_jumps_while_one_goes_the_way() {
     let shifts = told.as_array().unwrap();
     let sum: f64 = shifts.iter().map(|shift| shift[0].as_f64().unwrap()).sum();
     assert!(sum < 0.1, "{sum}: {told}");
+}
+
+#[test]
+#[ignore = "needs a browser: cargo xtask browser"]
+fn all_traces_stand_side_by_side_or_lie_over_each_other() {
+    let server = practice("adhesion", "3");
+    let browser = opened(&server);
+    browser.says(".lab-all summary", "All traces");
+    browser.click(".lab-all summary");
+    browser.until("ten pictures", "document.querySelectorAll('.lab-small button').length === 10");
+    browser.click(".lab-fit");
+    browser.until(
+        "the model is in them",
+        "document.querySelectorAll('.lab-small .lab-chart-model').length === 10",
+    );
+    let _ = browser.picture("lab-side");
+    // A click opens the trace.
+    browser.click(".lab-small button:nth-child(4)");
+    browser.until("it is shown", "document.querySelector('.lab-trace select').value === '3'");
+    let choose = |of: &str, value: &str| {
+        let _ = browser.script(&format!(
+            "const select = document.querySelector('.lab-all select[data-of={of}]'); select.value = '{value}';
+             select.dispatchEvent(new Event('change')); return 0"
+        ));
+    };
+    choose("what", "residual");
+    browser.until(
+        "residuals with the noise",
+        "document.querySelectorAll('.lab-small .lab-chart-noise').length === 20",
+    );
+    choose("layout", "over");
+    browser.until(
+        "one picture of ten lines",
+        "document.querySelectorAll('.lab-all .lab-chart-line').length === 10",
+    );
+    let _ = browser.picture("lab-over");
+    assert_eq!(browser.count(".lab-over li"), 10);
+    assert_eq!(browser.complaints(), Vec::<String>::new());
+}
+
+/// Drops files, by name and text, on the room.
+fn drop_files(browser: &Browser, files: &[(&str, &str)]) {
+    let all = serde_json::to_string(files).unwrap();
+    let _ = browser.script(&format!(
+        "const data = new DataTransfer();
+         for (const [name, text] of {all}) data.items.add(new File([text], name));
+         document.querySelector('.lab').dispatchEvent(new DragEvent('drop', {{ dataTransfer: data, bubbles: true, cancelable: true }}));
+         return 0"
+    ));
+}
+
+#[test]
+#[ignore = "needs a browser: cargo xtask browser"]
+fn files_are_dropped_on_the_room_and_a_foreign_one_is_imported_with_its_mapping() {
+    let server = practice("adhesion", "3");
+    let browser = opened(&server);
+    browser.says(".lab-bench", "10 of 10 traces");
+    let press = std::fs::read_to_string(bundled("press.csv")).unwrap();
+    drop_files(&browser, &[("press.csv", &press)]);
+    browser.says(".lab-bench", "1 of 1 traces");
+    browser.says(".lab-trace", "press.csv");
+    let rows = (0..40).map(|k| format!("{},{};{},5\n", k / 10, k % 10, k));
+    let foreign = format!("Zeit;Kraft\ns;N\n{}", rows.collect::<String>());
+    drop_files(&browser, &[("lab.txt", &foreign)]);
+    browser.says(".lab-foreign", "a file of another program");
+    browser.click(".lab-preview");
+    browser.says(".lab-foreign table", "time_s");
+    let _ = browser.picture("lab-foreign");
+    let text = "document.querySelector('.lab-foreign textarea')";
+    let proposal = browser.script(&format!("return {text}.value"));
+    let _ = browser.script(&format!("{text}.value = 'palpate-map = 1\\nwhat = 3'; return 0"));
+    browser.click(".lab-import");
+    browser.says(".lab-fault", "what");
+    let _ = browser.script(&format!("{text}.value = {proposal}; return 0"));
+    browser.click(".lab-import");
+    browser.says(".lab-trace", "lab.trace.csv");
+    assert_eq!(browser.count(".lab-foreign"), 0);
+    assert!(server.folder.path().join("set/dropped-2/foreign/lab.map.toml").is_file());
 }

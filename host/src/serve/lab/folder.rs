@@ -4,6 +4,8 @@ use std::path::{Component, Path, PathBuf};
 
 use super::error::LabError;
 use crate::files::{followed, quoted};
+use crate::recording::EXTENSION;
+use crate::trace::has_extension;
 
 /// A folder with the name under which it was opened.
 #[derive(Clone, Debug)]
@@ -97,7 +99,13 @@ impl Folder {
         Ok(models)
     }
 
-    /// This folder, as an empty name, and the folders in it, where they hold traces.
+    /// Whether a name is that of a recording: a data set of its own, its stretches.
+    #[must_use]
+    pub fn is_recording(name: &str) -> bool {
+        has_extension(Path::new(name), EXTENSION)
+    }
+
+    /// This folder, as an empty name, and the folders in it, where they hold traces; then the recordings in it.
     ///
     /// # Errors
     /// When the folder is gone.
@@ -110,6 +118,7 @@ impl Folder {
             .collect();
         sets.insert(0, String::new());
         sets.retain(holds);
+        sets.extend(self.files("", &[EXTENSION])?);
         Ok(sets)
     }
 

@@ -5,6 +5,7 @@
 //! own and can be cancelled.
 //!
 //! - `folder`: the folder that was opened, and nothing outside it.
+//! - `dropped`: files that were dropped on the page, and foreign recordings among them.
 //! - `set`: a data set, and what was left out of it.
 //! - `task`: what can be asked for, and the command that does the same.
 //! - `work`: doing it.
@@ -21,6 +22,7 @@ mod choices;
 mod closer;
 mod comparison;
 mod drawing;
+mod dropped;
 mod envelope;
 mod error;
 mod folder;

@@ -2,7 +2,8 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use axum::extract::{Query, State};
+use axum::body::Bytes;
+use axum::extract::{DefaultBodyLimit, Query, State};
 use axum::http::StatusCode;
 use axum::response::{IntoResponse, Response};
 use axum::routing::{get, post};
@@ -12,10 +13,12 @@ use serde_json::{Value, json};
 
 use super::choices::choices;
 use super::drawing::View;
+use super::dropped::Import;
 use super::error::LabError;
 use super::own_law::OwnLaw;
 use super::session::Session;
 use super::task::Task;
+use crate::serve::guard::UPLOAD_LIMIT;
 
 type Shared = Arc<Mutex<Session>>;
 
@@ -40,6 +43,8 @@ pub fn routes<S: Clone + Send + Sync + 'static>(session: Session) -> Router<S> {
         .route("/save", post(save))
         .route("/alone", post(alone))
         .route("/reveal", post(reveal))
+        .route("/drop", post(drop_file).layer(DefaultBodyLimit::max(UPLOAD_LIMIT)))
+        .route("/import", post(import))
         .with_state(Arc::new(Mutex::new(session)))
 }
 
@@ -198,6 +203,27 @@ async fn alone(State(session): State<Shared>) -> Answer {
         Ok(session.state())
     })
     .await
+}
+
+/// What a file is called, and the folder of those that were dropped with it; empty for the first.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct DroppedFile {
+    name: String,
+    #[serde(default)]
+    into: String,
+}
+
+async fn drop_file(
+    State(session): State<Shared>,
+    Query(file): Query<DroppedFile>,
+    bytes: Bytes,
+) -> Answer {
+    with(session, move |session| session.drop_file(&file.name, &file.into, &bytes)).await
+}
+
+async fn import(State(session): State<Shared>, Json(import): Json<Import>) -> Answer {
+    with(session, move |session| session.import(&import)).await
 }
 
 async fn reveal(State(session): State<Shared>) -> Answer {

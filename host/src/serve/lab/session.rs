@@ -9,6 +9,7 @@ use serde_json::{Map, Value, json};
 use shared::adaptation::Relaxation;
 
 use super::drawing::Drawing;
+use super::dropped::Dropped;
 use super::error::LabError;
 use super::folder::Folder;
 use super::forecast::Forecast;
@@ -82,6 +83,7 @@ pub struct Session {
     job: Option<Job>,
     /// Why the last task gave no outcome.
     failed: Option<String>,
+    dropped: Dropped,
 }
 
 impl Session {
@@ -117,8 +119,13 @@ impl Session {
         self.versions.drain(..beyond);
     }
 
-    fn folder(&self) -> Result<&Folder, LabError> {
+    pub(super) fn folder(&self) -> Result<&Folder, LabError> {
         self.folder.as_ref().ok_or(LabError::NoFolder)
+    }
+
+    /// What was dropped on the page so far.
+    pub(super) const fn dropped(&mut self) -> &mut Dropped {
+        &mut self.dropped
     }
 
     fn model(&self) -> Result<&Arc<Model>, LabError> {
@@ -325,6 +332,10 @@ impl Session {
     /// The traces taken, as a command takes them: the folder where it is all of them.
     fn traces_named(&self) -> Result<String, LabError> {
         let folder = self.folder()?;
+        if Folder::is_recording(&self.set) {
+            // A command takes all stretches of a recording.
+            return Ok(folder.shown(&self.set));
+        }
         if self.left_out.is_empty() && self.chosen.iter().all(|chosen| *chosen) {
             return Ok(folder.shown(&self.set));
         }

@@ -4,6 +4,7 @@ use std::collections::HashMap;
 
 use super::error::LabError;
 use super::folder::Folder;
+use crate::trace::recorded::{Options, read_recording};
 use crate::trace::{Error, Trace, order, read};
 
 /// The traces of a folder, in order of recording.
@@ -18,12 +19,16 @@ pub struct Set {
 }
 
 impl Set {
-    /// Reads every trace of a folder below that opened. One that cannot be read, or that a link leads to outside, is left out.
+    /// Reads every trace of a folder below that opened, or the stretches of a recording. One that cannot be read, or that a link leads to outside, is left out.
     ///
     /// # Errors
     /// When the folder itself is not there, or leads outside.
     pub fn read(folder: &Folder, name: &str) -> Result<Self, LabError> {
         let mut set = Self { name: name.into(), ..Self::default() };
+        if Folder::is_recording(name) {
+            set.traces = read_recording(&folder.existing(name)?, &Options::default())?.traces;
+            return Ok(set);
+        }
         let mut seen = HashMap::new();
         for file in folder.traces(name)? {
             let path = if name.is_empty() { file.clone() } else { format!("{name}/{file}") };

@@ -45,6 +45,9 @@ export const api = {
       headers: { "content-type": "application/json" },
       body: JSON.stringify(json),
     })).json(),
+  /** Sends a file and resolves to JSON. */
+  upload: async (path, file) =>
+    (await ask(path, { method: "POST", headers: { "content-type": "application/octet-stream" }, body: file })).json(),
   /** Opens a websocket, again whenever it ends. `onMessage(data, send)` gets text or an ArrayBuffer; `onState(open, why)` is
    *  told whether it is there, and if not, why. Returns a function that closes it. */
   socket(path, onMessage, onState = () => {}) {

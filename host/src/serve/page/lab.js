@@ -3,10 +3,12 @@
 import { copyButton } from "./command.js";
 import { choice, counted, enter, h, isForPage, keepingFocus, number } from "./dom.js";
 import { bench, fitTask } from "./lab/bench.js";
+import { allTraces } from "./lab/alltraces.js";
 import { beside } from "./lab/beside.js";
 import { candidates } from "./lab/candidates.js";
 import { closer } from "./lab/closer.js";
 import { covariate } from "./lab/covariate.js";
+import { dropped } from "./lab/dropped.js";
 import { guide } from "./lab/guide.js";
 import { heatmap } from "./lab/heatmap.js";
 import { ladder } from "./lab/bars.js";
@@ -68,12 +70,18 @@ export function open(root, api) {
   const way = h("div", {});
   const left = [panels.trace, panels.heat, panels.against, panels.closer].map((of) => of.place);
   const right = [panels.ladder, panels.missing, panels.model, panels.beside, panels.law, panels.practice].map((of) => of.place);
+  const files = dropped(api, { opened: openDropped, say: (text) => say(text), fail: (error) => say(error.message, true) });
+  panels.bench.place.append(files.root);
   const columns = h("div", { class: "lab-columns" }, h("div", { class: "lab-column" }, left), h("div", { class: "lab-column" }, right));
   // Shown when all of it is drawn, so that nothing jumps.
   const lab = h("div", { class: "lab", hidden: true }, panels.bench.place, way, work, columns);
   root.append(lab);
+  files.listen(lab);
   const picker = h("span", {});
-  const plots = overlay(panels.trace.body, picker, api.get, (error) => say(error.message, true));
+  const failed = (error) => say(error.message, true);
+  const plots = overlay(panels.trace.body, picker, api.get, failed);
+  const every = allTraces(api.get, failed, (k) => show(k));
+  panels.trace.body.append(every.root);
 
   // ── What can be done ──
 
@@ -100,6 +108,14 @@ export function open(root, api) {
     await api.post("/lab/cancel", {});
     watch();
   });
+
+  /** A data set that was dropped, then a model that was. */
+  async function openDropped(set, model) {
+    if (set !== null) await choose({ set });
+    // One piece of work at a time.
+    while (!closed && model && (await api.get("/lab/progress")).job) await new Promise((done) => setTimeout(done, ASK));
+    if (model && !closed) await choose({ model });
+  }
 
   /** A button that copies the command of a task, or a text. */
   function copy(of) {
@@ -149,7 +165,7 @@ export function open(root, api) {
   async function watch() {
     clearTimeout(timer);
     if (closed) return;
-    const { job, failed } = await api.get("/lab/progress").catch((error) => ({ job: null, failed: error.message }));
+    const { job, failed: why } = await api.get("/lab/progress").catch((error) => ({ job: null, failed: error.message }));
     if (closed) return;
     busy = Boolean(job);
     lab.classList.toggle("lab-busy", busy);
@@ -160,7 +176,7 @@ export function open(root, api) {
     }
     const held = work.contains(document.activeElement);
     work.replaceChildren();
-    if (failed) say(failed === "cancelled" ? "Cancelled. The model is as it was." : failed, true);
+    if (why) say(why === "cancelled" ? "Cancelled. The model is as it was." : why, true);
     await refresh();
     if (held) enter(way.firstElementChild);
   }
@@ -272,6 +288,8 @@ export function open(root, api) {
     trace = Math.min(trace, labels.length - 1);
     picker.replaceChildren(choice("Trace", labels.map((label, k) => [String(k), label]), String(trace), (k) => show(Number(k))));
     plots.update(drawn());
+    const { signal, unit, noise } = drawn();
+    every.update({ labels, signal, unit, noise, fits: Boolean(state.comparison), of: state.comparison?.rms ?? null });
     drawCloser();
   }
 

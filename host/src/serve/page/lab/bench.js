@@ -13,7 +13,9 @@ function data(state, act) {
   const taken = state.traces.filter((trace) => trace.chosen).length;
   const boxes = state.traces.map((trace, k) => [trace, h("input", { type: "checkbox", checked: trace.chosen, value: String(k) })]);
   const pick = () => act.choose({ traces: boxes.flatMap(([, box], k) => (box.checked ? [k] : [])) });
-  const sets = state.sets.map((set) => [set, set || state.folder]);
+  // One that was opened from elsewhere, as a recording that was dropped, is no folder of traces.
+  const known = state.set === "" || state.sets.includes(state.set) ? state.sets : [...state.sets, state.set];
+  const sets = known.map((set) => [set, set || state.folder]);
   return h(
     "div",
     { class: "tools" },
