@@ -20,15 +20,44 @@ pub struct Whitening {
     left: Vec<f64>,
     /// Standard deviation of each process of the flicker.
     flicker: f64,
-    /// The Kalman filter's gain and what it leaves to chance, sample by sample until they settle; empty
-    /// without flicker.
-    schedule: Arc<Vec<(Vec<f64>, f64)>>,
+    /// The Kalman filter's gains; empty without flicker.
+    schedule: Arc<Schedule>,
     /// No whitening at all.
     none: bool,
     /// Whether the size of the noise is a guess: what is left tells it then.
     guessed: bool,
     /// How slow noise moves the level of each trace.
     levels: Option<Arc<Levels>>,
+}
+
+/// What the Kalman filter does at each sample until that settles, one after the other: the gains of the autoregression's last values
+/// and of the flicker, and the standard deviation of what is left to chance.
+#[derive(Clone, Debug, Default)]
+struct Schedule {
+    order: usize,
+    numbers: Vec<f64>,
+}
+
+impl Schedule {
+    /// Numbers of a sample.
+    fn stride(&self) -> usize {
+        self.order + TIMES.len() + 1
+    }
+
+    /// Samples until it settles.
+    fn len(&self) -> usize {
+        self.numbers.len() / self.stride()
+    }
+
+    /// Gains of the autoregression, gains of the flicker, and what is left at a sample.
+    fn at(&self, k: usize) -> (&[f64], &[f64], f64) {
+        let stride = self.stride();
+        let begin = k.min(self.len() - 1) * stride;
+        let numbers = &self.numbers[begin..begin + stride];
+        let (gains, left) = numbers.split_at(stride - 1);
+        let (own, slow) = gains.split_at(self.order);
+        (own, slow, left[0])
+    }
 }
 
 /// Time constants of the processes that together are flicker, in samples.
@@ -148,15 +177,21 @@ impl Whitening {
         let mut scaled = self.clone();
         scaled.flicker *= factor;
         scaled.left.iter_mut().for_each(|left| *left *= factor);
-        let schedule = self.schedule.iter().map(|(gain, left)| (gain.clone(), left * factor));
-        scaled.schedule = Arc::new(schedule.collect());
+        let schedule = Arc::make_mut(&mut scaled.schedule);
+        let stride = schedule.stride();
+        schedule
+            .numbers
+            .iter_mut()
+            .skip(stride - 1)
+            .step_by(stride)
+            .for_each(|left| *left *= factor);
         scaled
     }
 
     /// Whitens the samples of one stretch.
     pub fn apply(&self, values: &mut [f64]) {
         if self.none {
-        } else if self.schedule.is_empty() {
+        } else if self.schedule.numbers.is_empty() {
             self.apply_autoregression(values);
         } else {
             self.apply_kalman(values);
@@ -177,15 +212,19 @@ impl Whitening {
     }
 
     fn apply_kalman(&self, values: &mut [f64]) {
-        let (order, decays) = (self.order(), decays());
-        let mut state = vec![0.0; order + TIMES.len()];
+        let (coefficients, decays) = (self.coefficients(), decays());
+        let mut own = vec![0.0; self.order()];
+        let mut slow = [0.0; TIMES.len()];
         for (k, value) in values.iter_mut().enumerate() {
-            let (gain, left) = &self.schedule[k.min(self.schedule.len() - 1)];
-            let innovation = *value - state[0] - state[order..].iter().sum::<f64>();
-            for (state, gain) in state.iter_mut().zip(gain) {
-                *state += gain * innovation;
+            let (own_gain, slow_gain, left) = self.schedule.at(k);
+            let innovation = *value - own[0] - slow.iter().sum::<f64>();
+            for (own, gain) in own.iter_mut().zip(own_gain) {
+                *own += gain * innovation;
             }
-            self.advance(&mut state, &decays);
+            pass(&mut own, coefficients);
+            for ((slow, gain), decay) in slow.iter_mut().zip(slow_gain).zip(&decays) {
+                *slow = (*slow + gain * innovation) * decay;
+            }
             *value = innovation / left;
         }
     }
@@ -196,7 +235,7 @@ impl Whitening {
     }
 
     /// The Kalman filter's gain and standard deviation of the innovation, until they settle.
-    fn gains(&self, longest: usize) -> Vec<(Vec<f64>, f64)> {
+    fn gains(&self, longest: usize) -> Schedule {
         let order = self.order();
         let size = order + TIMES.len();
         let autocovariance = self.autocovariance(order);
@@ -215,34 +254,39 @@ impl Whitening {
         for (chance, decay) in chance[order..].iter_mut().zip(&decays) {
             *chance = flicker * (1.0 - decay * decay);
         }
-        let mut turned = covariance.clone();
+        let mut turned = vec![0.0; size * size];
         let mut towards = vec![0.0; size];
-        let mut found: Vec<(Vec<f64>, f64)> = Vec::new();
+        let mut gain = vec![0.0; size];
+        let mut found = Schedule { order, numbers: Vec::new() };
         while found.len() < longest.clamp(1, SETTLED) {
             for (towards, row) in towards.iter_mut().zip(covariance.chunks_exact(size)) {
                 *towards = row[0] + row[order..].iter().sum::<f64>();
             }
             let variance = towards[0] + towards[order..].iter().sum::<f64>();
-            let gain: Vec<f64> = towards.iter().map(|towards| towards / variance).collect();
+            gain.iter_mut().zip(&towards).for_each(|(gain, towards)| *gain = towards / variance);
             for (gain, row) in gain.iter().zip(covariance.chunks_exact_mut(size)) {
                 row.iter_mut().zip(&towards).for_each(|(own, towards)| *own -= gain * towards);
             }
             // The covariance is symmetric: what time does to a state, done to each row and then to each column.
-            for (i, row) in covariance.chunks_exact_mut(size).enumerate() {
+            for row in covariance.chunks_exact_mut(size) {
                 self.advance(row, &decays);
-                row.iter().enumerate().for_each(|(j, value)| turned[j * size + i] = *value);
             }
             for (i, row) in turned.chunks_exact_mut(size).enumerate() {
+                for (value, other) in row.iter_mut().zip(covariance.chunks_exact(size)) {
+                    *value = other[i];
+                }
                 self.advance(row, &decays);
                 row[i] += chance[i];
             }
             std::mem::swap(&mut covariance, &mut turned);
             let left = variance.sqrt();
-            let settled = found.last().is_some_and(|(last, before)| {
-                let moved = last.iter().zip(&gain).map(|(a, b)| (a - b).abs());
+            let settled = !found.numbers.is_empty() && {
+                let (own, slow, before) = found.at(found.len() - 1);
+                let last = own.iter().chain(slow);
+                let moved = last.zip(&gain).map(|(a, b)| (a - b).abs());
                 (left - before).abs() < 1e-9 * left && moved.fold(0.0, f64::max) < 1e-7
-            });
-            found.push((gain, left));
+            };
+            found.numbers.extend(gain.iter().chain([&left]));
             if settled {
                 break;
             }
@@ -252,13 +296,9 @@ impl Whitening {
 
     /// What a sample of time does to a state: the autoregression's last values move up, the flicker decays.
     fn advance(&self, state: &mut [f64], decays: &[f64]) {
-        let order = self.order();
-        let next: f64 = self.coefficients().iter().zip(&*state).map(|(a, x)| a * x).sum();
-        state.copy_within(0..order - 1, 1);
-        state[0] = next;
-        for (state, decay) in state[order..].iter_mut().zip(decays) {
-            *state *= decay;
-        }
+        let (own, slow) = state.split_at_mut(self.order());
+        pass(own, self.coefficients());
+        slow.iter_mut().zip(decays).for_each(|(slow, decay)| *slow *= decay);
     }
 
     /// Autocovariance of the autoregression at distances from 0 to below `count`.
@@ -286,7 +326,7 @@ impl Whitening {
         let unit = dot(&ones, &ones);
         let left = |k: usize| match self.schedule.len() {
             0 => self.left[k.min(self.left.len() - 1)],
-            settled => self.schedule[k.min(settled - 1)].1,
+            _ => self.schedule.at(k).2,
         };
         let logarithms: f64 = (0..values.len()).map(|k| left(k).ln()).sum();
         Likelihood {
@@ -303,6 +343,16 @@ pub struct Likelihood {
     pub squares: f64,
     /// Logarithm of the determinant.
     pub logarithms: f64,
+}
+
+/// The last values of an autoregression with these coefficients, one sample on.
+fn pass(values: &mut [f64], coefficients: &[f64]) {
+    let next: f64 = coefficients.iter().zip(&*values).map(|(a, x)| a * x).sum();
+    // By hand: there is one value, or a few.
+    for k in (1..values.len()).rev() {
+        values[k] = values[k - 1];
+    }
+    values[0] = next;
 }
 
 fn decays() -> [f64; TIMES.len()] {
