@@ -18,14 +18,15 @@ pub fn motion_file(proposed: &Proposed, signal: &str) -> Option<Trace> {
     let (_, unit) = signal.rsplit_once('_').unwrap_or(("", "N"));
     let head = Head {
         version: Some(1),
-        name: Some(format!("next experiment: tells {} apart", proposed.members.join(" from "))),
+        name: Some(format!("next experiment: tells {} apart", listed(&proposed.members))),
         control: Some(Control::Displacement),
         ..Head::default()
     };
     let mut file = Trace { path: None, head, ..trace.clone() };
     file.columns.retain(|column| column.name != TEMPERATURE);
     for (member, predicted) in proposed.members.iter().zip(&foreseen.predicted) {
-        let rounded = predicted.iter().map(|value| (value * 1e6).round() / 1e6).collect();
+        // Plus zero: minus zero is written `-0`.
+        let rounded = predicted.iter().map(|value| (value * 1e6).round() / 1e6 + 0.0).collect();
         file.set_column(format!("{}_{unit}", member.replace('-', "_")), rounded);
     }
     Some(file)
@@ -39,8 +40,16 @@ pub fn no_motion(proposed: &Proposed, diagnosis: &Diagnosis) -> String {
         (_, 0 | 1) => "no two effects are left that these traces do not tell apart".into(),
         _ => format!(
             "no motion within the limits tells {} apart beyond the noise; wider limits may (--rig)",
-            proposed.members.join(" from ")
+            listed(&proposed.members)
         ),
+    }
+}
+
+/// `mullins and drift`, `mullins, drift and backlash`.
+fn listed(names: &[String]) -> String {
+    match names {
+        [first @ .., last] if !first.is_empty() => format!("{} and {last}", first.join(", ")),
+        _ => names.concat(),
     }
 }
 
@@ -69,7 +78,7 @@ pub fn next_motion_section(proposed: &Proposed, path: &Path, signal: &str) -> Se
          the noise ({menu}; more than 10 tell).{told} Weighed: {weighed} motions (seed {SEED}), from {} mm off to {} mm deep, at most {} mm/s, {} {unit} and {} s.",
         path.display(),
         significant(trace.duration(), 3),
-        proposed.members.join(" from "),
+        listed(&proposed.members),
         significant(foreseen.separates(), 3),
         significant(off_mm, 3),
         significant(displacement_mm, 3),
@@ -89,15 +98,27 @@ fn panels(proposed: &Proposed, trace: &Trace, predicted: &[Vec<f64>], unit: &str
     let motion = Plot::new("", time(), Axis::new("displacement", "mm"))
         .series(Series::line("displacement", &trace.time[..], place).colour(Colour::MEASURED))
         .height(130.0);
-    let members = proposed.members.iter().zip(predicted).enumerate();
-    let foreseen = members.fold(
+    let line = |index: usize, label: &str, values: &[f64]| {
+        Series::line(label, &trace.time[..], values).colour(Colour::Hue(index))
+    };
+    let members = || proposed.members.iter().zip(predicted).enumerate();
+    let foreseen = members().fold(
         Plot::new("", time(), Axis::new("predicted signal", unit)).height(190.0),
+        |plot, (index, (member, values))| plot.series(line(index, member, values)),
+    );
+    let first = proposed.members.first().map_or("", String::as_str);
+    let apart = members().skip(1).fold(
+        Plot::new("", time(), Axis::new("difference", unit)).height(150.0),
         |plot, (index, (member, values))| {
-            let line = Series::line(member, &trace.time[..], &values[..]);
-            plot.series(line.colour(Colour::Hue(index)))
+            let difference: Vec<f64> =
+                values.iter().zip(&predicted[0]).map(|(value, first)| value - first).collect();
+            plot.series(line(index, &format!("{member} − {first}"), &difference))
         },
     );
-    Panels::new("The motion, and what each effect predicts for it").plot(motion).plot(foreseen)
+    Panels::new("The motion, and what each effect predicts for it")
+        .plot(motion)
+        .plot(foreseen)
+        .plot(apart)
 }
 
 /// The proposal for programs.
