@@ -1,5 +1,7 @@
 //! What a command found, for whoever asked: a terminal, a report, or a program that links the library.
 
+use std::path::Path;
+
 use serde_json::Value;
 
 use super::Failure;
@@ -59,6 +61,17 @@ pub trait Answer: Send + Sync {
     fn failed(&self) -> Option<String> {
         None
     }
+}
+
+/// Writes the model that came of it where one is asked for, and says where it is.
+pub(super) fn write_model(found: &dyn Answer, output: Option<&Path>) -> Result<(), Failure> {
+    if let Some(path) = output
+        && let Some(model) = found.model()?
+    {
+        model.write(path).map_err(Failure::work)?;
+        eprintln!("model: {}", path.display());
+    }
+    Ok(())
 }
 
 /// How traces are named in an answer.

@@ -95,16 +95,26 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     }
     args.figure.plan(&mut files)?;
     let limits = args.rig.as_deref().map(RigFile::read).transpose().map_err(Failure::input)?;
-    let model = args.published.beside(Model::read(&args.model).map_err(Failure::input)?)?;
-    let traces = Arc::new(read_set(&args.traces).map_err(Failure::input)?);
-    let flags = args.prepare.flags() + &args.published.flags();
-    let next = next(&args.model, &args.traces, &flags);
+    let (model, traces, next) = inputs(&args.model, &args.traces, &args.published, &args.prepare)?;
     let mut found = diagnosed(&args.prepare, model, traces, next, DOING)?;
     if let Some(path) = &args.next {
         found.propose(path, &limits.unwrap_or_default())?;
     }
     args.figure.write(&found)?;
     args.result.show(&found)
+}
+
+/// A model with the laws that are tried too, traces, and how the next commands call both.
+pub(super) fn inputs(
+    model: &Path,
+    traces: &[PathBuf],
+    published: &Published,
+    prepare: &Prepare,
+) -> Result<(Model, Arc<Vec<Trace>>, NextCommand), Failure> {
+    let next = next(model, traces, &(prepare.flags() + &published.flags()));
+    let model = published.beside(Model::read(model).map_err(Failure::input)?)?;
+    let traces = Arc::new(read_set(traces).map_err(Failure::input)?);
+    Ok((model, traces, next))
 }
 
 /// Says what a model lacks beside traces in memory; the next commands name both as `next` says.

@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use serde_json::Value;
 
-use super::answer::{Answer, labels};
-use super::diagnose::next;
+use super::answer::{Answer, labels, write_model};
+use super::diagnose::inputs;
 use super::output::Output;
 use super::preparation::Prepare;
 use super::published::Published;
@@ -17,7 +17,7 @@ use crate::fit::data::Data;
 use crate::model::Model;
 use crate::report::Section;
 use crate::summary::{DiscoverySummary, NextCommand, Preparation, unit_of};
-use crate::trace::{Trace, read_set};
+use crate::trace::Trace;
 
 /// Find a formula for what no effect of the library explains.
 #[derive(clap::Args)]
@@ -57,17 +57,9 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     if let Some(path) = &args.output {
         files.writes(path, &MODEL)?;
     }
-    let model = args.published.beside(Model::read(&args.model).map_err(Failure::input)?)?;
-    let traces = Arc::new(read_set(&args.traces).map_err(Failure::input)?);
-    let flags = args.prepare.flags() + &args.published.flags();
-    let next = next(&args.model, &args.traces, &flags);
+    let (model, traces, next) = inputs(&args.model, &args.traces, &args.published, &args.prepare)?;
     let found = discovered(&args.prepare, model, traces, next, args.output.clone())?;
-    if let Some(path) = &args.output
-        && let Some(with) = found.model()?
-    {
-        with.write(path).map_err(Failure::work)?;
-        eprintln!("model: {}", path.display());
-    }
+    write_model(&found, args.output.as_deref())?;
     args.result.show(&found)
 }
 

@@ -6,8 +6,8 @@ use std::sync::Arc;
 use serde_json::Value;
 
 use super::Failure;
-use super::answer::Answer;
-use super::diagnose::{Diagnosed, Figure, diagnosed, next};
+use super::answer::{Answer, write_model};
+use super::diagnose::{Diagnosed, Figure, diagnosed, inputs};
 use super::output::Output;
 use super::preparation::Prepare;
 use super::published::Published;
@@ -18,7 +18,7 @@ use crate::files::plan::MODEL;
 use crate::model::Model;
 use crate::report::Section;
 use crate::summary::{NextCommand, unit_of};
-use crate::trace::{Trace, read_set};
+use crate::trace::Trace;
 
 /// Add what is missing until only noise is left, or say that it does not know.
 #[derive(clap::Args)]
@@ -58,17 +58,9 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         files.writes(path, &MODEL)?;
     }
     args.figure.plan(&mut files)?;
-    let model = args.published.beside(Model::read(&args.model).map_err(Failure::input)?)?;
-    let traces = Arc::new(read_set(&args.traces).map_err(Failure::input)?);
-    let flags = args.prepare.flags() + &args.published.flags();
-    let next = next(&args.model, &args.traces, &flags);
+    let (model, traces, next) = inputs(&args.model, &args.traces, &args.published, &args.prepare)?;
     let found = explored_by(&args.prepare, model, traces, next, args.output.clone())?;
-    if let Some(path) = &args.output
-        && let Some(better) = found.model()?
-    {
-        better.write(path).map_err(Failure::work)?;
-        eprintln!("model: {}", path.display());
-    }
+    write_model(&found, args.output.as_deref())?;
     args.figure.write(&found.found)?;
     args.result.show(&found)
 }

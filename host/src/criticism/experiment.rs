@@ -118,11 +118,11 @@ pub const MENU: [Experiment; 10] = [
 
 /// Samples of the data set above which the history of the specimen is not simulated again.
 const MOST_HISTORY: usize = 300_000;
-/// Members of a credible set that are compared with the first.
+/// Most members of a credible set that are compared.
 pub const MOST_MEMBERS: usize = 4;
 
-/// The experiment that would tell the first member best from the others; none where no experiment of the
-/// menu tells them apart beyond the noise.
+/// The experiment that would tell the members best apart; none where no experiment of the menu tells all of
+/// them apart beyond the noise.
 #[must_use]
 pub fn next_experiment(rivals: &Rivals, data: &Data) -> Option<Proposal> {
     let members = &rivals.members[..rivals.members.len().min(MOST_MEMBERS)];
@@ -148,7 +148,7 @@ impl Experiment {
         (!self.rigid && self.warmer == 0.0).then(|| (self.motion)(scales))
     }
 
-    /// Predicted misfit of the member worst told from the first.
+    /// Predicted misfit of the two members that are told apart least.
     fn separates(&self, rivals: &Rivals, scales: &Scales) -> Option<f64> {
         let motion = (self.motion)(scales).motion();
         let under = Condition { rest: self.rest, warmer: self.warmer };
@@ -161,7 +161,7 @@ impl Experiment {
     }
 }
 
-/// Predicted misfit of the member worst told from the first where a block takes the specimen's place.
+/// Predicted misfit of the member told least from the first where a block takes the specimen's place.
 fn on_a_rigid_block(rivals: &Rivals, trace: Trace, scales: &Scales) -> Option<f64> {
     let set = [trace];
     let all = Data::of_motions(&set, rivals.signal).ok()?;

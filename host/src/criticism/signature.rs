@@ -6,13 +6,9 @@ use super::screen::ABSORBED;
 use crate::effects::{Count, Effect, Scales, Shape};
 use crate::fit::data::{Data, DataError};
 use crate::fit::whole_motion::{predict, refit};
-use crate::model::{BaseLaw, Chain, Parameter, Separation};
-use crate::practice::session::two_traces;
+use crate::model::{Chain, Parameter};
+use crate::practice::session::{SPECIMEN, two_traces};
 use crate::trace::{FORCE, Trace};
-
-/// The base law of the specimen, and its parameters p, q, c1, c2, v1, v2.
-pub const BASE: (BaseLaw, [f64; 6]) =
-    (BaseLaw::fung(2, Separation::Clamp), [0.2, 0.6, 0.25, 0.2, 4.0, 0.5]);
 
 /// An effect's mark on a press with a hold and on four cycles.
 #[derive(Clone)]
@@ -47,7 +43,7 @@ impl Signature {
 /// When the base law cannot be refitted to what the effect does.
 pub fn signature(effect: &'static Effect) -> Result<Signature, DataError> {
     let mut traces = two_traces();
-    let (base, values) = (Chain::new(BASE.0), &BASE.1);
+    let (base, values) = (Chain::new(SPECIMEN.0), &SPECIMEN.1);
     let bare = predict(&base, values, &Data::of_motions(&traces, FORCE)?);
     give(&mut traces, &bare);
     let law = &effect.laws[0];

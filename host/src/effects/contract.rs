@@ -1,16 +1,13 @@
 //! What every law of the library promises, asked of a law of one's own: on a press with a hold and on four cycles.
 
-use super::units::{Powers, powers};
+use super::units::powers;
 use super::{EffectError, applied};
 use crate::fit::data::{Data, DataError};
 use crate::fit::whole_motion::predict;
-use crate::model::{BaseLaw, Chain, Separation, Stage, StoredEffect};
-use crate::practice::session::two_traces;
+use crate::model::{Chain, Stage, StoredEffect};
+use crate::practice::session::{SPECIMEN, two_traces};
 use crate::trace::{DISPLACEMENT, FORCE, TANGENTIAL, TEMPERATURE, Trace};
 
-/// The base law beside which it is asked, and its parameters p, q, c1, c2, v1, v2.
-const BESIDE: (BaseLaw, [f64; 6]) =
-    (BaseLaw::fung(2, Separation::Clamp), [0.2, 0.6, 0.25, 0.2, 4.0, 0.5]);
 /// Change of the prediction, over the largest force, that counts as none.
 const NOTHING: f64 = 1e-9;
 /// Samples by which velocity and acceleration look ahead.
@@ -74,10 +71,8 @@ pub fn contract(law: &StoredEffect) -> Result<Vec<Promise>, ContractError> {
 /// A law beside the base law over the traces.
 struct Case {
     law: StoredEffect,
-    stage: Option<Stage>,
     traces: Vec<Trace>,
     values: Vec<f64>,
-    units: Vec<Option<Powers>>,
     bare: Vec<Vec<f64>>,
     with: Vec<Vec<f64>>,
 }
@@ -86,16 +81,8 @@ impl Case {
     fn of(law: &StoredEffect) -> Result<Self, ContractError> {
         let traces = two_traces();
         let values: Vec<f64> = law.parameters.values().map(|parameter| parameter.value).collect();
-        let units = law.parameters.values().map(|parameter| powers(&parameter.unit)).collect();
-        let mut case = Self {
-            law: law.clone(),
-            stage: law.stage,
-            traces,
-            values,
-            units,
-            bare: Vec::new(),
-            with: Vec::new(),
-        };
+        let mut case =
+            Self { law: law.clone(), traces, values, bare: Vec::new(), with: Vec::new() };
         case.bare = case.predicted(&case.traces, None)?;
         case.with = case.predicted(&case.traces, Some(&case.values))?;
         Ok(case)
@@ -107,7 +94,7 @@ impl Case {
         traces: &[Trace],
         values: Option<&[f64]>,
     ) -> Result<Vec<Vec<f64>>, ContractError> {
-        self.predicted_beside(traces, &BESIDE.1, values)
+        self.predicted_beside(traces, &SPECIMEN.1, values)
     }
 
     fn predicted_beside(
@@ -117,7 +104,7 @@ impl Case {
         values: Option<&[f64]>,
     ) -> Result<Vec<Vec<f64>>, ContractError> {
         let data = Data::of_motions(traces, FORCE)?;
-        let chain = Chain::new(BESIDE.0);
+        let chain = Chain::new(SPECIMEN.0);
         let Some(values) = values else { return Ok(predict(&chain, base, &data)) };
         let (law, _) = applied(&self.law, &data.setting())?;
         Ok(predict(&chain.with(law), &[base, values].concat(), &data))
@@ -180,13 +167,16 @@ impl Case {
 
     /// Everything in other base units: the prediction must be the same but for the unit of the force.
     fn keeps_units(&self) -> Result<Kept, ContractError> {
+        let mut values = Vec::new();
         for (name, stored) in &self.law.parameters {
-            if powers(&stored.unit).is_none() {
+            let Some(powers) = powers(&stored.unit) else {
                 return Ok(Kept::NotAsked(format!(
                     "the unit `{}` of {name} is none of mm, s, N, K and their products",
                     stored.unit
                 )));
-            }
+            };
+            let factors = OTHER.iter().zip(powers).map(|(factor, power)| factor.powf(power));
+            values.push(factors.fold(stored.value, |value, factor| value * factor));
         }
         let [length, time, force, warmth] = OTHER;
         let mut other = self.traces.clone();
@@ -204,15 +194,7 @@ impl Case {
                 column.values.iter_mut().for_each(|value| *value *= factor);
             }
         }
-        let in_other = |(value, unit): (&f64, &Option<Powers>)| {
-            let powers = unit.unwrap_or_default();
-            OTHER
-                .iter()
-                .zip(powers)
-                .fold(*value, |value, (factor, power)| value * factor.powf(power))
-        };
-        let values: Vec<f64> = self.values.iter().zip(&self.units).map(in_other).collect();
-        let [p, q, c1, c2, v1, v2] = BESIDE.1;
+        let [p, q, c1, c2, v1, v2] = SPECIMEN.1;
         let base = [p * force / length.powf(q + 1.0), q, c1, c2, v1 / time, v2 / time];
         let found = self.predicted_beside(&other, &base, Some(&values))?;
         let back: Vec<Vec<f64>> =
@@ -231,7 +213,7 @@ impl Case {
 
     /// Work done by what the law adds to the force over the cycles of the second trace, which begin and end off the specimen.
     fn is_passive(&self) -> Kept {
-        if let Some(stage @ (Stage::Motion | Stage::Relaxation | Stage::Sensor)) = self.stage {
+        if let Some(stage @ (Stage::Motion | Stage::Relaxation | Stage::Sensor)) = self.law.stage {
             return Kept::NotAsked(format!(
                 "at the stage of {} it is no force of its own",
                 stage.name()

@@ -8,7 +8,7 @@ use rand::RngExt;
 use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
 
-use crate::model::{Hold, Move, Profile, Step};
+use crate::model::{BaseLaw, Hold, Move, Profile, Separation, Step};
 use crate::trace::{Column, Control, DISPLACEMENT, Head, TANGENTIAL, TEMPERATURE, Trace};
 
 /// Acceleration at the corners, mm/s².
@@ -61,6 +61,10 @@ pub(super) fn ten_traces(random: &mut ChaCha8Rng) -> (Vec<Trace>, Around) {
     let pauses: Vec<f64> = plans.iter().map(|_| random.random_range(10.0..40.0)).collect();
     (record(plans, &around, &pauses), around)
 }
+
+/// The base law of the specimen of [`two_traces`], and its parameters p, q, c1, c2, v1, v2.
+pub const SPECIMEN: (BaseLaw, [f64; 6]) =
+    (BaseLaw::fung(2, Separation::Clamp), [0.2, 0.6, 0.25, 0.2, 4.0, 0.5]);
 
 /// The traces on which signatures are shown: a press with a hold of 4 s, and four cycles.
 #[must_use]

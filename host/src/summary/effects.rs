@@ -8,9 +8,10 @@ use super::compare::spans;
 use crate::criticism::covariate::Covariate;
 use crate::criticism::region::Region;
 use crate::criticism::residuals::Stretch;
-use crate::criticism::signature::{BASE, Signature, signature};
+use crate::criticism::signature::{Signature, signature};
 use crate::effects::{Count, Effect, LIBRARY, Law, Needs, Role, Sign};
 use crate::fit::data::DataError;
+use crate::practice::session::SPECIMEN;
 use crate::report::number::{percent, significant};
 use crate::report::{
     Axis, Block, Colour, Column, Dash, Figure, Panels, Plot, Section, Series, Table, markdown,
@@ -181,11 +182,11 @@ fn picture_in_words(signature: &Signature) -> String {
             if unit.is_empty() { "" } else { " " }
         )
     };
-    let base: Vec<String> = BASE
+    let base: Vec<String> = SPECIMEN
         .0
         .parameters()
         .iter()
-        .zip(BASE.1)
+        .zip(SPECIMEN.1)
         .map(|(parameter, value)| named((&parameter.name, value, &parameter.unit)))
         .collect();
     let own: Vec<String> = signature
