@@ -457,3 +457,58 @@ fn a_call_that_cannot_be_is_refused_with_status_2() {
     assert_eq!(said(&["--simulate", "--replay", &press()]).0, Some(2));
     assert_eq!(said(&["--replay", &press(), "--speed", "0"]).0, Some(2));
 }
+
+#[test]
+fn each_finger_of_a_hand_has_a_device_of_its_own() {
+    let server = Server::begin(&["--simulate", "--fingers", "3"]);
+    let about = server.json("/api/rooms");
+    assert_eq!(about["first"], "hand");
+    let ports: Vec<&str> = about["fingers"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|of| of["port"].as_str().unwrap())
+        .collect();
+    assert_eq!(ports.len(), 3);
+    for (port, number) in ports.iter().zip(1..) {
+        assert_eq!(server.json(&format!("/api/fingers/{number}/live/about"))["port"], *port);
+    }
+    assert_eq!(server.json("/api/live/about")["port"], ports[0], "the first, where none is named");
+    assert_eq!(server.get("/api/fingers/4/live/about").status, 404);
+    let stop = |number: usize| {
+        let path = format!("/api/fingers/{number}/live/wish");
+        server.ask("POST", &path, &server.headers(), b"\"stop\"").status
+    };
+    assert_eq!(stop(2), 200);
+    let streams = |number: usize| {
+        let token = format!("token.{}", server.token);
+        let origin = format!("http://{}", server.host());
+        let path = format!("/api/fingers/{number}/live/stream");
+        let socket = server.socket_with(&path, &[("origin", &origin)], &[PROTOCOL, &token]);
+        let mut page = Page { socket: socket.unwrap() };
+        page.until("the device is there", |health| health["linked"] == true)["health"]["streaming"]
+            .clone()
+    };
+    assert_eq!([1, 2, 3].map(streams), [true, false, true], "each is asked for itself");
+    // No port of the hand is asked who is there: it is open.
+    let listed = server.json("/api/fingers/2/device/ports");
+    let listed: Vec<&Value> =
+        listed["ports"].as_array().unwrap().iter().map(|of| &of["port"]).collect();
+    assert!(
+        listed.contains(&&json!(ports[1])) && !listed.contains(&&json!(ports[0])),
+        "{listed:?}"
+    );
+}
+
+#[test]
+fn a_hand_that_cannot_be_is_refused() {
+    for (arguments, words) in [
+        (&["--fingers", "3"][..], "--simulate"),
+        (&["--simulate", "--fingers", "9"], "1..=8"),
+        (&["--port", "/dev/null", "--port", "/dev/../dev/null"], "named twice"),
+    ] {
+        let refused = program().arg("serve").args(arguments).output().unwrap();
+        let said = String::from_utf8_lossy(&refused.stderr);
+        assert!(!refused.status.success() && said.contains(words), "{arguments:?}: {said}");
+    }
+}

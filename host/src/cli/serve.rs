@@ -1,7 +1,7 @@
 //! `palpate serve`.
 
 use std::net::{IpAddr, Ipv4Addr};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use super::output::print;
 use super::{Failure, interrupt, progress};
@@ -19,6 +19,8 @@ const DEMO: &str = "palpate-demo";
 /// Seeds, where none is named: of the simulated device, and of what the demo hides.
 const SEED: u64 = 1;
 const DEMO_SEED: u64 = 6;
+/// Most fingers of a hand.
+const FINGERS: u8 = 8;
 
 /// Open a local page: a fingertip live, or a model beside recordings.
 #[derive(clap::Args)]
@@ -38,6 +40,8 @@ Examples:
   palpate serve --port /dev/ttyUSB0          a fingertip on a port
   palpate serve --simulate --model model.toml  the same, and whether this model foretells how a
                                              held press goes on; without one, the device's filter
+  palpate serve --port /dev/ttyUSB0 --port /dev/ttyUSB1
+                                             the fingers of a hand side by side
   palpate serve --replay press.csv           a trace through the filter of the device, as fast as
                                              it was recorded
   palpate serve --replay press.csv --speed 4 --recordings touches/")]
@@ -48,9 +52,9 @@ pub struct Args {
     /// Model to begin with in the Lab, and that foretells a held press in the Live room
     #[arg(long, value_name = "MODEL.toml")]
     model: Option<PathBuf>,
-    /// Serial port of the device; without it, the only device that answers on any port
-    #[arg(long, visible_alias = "device-port", value_name = "PORT", group = "source")]
-    port: Option<PathBuf>,
+    /// Serial port of the device, once for each finger of a hand; without it, the only device that answers on any port
+    #[arg(long = "port", visible_alias = "device-port", value_name = "PORT", group = "source")]
+    ports: Vec<PathBuf>,
     /// Replay a trace or a recording through the filter of the device
     #[arg(long, value_name = "TRACE", group = "source")]
     replay: Option<PathBuf>,
@@ -60,6 +64,9 @@ pub struct Args {
     /// Simulate a device
     #[arg(long, groups = ["source", "made-up"])]
     simulate: bool,
+    /// Simulate a hand of so many fingers
+    #[arg(long, value_name = "N", default_value_t = 1, requires = "simulate", value_parser = clap::value_parser!(u8).range(1..=i64::from(FINGERS)))]
+    fingers: u8,
     /// Ten presses with a hidden effect to find, and a simulated device
     #[arg(long, groups = ["source", "made-up"], conflicts_with = "model")]
     demo: bool,
@@ -90,7 +97,7 @@ pub struct Args {
 const WITHOUT_DEVICE: &str = "\
 Without a device:
   palpate serve --demo --open        ten presses with a hidden effect, and a simulated fingertip
-  palpate serve --simulate --open    a simulated fingertip alone
+  palpate serve --simulate --open    a simulated fingertip alone; with --fingers 3, a hand
   palpate serve FOLDER --open        your own recordings in the Lab";
 
 fn speed(text: &str) -> Result<f64, String> {
@@ -108,7 +115,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         return Err(Failure::Input(miette::miette!("{folder} is no folder for recordings")));
     }
     let lab = args.lab()?;
-    let live = args.live(lab.is_some())?;
+    let fingers = args.fingers(lab.is_some())?;
     if !args.bind.is_loopback() {
         eprintln!(
             "! {} is no loopback address: whoever reaches it and has the token sees the page and commands the device, \
@@ -116,7 +123,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
             args.bind
         );
     }
-    let options = Options { bind: args.bind, port: args.port_http, live, lab };
+    let options = Options { bind: args.bind, port: args.port_http, fingers, lab };
     let mut printed = Ok(());
     let ready = |url: &str| {
         printed = print(&format!("{url}\n"));
@@ -167,15 +174,18 @@ impl Args {
         self.simulate || (self.demo && cfg!(unix))
     }
 
-    /// The device, or what stands for one; none beside a folder where none was named.
-    fn live(&self, beside: bool) -> Result<Option<Live>, Failure> {
-        let named = self.port.is_some() || self.replay.is_some() || self.made_up();
+    /// The devices, or what stands for them; none beside a folder where none was named.
+    fn fingers(&self, beside: bool) -> Result<Vec<Live>, Failure> {
+        let named = !self.ports.is_empty() || self.replay.is_some() || self.made_up();
         if beside && !named {
-            return Ok(None);
+            return Ok(Vec::new());
         }
-        let given = self.given(beside)?;
-        let live = Live::begin(source(self)?, self.recordings.clone(), self.elf()?, given);
-        live.map(Some).map_err(Failure::input)
+        let (given, elf) = (self.given(beside)?, self.elf()?);
+        let begin = |source| {
+            Live::begin(source, self.recordings.clone(), elf.clone(), given.clone())
+                .map_err(Failure::input)
+        };
+        sources(self)?.into_iter().map(begin).collect()
     }
 
     /// The model that foretells in the Live room. One that does not is of use in the Lab alone.
@@ -204,9 +214,12 @@ impl Args {
 }
 
 #[cfg(unix)]
-fn source(args: &Args) -> Result<Source, Failure> {
+fn sources(args: &Args) -> Result<Vec<Source>, Failure> {
     if args.made_up() {
-        return Ok(Source::Simulated { seed: args.seed.unwrap_or(SEED) });
+        let seed = args.seed.unwrap_or(SEED);
+        let finger =
+            |finger: u8| Source::Simulated { seed: seed.wrapping_add(finger.into()), finger };
+        return Ok((0..args.fingers).map(finger).collect());
     }
     if let Some(path) = &args.replay {
         let mut traces =
@@ -215,23 +228,44 @@ fn source(args: &Args) -> Result<Source, Failure> {
             let (path, count) = (path.display(), traces.len());
             return Err(Failure::Input(miette::miette!("{path} holds {count} traces; name one")));
         }
-        return Ok(Source::Replay { trace: Box::new(traces.remove(0)), speed: args.speed });
+        return Ok(vec![Source::Replay { trace: Box::new(traces.remove(0)), speed: args.speed }]);
     }
-    device(args)
+    devices(&args.ports)
 }
 
 #[cfg(not(unix))]
-fn source(args: &Args) -> Result<Source, Failure> {
+fn sources(args: &Args) -> Result<Vec<Source>, Failure> {
     if args.simulate || args.replay.is_some() {
         return Err(Failure::Input(miette::miette!(
             "a simulated device needs a pseudo-terminal, which Linux and macOS have"
         )));
     }
-    device(args)
+    devices(&args.ports)
 }
 
-fn device(args: &Args) -> Result<Source, Failure> {
-    match discover::choose(args.port.as_deref()) {
+/// The devices on these ports, each a finger; without a port, the only one that answers.
+fn devices(ports: &[PathBuf]) -> Result<Vec<Source>, Failure> {
+    if ports.is_empty() {
+        return Ok(vec![device(None)?]);
+    }
+    if ports.len() > usize::from(FINGERS) {
+        let count = ports.len();
+        return Err(Failure::Input(miette::miette!("{count} ports; a hand has at most {FINGERS}")));
+    }
+    for (index, port) in ports.iter().enumerate() {
+        let real = |port: &PathBuf| port.canonicalize().unwrap_or_else(|_| port.clone());
+        if ports[..index].iter().any(|other| real(other) == real(port)) {
+            let port = port.display();
+            return Err(Failure::Input(miette::miette!(
+                "{port} is named twice; name each finger's port once"
+            )));
+        }
+    }
+    ports.iter().map(|port| device(Some(port))).collect()
+}
+
+fn device(port: Option<&Path>) -> Result<Source, Failure> {
+    match discover::choose(port) {
         Ok((port, session)) => Ok(Source::Device { port, session: Some(Box::new(session)) }),
         // The page says what to do with it, and goes on when that was done.
         Err(DiscoverError::Named { port, source: source @ LinkError::Schema { .. } }) => {
@@ -241,6 +275,9 @@ fn device(args: &Args) -> Result<Source, Failure> {
         Err(error @ (DiscoverError::NoPort | DiscoverError::None(_))) => {
             Err(Failure::Input(miette::miette!("{error}\n{WITHOUT_DEVICE}")))
         }
+        Err(error @ DiscoverError::Several(_)) => Err(Failure::Input(miette::miette!(
+            "{error}\nor, where they are fingers of one hand, each with a --port of its own"
+        ))),
         Err(error) => Err(Failure::input(error)),
     }
 }

@@ -8,11 +8,11 @@
 //! - [`guard`]: who may ask, and what a page may do.
 //! - [`connections`]: how many, and for how long.
 //! - [`assets`]: the files of the page.
-//! - [`live`]: a fingertip, while it feels.
+//! - [`live`]: a fingertip, while it feels; of a hand every one, at `/api/fingers/N/live/`, N from 1.
 //! - [`lab`]: a model beside recordings, and putting it right.
 //! - [`device`]: the device behind the fingertip.
 //!
-//! A room is mounted only where it has something to show.
+//! A room is mounted only where it has something to show. `/api/live/` and `/api/device/` are those of the first finger.
 
 pub mod assets;
 pub mod connections;
@@ -26,6 +26,7 @@ pub use problem::Problem;
 
 use std::io;
 use std::net::{IpAddr, SocketAddr};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -33,7 +34,7 @@ use axum::Json;
 use axum::Router;
 use axum::middleware::from_fn_with_state;
 use axum::routing::get;
-use serde_json::json;
+use serde_json::{Value, json};
 use tokio::net::TcpListener;
 
 use self::guard::{Guard, TokenError};
@@ -49,8 +50,8 @@ pub struct Options {
     pub bind: IpAddr,
     /// Port to listen on; 0 for any that is free.
     pub port: u16,
-    /// The room of a fingertip, if there is one.
-    pub live: Option<Live>,
+    /// The fingertips, those of a hand beside each other; none for the Lab alone.
+    pub fingers: Vec<Live>,
     /// The room of a model and recordings, if a folder was opened.
     pub lab: Option<Session>,
 }
@@ -84,7 +85,7 @@ pub fn run(
         let at = listener.local_addr()?;
         let guard = Guard::new(at)?;
         ready(&guard.url());
-        let router = router(options.live, options.lab, Arc::new(guard));
+        let router = router(options.fingers, options.lab, Arc::new(guard));
         let end = async {
             while !ended() {
                 tokio::time::sleep(LOOK).await;
@@ -98,30 +99,52 @@ pub fn run(
     })
 }
 
-fn router(live: Option<Live>, lab: Option<Session>, guard: Arc<Guard>) -> Router {
-    let mut rooms = Vec::new();
-    let mut api = Router::new();
-    // Who names a folder came for the Lab.
-    let first = if lab.is_some() { "lab" } else { "live" };
-    let live = live.map(Arc::new);
-    if let Some(live) = &live {
-        rooms.push(json!({ "name": "live", "title": "Live" }));
-        api = api.nest("/live", live::routes(Arc::clone(live)));
+fn router(fingers: Vec<Live>, lab: Option<Session>, guard: Arc<Guard>) -> Router {
+    let fingers: Vec<Arc<Live>> = fingers.into_iter().map(Arc::new).collect();
+    let about = Json(about(&fingers, lab.is_some()));
+    let mut api = Router::new().route("/rooms", get(async || about));
+    for (index, finger) in fingers.iter().enumerate() {
+        let of = |path: &str| format!("/fingers/{}/{path}", index + 1);
+        api = api.nest(&of("live"), live::routes(Arc::clone(finger)));
+        api = api.nest(&of("device"), device::routes(Arc::clone(finger), beside(&fingers, index)));
+    }
+    if let Some(first) = fingers.first() {
+        api = api.nest("/live", live::routes(Arc::clone(first)));
+        api = api.nest("/device", device::routes(Arc::clone(first), beside(&fingers, 0)));
     }
     if let Some(session) = lab {
-        rooms.push(json!({ "name": "lab", "title": "Lab" }));
         api = api.nest("/lab", lab::routes(session));
     }
-    if let Some(live) = live {
-        rooms.push(json!({ "name": "device", "title": "Device" }));
-        api = api.nest("/device", device::routes(live));
-    }
-    let about = json!({ "version": env!("CARGO_PKG_VERSION"), "rooms": rooms, "first": first });
-    let api = api
-        .route("/rooms", get(move || async move { Json(about) }))
-        .fallback(async || Problem::not_found("there is nothing of this name"));
+    let api = api.fallback(async || Problem::not_found("there is nothing of this name"));
     Router::new()
         .nest("/api", api)
         .fallback(get(assets::serve))
         .layer(from_fn_with_state(guard, guard::guard))
+}
+
+/// Which rooms there are, which is opened first, and which fingers.
+fn about(fingers: &[Arc<Live>], lab: bool) -> Value {
+    let mounted = [
+        ("hand", "Hand", fingers.len() > 1),
+        ("live", "Live", !fingers.is_empty()),
+        ("lab", "Lab", lab),
+        ("device", "Device", !fingers.is_empty()),
+    ];
+    let rooms = mounted.iter().filter(|(.., is_there)| *is_there);
+    let rooms: Vec<Value> =
+        rooms.map(|(name, title, _)| json!({ "name": name, "title": title })).collect();
+    // Who names a folder came for the Lab.
+    let first = if lab {
+        json!("lab")
+    } else {
+        rooms.first().map_or(Value::Null, |room| room["name"].clone())
+    };
+    let fingers: Vec<&Value> = fingers.iter().map(|finger| &finger.about).collect();
+    json!({ "version": env!("CARGO_PKG_VERSION"), "rooms": rooms, "first": first, "fingers": fingers })
+}
+
+/// The ports of all other fingers.
+fn beside(fingers: &[Arc<Live>], own: usize) -> Arc<[PathBuf]> {
+    let others = fingers.iter().enumerate().filter(|(index, _)| *index != own);
+    others.map(|(_, finger)| finger.port.clone()).collect()
 }

@@ -3,6 +3,7 @@
 
 mod axe;
 mod device;
+mod hand;
 mod lab;
 mod live;
 mod pictures;

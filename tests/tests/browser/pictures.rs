@@ -113,6 +113,18 @@ fn a_replayed_press_in_the_live_room_is_pictured() {
 
 #[test]
 #[ignore = "needs a browser: cargo xtask browser"]
+fn a_hand_is_pictured_and_torn_at_no_width() {
+    let server = Server::begin(&["--simulate", "--fingers", "3"]);
+    let browser = opened(&server);
+    browser.resize(1440, 900);
+    browser.says(".finger:last-child .tip-regions", "1 CD");
+    for_docs(&browser, "page-hand");
+    assert_eq!(looked_at(&browser, "hand"), Vec::<String>::new());
+    assert_eq!(browser.complaints(), Vec::<String>::new());
+}
+
+#[test]
+#[ignore = "needs a browser: cargo xtask browser"]
 fn no_report_is_torn_at_any_width_in_any_theme() {
     let folder = tempfile::tempdir().unwrap();
     let call = |arguments: &[&str]| drop(answer(folder.path(), arguments));

@@ -2,6 +2,7 @@
 
 use palpate_tests::browser::Browser;
 use palpate_tests::server::Server;
+use serde_json::{Value, json};
 
 use crate::axe::axe;
 use crate::{HEIGHT, WIDTH, opened};
@@ -61,6 +62,7 @@ fn filled(browser: &Browser, room: &str) {
             }
             browser.says(".lab-missing", "named");
         }
+        "hand" => browser.says(".finger:last-child .finger-state", "Streaming"),
         "live" => browser.says(".gauge .reading", "settles at"),
         _ => browser.until("the room is there", "document.querySelector('#room h2') !== null"),
     }
@@ -68,52 +70,50 @@ fn filled(browser: &Browser, room: &str) {
         .script("document.querySelectorAll('details').forEach((d) => (d.open = true)); return 0");
 }
 
-#[test]
-#[ignore = "needs a browser: cargo xtask browser"]
-fn every_room_can_be_read_and_handled_in_both_themes_and_in_narrow_windows() {
-    let server = Server::begin(&["--demo"]);
-    let browser = opened(&server);
-    browser.until("there are rooms", "document.querySelectorAll('#rooms a').length > 1");
-    let rooms = browser
-        .script("return [...document.querySelectorAll('#rooms a')].map((a) => a.dataset.room)");
-    let rooms: Vec<&str> =
-        rooms.as_array().unwrap().iter().map(|room| room.as_str().unwrap()).collect();
+/// What of these rooms cannot be read or handled, in both themes and in a narrow window.
+fn faults(browser: &Browser, rooms: &[&str]) -> Vec<String> {
     let mut wrong = Vec::new();
-    for room in &rooms {
-        filled(&browser, room);
+    let mut add = |about: &str, found: Value| {
+        let found: Vec<String> = serde_json::from_value(found).unwrap();
+        wrong.extend(found.iter().map(|text| format!("{about}: {text}")));
+    };
+    for room in rooms {
+        filled(browser, room);
         for theme in ["light", "dark"] {
             if browser.script("return document.documentElement.dataset.theme ?? 'light'") != theme {
                 browser.click("#theme");
             }
             let _ = browser.picture(&format!("{room}-{theme}"));
-            let faint = browser.script(CONTRAST);
-            wrong.extend(
-                faint
-                    .as_array()
-                    .unwrap()
-                    .iter()
-                    .map(|text| format!("{room}, {theme}, contrast {text}")),
-            );
-            wrong.extend(axe(&browser).iter().map(|text| format!("{room}, {theme}, axe: {text}")));
+            add(&format!("{room}, {theme}, contrast"), browser.script(CONTRAST));
+            add(&format!("{room}, {theme}, axe"), json!(axe(browser)));
         }
-        let nameless = browser.script(NAMELESS);
-        wrong.extend(
-            nameless
-                .as_array()
-                .unwrap()
-                .iter()
-                .map(|text| format!("{room}, without a name: {text}")),
-        );
+        add(&format!("{room}, without a name"), browser.script(NAMELESS));
         browser.resize(420, 900);
         let wide = browser.script("return document.scrollingElement.scrollWidth - innerWidth");
         if wide.as_f64().unwrap() > 0.0 {
-            wrong.push(format!("{room} is {wide} px too wide for a narrow window"));
+            add(room, json!([format!("{wide} px too wide for a narrow window")]));
         }
         let _ = browser.picture(&format!("{room}-narrow"));
         browser.resize(WIDTH, HEIGHT);
     }
-    assert_eq!(wrong, Vec::<String>::new());
-    assert_eq!(browser.complaints(), Vec::<String>::new());
+    wrong
+}
+
+#[test]
+#[ignore = "needs a browser: cargo xtask browser"]
+fn every_room_can_be_read_and_handled_in_both_themes_and_in_narrow_windows() {
+    for (source, wanted) in [
+        (&["--demo"][..], &["live", "lab", "device"][..]),
+        (&["--simulate", "--fingers", "3"], &["hand", "live", "device"]),
+    ] {
+        let server = Server::begin(source);
+        let browser = opened(&server);
+        let rooms = browser
+            .script("return [...document.querySelectorAll('#rooms a')].map((a) => a.dataset.room)");
+        assert_eq!(rooms, json!(wanted));
+        assert_eq!(faults(&browser, wanted), Vec::<String>::new());
+        assert_eq!(browser.complaints(), Vec::<String>::new());
+    }
 }
 
 #[test]

@@ -35,8 +35,12 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     use crate::device::simulate::{Simulated, Simulation};
 
     let ended = crate::cli::interrupt::handle()?;
-    let simulation =
-        Simulation { settings: args.settings.clone(), seed: args.seed, link: args.link.clone() };
+    let simulation = Simulation {
+        settings: args.settings.clone(),
+        seed: args.seed,
+        link: args.link.clone(),
+        finger: 0,
+    };
     let mut simulated = Simulated::new(&simulation).map_err(Failure::input)?;
     print(&format!("{}\n", simulated.path().display()))?;
     eprintln!("a simulated fingertip; Ctrl-C ends it");

@@ -19,11 +19,17 @@ const NOISE: f64 = 0.1;
 const COURSE: [(f64, f64); 6] =
     [(0.0, 0.0), (1.0, 0.0), (1.4, 1.0), (4.4, 1.0), (4.7, 0.0), (7.0, 0.0)];
 const PERIOD_S: f64 = 7.0;
+/// How much later each further finger of a hand presses, s, and with what part of the strength of the one before.
+const LATER_S: f64 = 0.25;
+const GENTLER: f64 = 0.85;
 
 /// A fingertip that grasps.
 pub(super) struct Grasp {
     noise: ChaCha8Rng,
     scatter: Option<Normal<f64>>,
+    /// This much later than the first finger, s, and with this part of its strength.
+    later_s: f64,
+    strength: f64,
     time_s: f64,
     pressed: f64,
     /// Relaxing parts, as fractions of the fully pressed.
@@ -38,12 +44,14 @@ struct Branch {
 }
 
 impl Grasp {
-    pub(super) fn new(seed: u64) -> Self {
+    pub(super) fn new(seed: u64, finger: u8) -> Self {
         let relaxation = default_relaxation();
         let branch = |share, rate| Branch { share, rate, value: 0.0 };
         Self {
             noise: ChaCha8Rng::seed_from_u64(seed),
             scatter: Normal::new(0.0, NOISE).ok(),
+            later_s: LATER_S * f64::from(finger),
+            strength: GENTLER.powi(finger.into()),
             time_s: 0.0,
             pressed: 0.0,
             relaxing: [branch(relaxation.c1, relaxation.v1), branch(relaxation.c2, relaxation.v2)],
@@ -70,7 +78,7 @@ impl Grasp {
     fn feel(&mut self, time_s: f64) -> f64 {
         // After a reset the device's time begins anew.
         let passed = (time_s - self.time_s).max(0.0);
-        let pressed = course(time_s % PERIOD_S);
+        let pressed = self.strength * course((time_s - self.later_s).max(0.0) % PERIOD_S);
         let moved = pressed - self.pressed;
         (self.time_s, self.pressed) = (time_s, pressed);
         let mut signal = pressed;
@@ -99,7 +107,7 @@ mod tests {
 
     #[test]
     fn a_held_press_relaxes_and_a_release_undershoots() {
-        let mut grasp = Grasp::new(1);
+        let mut grasp = Grasp::new(1, 0);
         let at: Vec<f64> = (0..7_000).map(|ms| grasp.feel(f64::from(ms) * 1e-3)).collect();
         assert!(at[999].abs() < 1e-12);
         assert!(at[1_400] > 0.8 && at[4_399] < at[1_400] - 0.2, "{} {}", at[1_400], at[4_399]);
@@ -107,9 +115,21 @@ mod tests {
     }
 
     #[test]
+    fn a_further_finger_presses_later_and_more_gently() {
+        let most = |finger| {
+            let mut grasp = Grasp::new(1, finger);
+            let felt = (0..7_000).map(|ms| (grasp.feel(f64::from(ms) * 1e-3), ms));
+            felt.fold((0.0, 0), |most, one| if one.0 > most.0 { one } else { most })
+        };
+        let ((first, at), (third, later)) = (most(0), most(2));
+        assert!((third / first - 0.7225).abs() < 1e-9, "{first} {third}");
+        assert!((later - at - 500).abs() <= 1, "{at} {later}");
+    }
+
+    #[test]
     fn the_same_seed_feels_the_same_and_half_the_gain_half_as_much() {
         let run = |seed, gain: u8| {
-            let mut grasp = Grasp::new(seed);
+            let mut grasp = Grasp::new(seed, 0);
             (0..100).map(|i| grasp.counts(i * 30_000, &[gain; GAUGES])[0]).collect::<Vec<_>>()
         };
         assert_eq!(run(3, 128), run(3, 128));

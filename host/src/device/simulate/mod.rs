@@ -30,6 +30,8 @@ pub struct Simulation {
     pub settings: Option<PathBuf>,
     /// Seed of the noise.
     pub seed: u64,
+    /// Which finger of a hand it is, from 0: each presses a little later and more gently than the one before.
+    pub finger: u8,
     /// A symbolic link to make to the pseudo-terminal, so that its path stays the same.
     pub link: Option<PathBuf>,
 }
@@ -80,7 +82,8 @@ impl Simulated {
         if let Some(link) = &simulation.link {
             link_to(pty.path(), link)?;
         }
-        Ok(Self { pty, link: simulation.link.clone(), grasp: Grasp::new(simulation.seed), board })
+        let grasp = Grasp::new(simulation.seed, simulation.finger);
+        Ok(Self { pty, link: simulation.link.clone(), board, grasp })
     }
 
     /// What to open as a serial port.

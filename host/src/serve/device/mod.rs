@@ -11,6 +11,7 @@
 mod ports;
 mod watch;
 
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use axum::extract::{State, WebSocketUpgrade};
@@ -26,20 +27,22 @@ use super::live::Live;
 #[derive(Clone)]
 struct Room {
     live: Arc<Live>,
+    /// Ports of the other fingers.
+    beside: Arc<[PathBuf]>,
     /// Held while ports are asked, so that two pages do not open the same one.
     asking: Arc<tokio::sync::Mutex<()>>,
 }
 
-/// What the page asks of the room.
-pub fn routes(live: Arc<Live>) -> Router {
-    let room = Room { live, asking: Arc::default() };
+/// What the page asks of the room of one finger; ports of the others, `beside`, are left alone.
+pub fn routes(live: Arc<Live>, beside: Arc<[PathBuf]>) -> Router {
+    let room = Room { live, beside, asking: Arc::default() };
     Router::new().route("/ports", get(list)).route("/watch", get(follow)).with_state(room)
 }
 
 async fn list(State(room): State<Room>) -> Json<Value> {
     let _asking = room.asking.lock().await;
-    let live = Arc::clone(&room.live);
-    let asked = tokio::task::spawn_blocking(move || ports::list(&live.port, &live.store));
+    let (live, beside) = (Arc::clone(&room.live), Arc::clone(&room.beside));
+    let asked = tokio::task::spawn_blocking(move || ports::list(&live.port, &beside, &live.store));
     // A thread that panicked has said so.
     Json(asked.await.unwrap_or_default())
 }

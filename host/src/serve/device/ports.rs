@@ -11,9 +11,10 @@ use crate::device::session::LinkError;
 use crate::serve::live::lock;
 use crate::serve::live::store::Store;
 
-/// Ours first, then all others.
-pub(super) fn list(ours: &Path, store: &Mutex<Store>) -> Value {
-    let others = others(ports(), ours);
+/// Ours first, then all others but those of the fingers `beside` it.
+pub(super) fn list(ours: &Path, beside: &[PathBuf], store: &Mutex<Store>) -> Value {
+    let taken = beside.iter().map(PathBuf::as_path).chain([ours]);
+    let others = taken.fold(ports(), others);
     let mine = {
         let store = lock(store);
         let linked = store.health.linked;
@@ -41,7 +42,7 @@ pub(super) fn list(ours: &Path, store: &Mutex<Store>) -> Value {
     json!({ "ports": all, "command": "palpate device list" })
 }
 
-/// All ports but ours, by whatever name.
+/// All ports but one that is open, by whatever name.
 fn others(ports: Vec<PathBuf>, ours: &Path) -> Vec<PathBuf> {
     let real = |path: &Path| path.canonicalize().unwrap_or_else(|_| path.to_owned());
     let ours = real(ours);

@@ -83,6 +83,8 @@ pub enum Source {
     Simulated {
         /// Seed of its noise.
         seed: u64,
+        /// Which finger of a simulated hand it is, from 0.
+        finger: u8,
     },
     /// A trace, put into a simulated device.
     #[cfg(unix)]
@@ -112,7 +114,7 @@ pub struct Live {
     pub(super) store: Arc<Mutex<Store>>,
     pub(super) port: PathBuf,
     requests: Sender<Request>,
-    about: Value,
+    pub(super) about: Value,
     pages: Arc<Semaphore>,
     ended: Arc<AtomicBool>,
     threads: Vec<JoinHandle<()>>,
@@ -138,14 +140,14 @@ impl Live {
                 (about, port, session.map(|session| *session), None)
             }
             #[cfg(unix)]
-            Source::Simulated { seed } => {
-                let (port, session) = simulate(seed, &ended, &mut threads)?;
+            Source::Simulated { seed, finger } => {
+                let (port, session) = simulate(seed, finger, &ended, &mut threads)?;
                 (json!({ "source": "simulated", "seed": seed }), port, Some(session), None)
             }
             #[cfg(unix)]
             Source::Replay { trace, speed } => {
                 let samples: Samples = samples(&trace)?;
-                let (port, session) = simulate(0, &ended, &mut threads)?;
+                let (port, session) = simulate(0, 0, &ended, &mut threads)?;
                 let about = json!({ "source": "replay", "trace": trace.label(), "speed": speed });
                 (about, port, Some(session), Some(Replay::new(samples, speed)))
             }
@@ -190,11 +192,12 @@ impl Drop for Live {
 #[cfg(unix)]
 fn simulate(
     seed: u64,
+    finger: u8,
     ended: &Arc<AtomicBool>,
     threads: &mut Vec<JoinHandle<()>>,
 ) -> Result<(PathBuf, Session), LiveError> {
     const PATIENCE: std::time::Duration = std::time::Duration::from_secs(2);
-    let mut simulated = Simulated::new(&Simulation { seed, ..Simulation::default() })?;
+    let mut simulated = Simulated::new(&Simulation { seed, finger, ..Simulation::default() })?;
     let port = simulated.path().to_owned();
     let over = Arc::clone(ended);
     threads.push(std::thread::spawn(move || {

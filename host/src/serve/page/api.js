@@ -33,7 +33,17 @@ async function ask(path, options = {}) {
   throw { message: message || `${response.status} ${response.statusText}`, status: response.status };
 }
 
+/** Where a question about a device goes, of a hand to the finger of this number, from 1. */
+const ofFinger = (number) => (path) => path.replace(/^\/(live|device)\//, `/fingers/${number}/$1/`);
+
 export const api = {
+  /** The same questions, those about a device to the finger of this number, from 1. */
+  of(number) {
+    const at = ofFinger(number);
+    const of = {};
+    for (const [name, ask] of Object.entries(api)) of[name] = (path, ...rest) => ask(at(path), ...rest);
+    return { ...of, of: api.of };
+  },
   /** Resolves to the JSON of `/api` + path; rejects with `{message}`. */
   get: async (path) => (await ask(path)).json(),
   /** The same as an ArrayBuffer. */

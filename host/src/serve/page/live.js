@@ -5,7 +5,9 @@ import { plot } from "./plot.js";
 import { healthPanel } from "./live/health.js";
 import { fingertip } from "./live/fingertip.js";
 import { foretold, foretoldPanel } from "./live/foretold.js";
-import { Window, columnsOf, readRows, readView } from "./live/window.js";
+import { GAUGES, SIGNALS } from "./live/signals.js";
+import { follow } from "./live/follow.js";
+import { columnsOf, readView } from "./live/window.js";
 import { controls } from "./live/controls.js";
 import { marginPanel } from "./live/margin.js";
 import { picture, table } from "./save.js";
@@ -16,15 +18,6 @@ export const keys = [
   ["0", "back to now"],
 ];
 
-const GAUGES = 4;
-/** What is drawn of each gauge: name, colour, dash, shown at first; the order is that of the stream. */
-const SIGNALS = [
-  ["signal", "ink", undefined, true, "raw, as calibrated strain: FA + SA"],
-  ["FA", "c1", undefined, true, "fast adapting"],
-  ["SA", "c0", undefined, true, "slowly adapting"],
-  ["elastic input", "c3", [6, 3], false, "the response without memory to the same motion"],
-  ["equilibrium", "c2", [8, 4], true, "where the signal will settle if the motion stops"],
-];
 /** What is drawn besides, and no signal of the stream. */
 const FORETOLD = ["foretold", "c4", [4, 4], true, "how a held press must go on by the model, from what was felt before"];
 const DRAWN = [...SIGNALS, FORETOLD];
@@ -57,14 +50,7 @@ export function open(root, api) {
   let seconds = 10;
   let past = null; // The stretch that is looked at, or null for now.
   let health = { now_s: 0, since_s: 0 };
-  let rowsDropped = 0;
-  let waiting = null;
-  /** Rows that come while the session is asked. */
-  let meanwhile = null;
   let closed = false;
-  const now = new Window(seconds, COLUMNS[0]);
-  let regions = Array.from({ length: GAUGES }, () => []);
-  let gaps = [];
   let pastDrawing = null;
   const measured = { frames: 0, since: performance.now(), delay: 0, arrivedMs: 0, delays: [] };
 
@@ -129,27 +115,21 @@ export function open(root, api) {
   }
   const resized = new ResizeObserver(() => {
     fit();
-    refill();
+    finger.refill();
   });
   resized.observe(gauges);
   addEventListener("resize", fit);
 
   // What comes.
-  const closeSocket = api.socket("/live/stream", (data, send) => {
-    if (typeof data === "string") return told(JSON.parse(data));
-    send("ok");
-    const rows = readRows(data);
-    if (rows.rowsDropped > rowsDropped) refill();
-    rowsDropped = rows.rowsDropped;
-    now.take(rows);
-    meanwhile?.push(rows);
-    measured.arrivedMs = rows.arrivedMs;
-  }, (isOpen, why) => {
-    room.classList.toggle("away", !isOpen);
-    rowsDropped = 0;
-    if (isOpen) refill();
-    else where.textContent = why;
+  const finger = follow(api, {
+    span: () => [seconds, columnsShown()], told, happened,
+    state: (isOpen, why) => {
+      room.classList.toggle("away", !isOpen);
+      if (!isOpen) where.textContent = why;
+    },
+    failed: (why) => (where.textContent = why),
   });
+  const { now } = finger;
 
   /** The holds that the model foretold, those of now and those of the stretch that is looked at. */
   let holds = [];
@@ -165,9 +145,8 @@ export function open(root, api) {
     model.show(false, null);
   });
 
-  function told(message) {
-    health = message.health;
-    for (const event of message.events) happened(event);
+  function told(said) {
+    health = said;
     healthShown.show(health);
     panel.show(health);
     room.classList.toggle("gone", !health.linked);
@@ -175,41 +154,8 @@ export function open(root, api) {
   }
 
   function happened(event) {
-    if (event.kind === "state") remember(regions[event.gauge], event, 4_000);
-    else if (event.kind === "gap") {
-      remember(gaps, event, 1_000);
-      healthShown.log(event.from_s, event.words);
-    } else healthShown.log(event.time_s, event.words);
-  }
-
-  /** What the page missed, or has not seen because it looks at a longer stretch now, from the session. */
-  async function refill() {
-    if (waiting) return;
-    waiting = (async () => {
-      const to = LONGEST * 10;
-      const from = Math.max(0, (Number.isFinite(now.last) ? now.last : health.now_s) - seconds);
-      meanwhile = [];
-      try {
-        const [bytes, events] = await Promise.all([
-          api.bytes(`/live/view?from=${from}&to=${to}&bins=${2 * columnsShown()}`), api.get(`/live/events?from=${from}&to=${to}`),
-        ]);
-        regions = regions.map(() => []);
-        gaps = [];
-        for (const event of events) if (event.kind !== "said") happenedQuietly(event);
-        now.resize(seconds, columnsShown());
-        now.fill(readView(bytes));
-        meanwhile.forEach((rows) => now.take(rows));
-      } catch (error) {
-        where.textContent = error.message;
-      }
-      meanwhile = null;
-    })();
-    await waiting;
-    waiting = null;
-  }
-
-  function happenedQuietly(event) {
-    remember(event.kind === "gap" ? gaps : regions[event.gauge], event, 4_000);
+    if (event.kind === "gap") healthShown.log(event.from_s, event.words);
+    else if (event.kind === "said") healthShown.log(event.time_s, event.words);
   }
 
   // Where one looks.
@@ -282,7 +228,7 @@ export function open(root, api) {
   function setSeconds(to) {
     seconds = to;
     now.seconds = to;
-    refill();
+    finger.refill();
   }
 
   // Drawing, once for each frame of the display.
@@ -299,7 +245,7 @@ export function open(root, api) {
     if (!still && now.bins === 0) return;
     const { from, to } = stretch();
     const { x, values, breaks } = still ? pastDrawing : now.columns();
-    const marks = still ? pastDrawing : { regions, gaps, holds };
+    const marks = still ? pastDrawing : { regions: finger.regions, gaps: finger.gaps, holds };
     plots.forEach(({ drawn, reading }, gauge) => {
       drawn.range(from, to);
       const bands = spans(marks.regions[gauge], from, to).concat(missing(marks.gaps, from, to));
@@ -315,7 +261,7 @@ export function open(root, api) {
   }
 
   function read(reading, gauge) {
-    const state = regions[gauge].at(-1);
+    const state = finger.regions[gauge].at(-1);
     const value = (signal) => now.value(GAUGES * signal + gauge).toFixed(1).replace("-", "−");
     const region = state ? `${state.points} ${state.name}`.trim() : "";
     const type = state && state.type !== "–" ? ` · Type ${state.type}` : "";
@@ -325,9 +271,9 @@ export function open(root, api) {
 
   function measure() {
     measured.frames++;
-    if (measured.arrivedMs) {
-      measured.delays.push(performance.timeOrigin + performance.now() - measured.arrivedMs);
-      measured.arrivedMs = 0;
+    if (finger.arrivedMs !== measured.arrivedMs) {
+      measured.delays.push(performance.timeOrigin + performance.now() - finger.arrivedMs);
+      measured.arrivedMs = finger.arrivedMs;
     }
     const passed = performance.now() - measured.since;
     if (passed < 1_000) return;
@@ -364,18 +310,13 @@ export function open(root, api) {
     closed = true;
     resized.disconnect();
     removeEventListener("resize", fit);
-    closeSocket();
+    finger.close();
     closeWatch();
     margin.close();
     model.close();
     document.removeEventListener("keydown", pressed);
     plots.forEach(({ drawn }) => drawn.close());
   };
-}
-
-function remember(list, item, most) {
-  list.push(item);
-  if (list.length > most) list.splice(0, most / 2);
 }
 
 /** Regions as shaded bands, and Type I and II as words at their foot. */

@@ -18,9 +18,10 @@ export function colour(name) {
  *  - `onZoom(from, to)`: another stretch of x is asked for, by dragging, the wheel with Ctrl, or moving with Shift held;
  *    `onZoom(null)`: double click. A drag that is high as well as wide takes a stretch of y too.
  *  - `group`: plots of one group share the cursor.
+ *  - `extent()`: least and greatest y to show, in place of those of the series; null for those.
  *  Returns `{set({x, values, bands, breaks}), range(from, to), show(index, shown), resize(height), canvas(), close()}`; `breaks` are the indices of
  *  the points that no line leads to, because nothing is known before them. */
-export function plot(root, { x, series, axes = {}, units = {}, bands = [], onZoom, height = 200, label, group, zero }) {
+export function plot(root, { x, series, axes = {}, units = {}, bands = [], onZoom, height = 200, label, group, zero, extent }) {
   const place = document.createElement("div");
   place.className = "plot";
   place.setAttribute("role", "img");
@@ -61,7 +62,7 @@ export function plot(root, { x, series, axes = {}, units = {}, bands = [], onZoo
     },
     scales: {
       x: { time: false },
-      y: { range: (_, least, most) => taken ?? padded(least, most, zero) },
+      y: { range: (_, least, most) => taken ?? padded(...(extent?.() ?? [least, most]), zero) },
     },
     axes: [axis(axes.x, { size: axes.x ? 24 : 22, labelSize: 18 }), axis(axes.y, { size: 52, labelSize: 18 })],
     series: [{}, ...series.map((one) => ({

@@ -7,10 +7,14 @@ const root = document.documentElement;
 const main = document.getElementById("room");
 const nav = document.getElementById("rooms");
 const themeButton = document.getElementById("theme");
+const chosen = document.getElementById("finger");
 
 const KEYS = [["1 … 9", "go to a room"], ["t", "light or dark"], ["?", "these keys"]];
 
 let rooms = [];
+/** Which devices there are, and the number, from 1, of the one that is looked at. */
+let fingers = [];
+let finger = 1;
 let first = "";
 let close = () => {};
 let opening = 0;
@@ -36,27 +40,38 @@ function say(text, warning = false) {
   main.replaceChildren(message);
 }
 
-/** Opens the room that the address names, or the one that was asked for at the start. */
+/** Opens the room that the address names (`#live`, of the second finger of a hand `#live/2`), or the one that was asked for at the start. */
 async function enter() {
   const named = (name) => rooms.find((room) => room.name === name);
-  const room = named(location.hash.slice(1)) ?? named(first) ?? rooms[0];
+  const [name, number] = location.hash.slice(1).split("/");
+  const room = named(name) ?? named(first) ?? rooms[0];
+  if (fingers[Number(number) - 1]) finger = Number(number);
   const mine = ++opening;
   close();
   close = () => {};
+  document.title = `${room.title} · palpate`;
+  showFingers(room);
   for (const link of nav.children) {
     if (link.dataset.room === room.name) link.setAttribute("aria-current", "page");
     else link.removeAttribute("aria-current");
   }
-  document.title = `${room.title} · palpate`;
   try {
     const module = await import(`./${room.name}.js`);
     if (mine !== opening) return;
     main.replaceChildren();
     showKeys(module.keys ?? []);
-    close = module.open(main, api) ?? (() => {});
+    close = module.open(main, api.of(finger), { fingers, finger }) ?? (() => {});
   } catch (error) {
     say(`${room.title} cannot be shown: ${error.message}`, true);
   }
+}
+
+/** Of a hand, which finger a room of one device is about. */
+function showFingers(room) {
+  chosen.hidden = fingers.length < 2 || !["live", "device"].includes(room.name);
+  if (fingers.length < 2) return;
+  chosen.lastElementChild.value = finger;
+  document.title = chosen.hidden ? `${room.title} · palpate` : `${room.title}, finger ${finger} · palpate`;
 }
 
 function showKeys(ofRoom) {
@@ -92,7 +107,7 @@ async function begin() {
   document.addEventListener("keydown", pressed);
   if (!takeToken()) return say("Open the address that `palpate serve` printed: it holds the token without which nothing is shown.", true);
   try {
-    ({ rooms, first } = await api.get("/rooms"));
+    ({ rooms, first, fingers } = await api.get("/rooms"));
   } catch (error) {
     return say(error.message, true);
   }
@@ -104,6 +119,8 @@ async function begin() {
     return link;
   }));
   if (rooms.length === 0) return say("There is nothing to show.", true);
+  chosen.lastElementChild.replaceChildren(...fingers.map((_, index) => new Option(`Finger ${index + 1}`, index + 1)));
+  chosen.lastElementChild.addEventListener("change", ({ target }) => (location.hash = `${location.hash.slice(1).split("/")[0] || "live"}/${target.value}`));
   addEventListener("hashchange", enter);
   await enter();
 }

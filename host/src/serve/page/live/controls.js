@@ -3,6 +3,7 @@
 import { answer } from "../command.js";
 import { h } from "../dom.js";
 import { inputs } from "../settings.js";
+import { stamp } from "./stamp.js";
 
 export function controls(root, api) {
   const said = answer();
@@ -56,11 +57,4 @@ export function controls(root, api) {
     settings.show({ ...health.settings?.relaxation, ...health.settings?.thresholds });
   }
   return { show };
-}
-
-/** Date and time for a file's name. */
-function stamp() {
-  const two = (n) => String(n).padStart(2, "0");
-  const d = new Date();
-  return `${d.getFullYear()}${two(d.getMonth() + 1)}${two(d.getDate())}-${two(d.getHours())}${two(d.getMinutes())}${two(d.getSeconds())}`;
 }

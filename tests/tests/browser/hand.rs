@@ -1,0 +1,62 @@
+//! The fingers of a hand side by side, with the mouse.
+
+use palpate_tests::server::Server;
+
+use crate::opened;
+
+/// The time of the largest signal in the plot of each finger, s before now.
+const PEAKS: &str = r"
+  const { api } = await import('/api.js');
+  const { readView } = await import('/live/window.js');
+  const peaks = [];
+  for (const number of [1, 2, 3]) {
+    const { count, from, courses } = readView(await api.of(number).bytes('/live/view?from=0&to=1e6&bins=5000'));
+    let most = 0;
+    for (let bin = 0; bin < count; bin++) if (courses[0][1][bin] > courses[0][1][most]) most = bin;
+    peaks.push([courses[0][1][most], from[most]]);
+  }
+  return peaks;
+";
+
+#[test]
+#[ignore = "needs a browser: cargo xtask browser"]
+fn the_fingers_of_a_hand_are_shown_side_by_side_and_recorded_together() {
+    let server = Server::begin(&["--simulate", "--fingers", "3"]);
+    let browser = opened(&server);
+    browser.until("three fingers", "document.querySelectorAll('.finger').length === 3");
+    for finger in 1..=3 {
+        browser.says(&format!(".finger:nth-child({finger}) .finger-state"), " Hz, 0 rows lost");
+        browser.says(&format!(".finger:nth-child({finger}) .tip-regions"), "1 CD");
+    }
+    // Each presses more gently than the one before: the rows are those of three devices.
+    let peaks = browser.later(PEAKS);
+    let strength = |finger: usize| peaks[finger][0].as_f64().unwrap();
+    for finger in [1, 2] {
+        let gentler = strength(finger) / strength(finger - 1);
+        assert!((0.75..0.95).contains(&gentler), "{peaks}");
+    }
+    browser.click("[aria-label=\"All fingers\"] button:nth-of-type(4)");
+    browser.says(".finger:last-child .finger-state", "Recording");
+    browser.click("[aria-label=\"All fingers\"] button:nth-of-type(5)");
+    browser.says(".hand .answer", "The recordings are written: 3 fingers.");
+    let mut files: Vec<String> = server
+        .folder
+        .path()
+        .read_dir()
+        .unwrap()
+        .map(|file| file.unwrap().file_name().into_string().unwrap())
+        .collect();
+    files.sort();
+    assert_eq!(files.len(), 3, "{files:?}");
+    for (file, finger) in files.iter().zip(1..) {
+        assert!(file.ends_with(&format!("-finger{finger}.palpate")), "{files:?}");
+    }
+
+    browser.click(".finger:nth-child(2) a");
+    browser.says(".gauge .reading", "settles at");
+    assert_eq!(browser.script("return document.querySelector('#finger select').value"), "2");
+    let port = server.json("/api/fingers/2/live/about")["port"].as_str().unwrap().to_owned();
+    let _ = browser.script("location.hash = 'device/2'; return 0");
+    browser.says("[aria-label=\"Devices on this computer\"]", &port);
+    assert_eq!(browser.complaints(), Vec::<String>::new());
+}
