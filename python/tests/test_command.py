@@ -37,10 +37,15 @@ def test_a_reader_that_goes_away_is_no_fault() -> None:
     assert (done.stdout, done.stderr) == ("{\n", "")
 
 
+def hang_up() -> None:
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="a signal to another process is POSIX")
 def test_ctrl_c_ends_the_command_as_a_shell_expects(practice: Path, model: Path) -> None:
     call = [COMMAND, "diagnose", "--model", str(model), str(practice)]
-    child = subprocess.Popen(call, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    # Under `nohup` the command would leave signals alone; here it is called as from a terminal.
+    child = subprocess.Popen(call, stdout=subprocess.PIPE, stderr=subprocess.PIPE, preexec_fn=hang_up)
     time.sleep(0.7)
     assert child.poll() is None, "the work is too short to be interrupted"
     child.send_signal(signal.SIGINT)
