@@ -195,16 +195,19 @@ struct Alone<O: clap::Args> {
 
 /// What options mean.
 fn parsed<O: clap::Args>(options: &[String]) -> Result<O, Failure> {
-    Alone::try_parse_from(options).map(|alone: Alone<O>| alone.options).map_err(|error| {
-        // What is wrong, without how the command would be called.
-        let text = error.render().to_string();
-        let what = text.split("\n\n").next().unwrap_or_default();
-        let what = what.strip_prefix("error: ").unwrap_or(what).trim().replace("\n  ", " ");
-        match error.kind() {
-            ErrorKind::UnknownArgument => Failure::Input(miette::miette!("no such option: {what}")),
-            _ => Failure::Input(miette::miette!("{what}")),
-        }
-    })
+    let alone = Alone::try_parse_from(options).map_err(|error| refused(&error))?;
+    Ok(alone.options)
+}
+
+/// What is wrong with options, without how the command would be called.
+pub(super) fn refused(error: &clap::Error) -> Failure {
+    let text = error.render().to_string();
+    let what = text.split("\n\n").next().unwrap_or_default();
+    let what = what.strip_prefix("error: ").unwrap_or(what).trim().replace("\n  ", " ");
+    match error.kind() {
+        ErrorKind::UnknownArgument => Failure::Input(miette::miette!("no such option: {what}")),
+        _ => Failure::Input(miette::miette!("{what}")),
+    }
 }
 
 /// What commands would call model and traces.

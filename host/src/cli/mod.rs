@@ -42,7 +42,7 @@ mod serve;
 mod simulate;
 mod specimen;
 mod strain_rate;
-mod survey;
+pub mod survey;
 
 use std::ffi::OsString;
 use std::process::ExitCode;

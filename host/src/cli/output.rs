@@ -234,9 +234,12 @@ pub(super) fn called() -> &'static [String] {
 }
 
 /// The command that was called.
-pub(super) fn command_line() -> String {
-    std::iter::once("palpate".to_owned())
-        .chain(called().iter().map(|word| quoted(word)))
-        .collect::<Vec<_>>()
-        .join(" ")
+fn command_line() -> String {
+    command_of(called())
+}
+
+/// The command of these words.
+pub(super) fn command_of(words: &[String]) -> String {
+    let words = words.iter().map(|word| quoted(word));
+    std::iter::once("palpate".to_owned()).chain(words).collect::<Vec<_>>().join(" ")
 }

@@ -14,6 +14,7 @@ use rayon::{ThreadPoolBuildError, ThreadPoolBuilder};
 /// How far a piece of work has come, and whether it is to end.
 #[derive(Debug, Default)]
 pub struct Watch {
+    outer: Option<Arc<Watch>>,
     ended: AtomicBool,
     searches: AtomicUsize,
     steps: AtomicUsize,
@@ -36,6 +37,12 @@ thread_local! {
 }
 
 impl Watch {
+    /// A watch over part of the work at hand: it ends with the whole, and has stages of its own.
+    #[must_use]
+    pub fn within() -> Self {
+        Self { outer: current(), ..Self::default() }
+    }
+
     /// Asks the work to end.
     pub fn end(&self) {
         self.ended.store(true, Ordering::Relaxed);
@@ -44,7 +51,7 @@ impl Watch {
     /// Whether the work was asked to end.
     #[must_use]
     pub fn ended(&self) -> bool {
-        self.ended.load(Ordering::Relaxed)
+        self.ended.load(Ordering::Relaxed) || self.outer.as_deref().is_some_and(Watch::ended)
     }
 
     /// Searches for a minimum that were begun, and steps that were tried in all of them.
@@ -57,6 +64,15 @@ impl Watch {
     #[must_use]
     pub fn stage(&self) -> Option<Stage> {
         *self.stage.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// One more of the stage is done; with the last the stage ends.
+    pub fn done(&self) {
+        let next = |stage: Stage| {
+            let done = stage.done + 1;
+            (done < stage.of).then_some(Stage { done, ..stage })
+        };
+        self.set_stage(|stage| stage.and_then(next));
     }
 
     fn set_stage(&self, change: impl FnOnce(Option<Stage>) -> Option<Stage>) {
@@ -110,11 +126,7 @@ pub fn stage(what: &'static str, of: usize) {
 
 /// One more of the stage is done; with the last the stage ends.
 pub fn done() {
-    let next = |stage: Stage| {
-        let done = stage.done + 1;
-        (done < stage.of).then_some(Stage { done, ..stage })
-    };
-    seen(|watch| watch.set_stage(|stage| stage.and_then(next)));
+    seen(Watch::done);
 }
 
 /// Whether the work at hand was asked to end; never where nobody watches.
@@ -127,6 +139,12 @@ pub fn ended() -> bool {
 #[must_use]
 pub fn watched() -> bool {
     seen(|_| ()).is_some()
+}
+
+/// The watch over the work at hand.
+#[must_use]
+pub fn current() -> Option<Arc<Watch>> {
+    WATCH.with_borrow(Clone::clone)
 }
 
 fn seen<T>(look: impl FnOnce(&Watch) -> T) -> Option<T> {

@@ -13,7 +13,7 @@ use super::feed::Feed;
 use super::group::Group;
 use super::row::{Asked, Row, Said, Status, Worked};
 use crate::caught::caught;
-use crate::fit::watch::alone;
+use crate::fit::watch::{Watch, alone, ended};
 use crate::trace::{self, Trace};
 
 /// How often a group is tried that gives up in the middle.
@@ -50,7 +50,7 @@ pub trait Question: Sync {
 /// Columns `names` are no part of traces that lie in one file.
 ///
 /// # Errors
-/// What `done` or the system that gives no threads answers; then no further group is begun.
+/// What `done` or the system that gives no threads answers, and when the work is asked to end; then no further group is begun.
 pub fn run(
     groups: impl Iterator<Item = Group> + Send,
     names: Vec<String>,
@@ -67,9 +67,10 @@ pub fn run(
     thread::scope(|scope| {
         // What is asked runs in parallel by itself where it can; here the groups do.
         let threads: Vec<_> = (0..jobs.get())
-            .map(|_| {
-                scope.spawn(|| {
-                    let watch = Arc::default();
+            .map(|_| Arc::new(Watch::within()))
+            .map(|watch| {
+                let work = &work;
+                scope.spawn(move || {
                     alone(&watch, || work.until_done(question)).map_err(io::Error::other)?
                 })
             })
@@ -100,6 +101,10 @@ where
             let begun = cpu_seconds();
             let (row, attempts) = row(&group, rows, question);
             let worked = Worked { seconds: cpu_seconds() - begun, attempts };
+            if ended() {
+                // What comes out of work that was ended means nothing.
+                return Err(io::ErrorKind::Interrupted.into());
+            }
             let told = (self.done.lock().unwrap_or_else(PoisonError::into_inner))(row, worked);
             if told.is_err() {
                 self.over.store(true, Ordering::Relaxed);

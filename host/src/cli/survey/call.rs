@@ -3,17 +3,17 @@
 use clap::{ArgMatches, Command, CommandFactory};
 use serde_json::{Map, Value};
 
-use crate::cli::{Arguments, Failure, output};
+use crate::cli::{Arguments, Failure};
 
 /// Options that change no row.
 const BESIDE: [&str; 7] = ["data", "output", "jobs", "json", "report", "force", "verbose"];
 
-/// Every option of this call that rows depend on with its value, given or not.
-pub fn options() -> Result<Map<String, Value>, Failure> {
+/// Every option that rows depend on with its value, given or not, of a call of these words.
+pub fn options(words: &[String]) -> Result<Map<String, Value>, Failure> {
     let mut command = Arguments::command().no_binary_name(true);
     // Options that hold for all commands are known to each once it is built.
     command.build();
-    let matches = command.clone().try_get_matches_from(output::called()).map_err(Failure::work)?;
+    let matches = command.clone().try_get_matches_from(words).map_err(Failure::work)?;
     Ok(of(&command, &matches))
 }
 

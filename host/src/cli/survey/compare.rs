@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use serde_json::json;
 
 use super::asking::Asking;
-use super::fleet::{Fleet, Given};
+use super::fleet::{Fleet, Given, Survey};
 use crate::cli::preparation::Prepare;
 use crate::cli::{Failure, compare};
 use crate::criticism::dependence;
@@ -27,11 +27,11 @@ pub struct Args {
     prepare: Prepare,
 }
 
-/// Compares each group.
-pub fn run(args: &Args) -> Result<(), Failure> {
+/// To compare each group.
+pub fn survey(args: &Args) -> Result<Survey<'_>, Failure> {
     let model = Model::read(&args.model).map_err(Failure::input)?;
-    let ask = |_: &_, traces| compare::ask(&args.prepare, model.clone(), traces);
-    let given = Given { path: &args.model, model: &model };
+    let given = Given::new(&args.model, &model)?;
     let seeds = [("dependence".to_owned(), json!(dependence::SEED))].into_iter().collect();
-    args.fleet.ask(Some(&given), seeds, &Asking::new(Asked::Compare, ask))
+    let ask = move |_: &_, traces| compare::ask(&args.prepare, model.clone(), traces);
+    Ok(Survey::new(&args.fleet, Asking::new(Asked::Compare, ask)).of(Some(given)).with(seeds))
 }

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use super::asking::Asking;
-use super::fleet::{Fleet, Given};
+use super::fleet::{Fleet, Given, Survey};
 use crate::cli::answer::Answer;
 use crate::cli::{Failure, decompose};
 use crate::model::Model;
@@ -27,14 +27,16 @@ pub struct Args {
     options: decompose::Options,
 }
 
-/// Splits the signals of each group.
-pub fn run(args: &Args) -> Result<(), Failure> {
+/// To split the signals of each group.
+pub fn survey(args: &Args) -> Result<Survey<'_>, Failure> {
     let model = args.model.as_deref().map(Model::read).transpose().map_err(Failure::input)?;
-    let ask = |_: &_, traces| {
+    let given = match args.model.as_deref().zip(model.as_ref()) {
+        Some((path, model)) => Some(Given::new(path, model)?),
+        None => None,
+    };
+    let ask = move |_: &_, traces| {
         let found = decompose::ask(&args.options, model.as_ref(), traces)?;
         Ok(Box::new(found) as Box<dyn Answer>)
     };
-    let given =
-        args.model.as_deref().zip(model.as_ref()).map(|(path, model)| Given { path, model });
-    args.fleet.ask(given.as_ref(), Default::default(), &Asking::new(Asked::Decompose, ask))
+    Ok(Survey::new(&args.fleet, Asking::new(Asked::Decompose, ask)).of(given))
 }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use serde_json::json;
 
 use super::asking::Asking;
-use super::fleet::{Fleet, Given};
+use super::fleet::{Fleet, Given, Survey};
 use crate::cli::preparation::Prepare;
 use crate::cli::{Failure, diagnose};
 use crate::criticism::{agreement, dependence, screen, search};
@@ -31,14 +31,14 @@ pub struct Args {
     prepare: Prepare,
 }
 
-/// Diagnoses each group.
-pub fn run(args: &Args) -> Result<(), Failure> {
+/// To diagnose each group.
+pub fn survey(args: &Args) -> Result<Survey<'_>, Failure> {
     let model = Model::read(&args.model).map_err(Failure::input)?;
-    let ask = |group: &Group, traces| {
+    let given = Given::new(&args.model, &model)?;
+    let ask = move |group: &Group, traces| {
         let next = diagnose::next(&args.model, &files(group), &args.prepare.flags());
         diagnose::ask(&args.prepare, model.clone(), traces, next)
     };
-    let given = Given { path: &args.model, model: &model };
     let seeds = json!({
         "null": screen::SEED,
         "resampling": search::SEED,
@@ -46,7 +46,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         "agreement": agreement::SEED,
     });
     let seeds = seeds.as_object().cloned().unwrap_or_default();
-    args.fleet.ask(Some(&given), seeds, &Asking::new(Asked::Diagnose, ask))
+    Ok(Survey::new(&args.fleet, Asking::new(Asked::Diagnose, ask)).of(Some(given)).with(seeds))
 }
 
 /// The files of a group, each once: what a single command would be given.

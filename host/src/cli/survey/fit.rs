@@ -1,7 +1,7 @@
 //! `palpate survey fit`.
 
 use super::asking::Asking;
-use super::fleet::Fleet;
+use super::fleet::{Fleet, Survey};
 use crate::cli::{Failure, fit};
 use crate::survey::row::Asked;
 
@@ -20,10 +20,10 @@ pub struct Args {
     options: fit::Options,
 }
 
-/// Fits each group.
-pub fn run(args: &Args) -> Result<(), Failure> {
+/// To fit each group.
+pub fn survey(args: &Args) -> Result<Survey<'_>, Failure> {
     let law = Some(&args.law[..]);
     args.options.family(law)?;
-    let ask = |_: &_, traces| fit::ask(&args.options, law, traces);
-    args.fleet.ask(None, Default::default(), &Asking::new(Asked::Fit, ask))
+    let ask = move |_: &_, traces| fit::ask(&args.options, law, traces);
+    Ok(Survey::new(&args.fleet, Asking::new(Asked::Fit, ask)))
 }

@@ -9,12 +9,14 @@ use serde_json::{Map, Value};
 
 use super::asking::Asking;
 use super::call;
-use crate::cli::output::{Output, command_line};
+use super::report::Found;
+use crate::cli::output::{Output, command_of};
 use crate::cli::{Failure, progress};
+use crate::fit::watch;
 use crate::model::Model;
 use crate::survey::results::{Plan, Results, ResultsError};
 use crate::survey::run::{Question, run};
-use crate::survey::{By, Names, Sources};
+use crate::survey::{By, Group, Names, Row, Sources, Worked};
 
 /// Which traces, grouped by what, and where the results go.
 #[derive(clap::Args)]
@@ -43,50 +45,54 @@ pub struct Fleet {
 
 /// A model file that is asked about.
 pub struct Given<'a> {
-    /// Where it is.
-    pub path: &'a Path,
-    /// What is in it.
-    pub model: &'a Model,
+    path: &'a Path,
+    contents: String,
 }
 
-impl Fleet {
-    /// Asks every group that has no row yet, and tells what all rows say. Rows depend on the model and on seeds where some are
-    /// given.
-    pub fn ask(
-        &self,
-        given: Option<&Given>,
-        seeds: Map<String, Value>,
-        question: &Asking,
-    ) -> Result<(), Failure> {
-        self.result.files(self.data.iter().map(PathBuf::as_path).chain(given.map(|it| it.path)))?;
-        let by = By { keys: self.by.clone(), names: self.names.clone(), id: self.trace_id.clone() };
-        let sources = Sources::find(&self.data, &by).map_err(Failure::input)?;
-        let mut options = call::options()?;
-        if let Some(given) = given {
-            let contents =
-                given.model.to_toml().map_err(|why| Failure::Work(miette::miette!("{why}")))?;
-            options.insert("the model".into(), contents.into());
-        }
-        let asked = question.asked();
-        let command = command_line();
-        let plan = Plan { asked, by: by.keys.clone(), options, command, seeds, sources };
-        let anew = self.result.over().allowed;
-        let mut results = Results::begin(&self.output, plan, anew).map_err(wrong)?;
-        self.fill(&mut results, &by, question)?;
-        drop(results);
-        super::report::tell(&self.output, &self.result)
+impl<'a> Given<'a> {
+    /// A model and where it is.
+    pub fn new(path: &'a Path, model: &Model) -> Result<Self, Failure> {
+        let contents = model.to_toml();
+        let contents = contents.map_err(|why| Failure::Work(miette::miette!("{why}")))?;
+        Ok(Self { path, contents })
+    }
+}
+
+/// A question to every group.
+pub struct Survey<'a> {
+    fleet: &'a Fleet,
+    given: Option<Given<'a>>,
+    seeds: Map<String, Value>,
+    question: Asking<'a>,
+}
+
+impl<'a> Survey<'a> {
+    /// A question that depends on no model and no seed.
+    pub fn new(fleet: &'a Fleet, question: Asking<'a>) -> Self {
+        Self { fleet, given: None, seeds: Map::new(), question }
     }
 
-    /// Asks every group that has no row yet.
-    fn fill(&self, results: &mut Results, by: &By, question: &Asking) -> Result<(), Failure> {
+    /// The same where rows depend on a model.
+    pub fn of(self, given: Option<Given<'a>>) -> Self {
+        Self { given, ..self }
+    }
+
+    /// The same where rows depend on seeds.
+    pub fn with(self, seeds: Map<String, Value>) -> Self {
+        Self { seeds, ..self }
+    }
+
+    /// Asks every group that has no row yet. `words` are those of the call, the name of the program apart.
+    pub fn ask(&self, words: &[String]) -> Result<(), Failure> {
+        let mut results = self.begin(words)?;
         let missing = results.missing();
         let wait = progress::bar(missing.len(), "groups");
-        let names = by.keys.iter().cloned().chain([by.id.clone()]).collect();
-        let processors = thread::available_parallelism().unwrap_or(NonZeroUsize::MIN);
-        let jobs = self.jobs.unwrap_or(processors);
+        watch::stage("groups", missing.len());
+        let watch = watch::current();
         let mut failed = None;
-        let done = run(missing.into_iter(), names, question, jobs, |row, worked| {
+        let done = self.rows(missing.into_iter(), self.fleet.jobs(), |row, worked| {
             wait.inc(1);
+            watch.iter().for_each(|watch| watch.done());
             results.add(row, worked).map_err(|error| {
                 failed = Some(error);
                 io::Error::other("the results cannot be kept")
@@ -97,6 +103,63 @@ impl Fleet {
             Some(error) => Err(wrong(error)),
             None => done.map_err(Failure::work),
         }
+    }
+
+    /// Finds the groups, and begins the folder of the results or goes on with it.
+    pub fn begin(&self, words: &[String]) -> Result<Results, Failure> {
+        let Fleet { data, output, result, .. } = self.fleet;
+        let read = data.iter().map(PathBuf::as_path);
+        result.files(read.chain(self.given.iter().map(|given| given.path)))?;
+        let by = self.fleet.by();
+        let plan = Plan {
+            asked: self.question.asked(),
+            by: by.keys.clone(),
+            options: self.options(words)?,
+            command: command_of(words),
+            seeds: self.seeds.clone(),
+            sources: Sources::find(data, &by).map_err(Failure::input)?,
+        };
+        Results::begin(output, plan, result.over().allowed).map_err(wrong)
+    }
+
+    /// Every option that rows depend on, with its value.
+    pub fn options(&self, words: &[String]) -> Result<Map<String, Value>, Failure> {
+        let mut options = call::options(words)?;
+        if let Some(given) = &self.given {
+            options.insert("the model".into(), given.contents.clone().into());
+        }
+        Ok(options)
+    }
+
+    /// The rows of these groups, `jobs` of them at a time, each as soon as it is there.
+    pub fn rows(
+        &self,
+        groups: impl Iterator<Item = Group> + Send,
+        jobs: NonZeroUsize,
+        done: impl FnMut(Row, Worked) -> io::Result<()> + Send,
+    ) -> io::Result<()> {
+        let By { keys, id, .. } = self.fleet.by();
+        run(groups, keys.into_iter().chain([id]).collect(), &self.question, jobs, done)
+    }
+
+    /// What all rows say.
+    pub fn found(&self) -> Result<Found, Failure> {
+        Found::read(&self.fleet.output)
+    }
+
+    /// Tells what all rows say as the call wants it.
+    pub fn tell(&self) -> Result<(), Failure> {
+        self.fleet.result.show(&self.found()?)
+    }
+}
+
+impl Fleet {
+    fn by(&self) -> By {
+        By { keys: self.by.clone(), names: self.names.clone(), id: self.trace_id.clone() }
+    }
+
+    fn jobs(&self) -> NonZeroUsize {
+        self.jobs.unwrap_or_else(|| thread::available_parallelism().unwrap_or(NonZeroUsize::MIN))
     }
 }
 

@@ -1,5 +1,6 @@
 //! `palpate survey`: one file for each question, the rest here.
 
+pub mod apart;
 mod asking;
 mod call;
 mod compare;
@@ -14,7 +15,8 @@ mod traces;
 
 use clap::Subcommand;
 
-use super::Failure;
+use super::{Failure, output};
+use fleet::Survey;
 
 /// Ask every group of a large data set, one row a group.
 #[derive(clap::Args)]
@@ -61,13 +63,29 @@ enum Question {
 /// Asks, or reports.
 pub fn run(args: &Args) -> Result<(), Failure> {
     match &args.question {
-        Question::Fit(args) => fit::run(args),
-        Question::Compare(args) => compare::run(args),
-        Question::Diagnose(args) => diagnose::run(args),
-        Question::Segment(args) => segment::run(args),
-        Question::Relaxation(args) => relaxation::run(args),
-        Question::Decompose(args) => decompose::run(args),
         Question::Report(args) => report::run(args),
         Question::Traces(args) => traces::run(args),
+        question => {
+            let survey = question.survey()?;
+            survey.ask(output::called())?;
+            survey.tell()
+        }
+    }
+}
+
+impl Question {
+    /// What is asked of every group.
+    fn survey(&self) -> Result<Survey<'_>, Failure> {
+        match self {
+            Self::Fit(args) => fit::survey(args),
+            Self::Compare(args) => compare::survey(args),
+            Self::Diagnose(args) => diagnose::survey(args),
+            Self::Segment(args) => segment::survey(args),
+            Self::Relaxation(args) => relaxation::survey(args),
+            Self::Decompose(args) => decompose::survey(args),
+            Self::Report(_) | Self::Traces(_) => {
+                Err(Failure::Input(miette::miette!("this command asks no group anything")))
+            }
+        }
     }
 }

@@ -1,7 +1,7 @@
 //! `palpate survey relaxation`.
 
 use super::asking::Asking;
-use super::fleet::Fleet;
+use super::fleet::{Fleet, Survey};
 use crate::cli::{Failure, relaxation};
 use crate::survey::row::Asked;
 
@@ -17,8 +17,8 @@ pub struct Args {
     options: relaxation::Options,
 }
 
-/// Fits the holds of each group.
-pub fn run(args: &Args) -> Result<(), Failure> {
+/// To fit the holds of each group.
+pub fn survey(args: &Args) -> Result<Survey<'_>, Failure> {
     let ask = |_: &_, traces| relaxation::ask(&args.options, traces);
-    args.fleet.ask(None, Default::default(), &Asking::new(Asked::Relaxation, ask))
+    Ok(Survey::new(&args.fleet, Asking::new(Asked::Relaxation, ask)))
 }

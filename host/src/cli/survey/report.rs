@@ -2,12 +2,16 @@
 
 use std::path::{Path, PathBuf};
 
+use serde_json::Value;
+
 use super::fleet::wrong;
 use crate::cli::Failure;
+use crate::cli::answer::Answer;
 use crate::cli::output::Output;
+use crate::report::Section;
 use crate::summary::{survey_json, survey_sections};
 use crate::survey::overview::Overview;
-use crate::survey::results::{about, read_rows};
+use crate::survey::results::{About, about, read_rows};
 
 /// What all rows of a survey say together.
 #[derive(clap::Args)]
@@ -29,18 +33,45 @@ pub struct Args {
 /// Tells what all rows say.
 pub fn run(args: &Args) -> Result<(), Failure> {
     args.result.files([&args.results])?;
-    tell(&args.results, &args.result)
+    args.result.show(&Found::read(&args.results)?)
 }
 
-/// Tells what the rows of a folder say.
-pub fn tell(folder: &Path, result: &Output) -> Result<(), Failure> {
-    let about = about(folder).map_err(wrong)?;
-    let mut overview = Overview::new(&about);
-    read_rows(folder, &about, |row, worked| overview.add(&row, worked)).map_err(wrong)?;
-    overview.finish();
-    let name = folder.display().to_string();
-    let sections = survey_sections(&about, &overview, &name);
-    let subtitle = format!("{} by {}", about.asked.word(), about.by.join(", "));
-    let json = || survey_json(&about, &overview, &name);
-    result.give("A survey", &subtitle, vec![name.clone()], &sections, json)
+/// What all rows of a folder say.
+pub struct Found {
+    about: About,
+    overview: Overview,
+    folder: String,
+}
+
+impl Found {
+    /// Reads the rows of the parts that are finished.
+    pub fn read(folder: &Path) -> Result<Self, Failure> {
+        let about = about(folder).map_err(wrong)?;
+        let mut overview = Overview::new(&about);
+        read_rows(folder, &about, |row, worked| overview.add(&row, worked)).map_err(wrong)?;
+        overview.finish();
+        Ok(Self { about, overview, folder: folder.display().to_string() })
+    }
+}
+
+impl Answer for Found {
+    fn title(&self) -> &'static str {
+        "A survey"
+    }
+
+    fn subtitle(&self) -> String {
+        format!("{} by {}", self.about.asked.word(), self.about.by.join(", "))
+    }
+
+    fn inputs(&self) -> Vec<String> {
+        vec![self.folder.clone()]
+    }
+
+    fn json(&self) -> Value {
+        survey_json(&self.about, &self.overview, &self.folder)
+    }
+
+    fn sections(&self) -> Result<Vec<Section>, Failure> {
+        Ok(survey_sections(&self.about, &self.overview, &self.folder))
+    }
 }

@@ -1,7 +1,7 @@
 //! `palpate survey segment`.
 
 use super::asking::Asking;
-use super::fleet::Fleet;
+use super::fleet::{Fleet, Survey};
 use crate::cli::{Failure, segment};
 use crate::survey::row::Asked;
 
@@ -15,8 +15,8 @@ pub struct Args {
     fleet: Fleet,
 }
 
-/// Cuts the grasps of each group.
-pub fn run(args: &Args) -> Result<(), Failure> {
+/// To cut the grasps of each group.
+pub fn survey(args: &Args) -> Result<Survey<'_>, Failure> {
     let ask = |_: &_, traces| segment::ask(traces);
-    args.fleet.ask(None, Default::default(), &Asking::new(Asked::Segment, ask))
+    Ok(Survey::new(&args.fleet, Asking::new(Asked::Segment, ask)))
 }
