@@ -9,6 +9,7 @@
 //! - [`answer`]: what was found, as JSON, tables and figures.
 //! - [`parts`]: the fast and slow adapting parts of signals as arrays.
 //! - [`practice`]: data sets with a hidden effect.
+//! - [`survey`]: a question put to every group of a large data set, here or by rows that others make.
 //! - [`work`]: long work beside a live interpreter: Ctrl-C and progress.
 //! - [`device`]: a fingertip, live.
 //! - [`command`]: the command line.
@@ -23,6 +24,7 @@ mod error;
 mod model;
 mod parts;
 mod practice;
+mod survey;
 mod work;
 
 use pyo3::prelude::*;
@@ -51,10 +53,14 @@ mod _palpate {
     use super::parts::Parts;
     #[pymodule_export]
     use super::practice::{Practice, hide, truth};
+    #[pymodule_export]
+    use super::survey::{Survey, survey_gave_up, survey_rest, survey_rows, survey_work};
     use super::*;
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        // What the Python half refuses is a wrong call.
+        module.getattr("Error")?.setattr("status", 2)?;
         module.add("__version__", env!("CARGO_PKG_VERSION"))
     }
 }

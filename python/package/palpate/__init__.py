@@ -48,6 +48,7 @@ from palpate._palpate import Error, __version__
 from palpate._parts import Decomposition, Part
 from palpate._practice import Practice, hide, truth
 from palpate._progress import progress
+from palpate._survey import Survey, survey
 
 __all__ = [
     "Answer",
@@ -72,6 +73,7 @@ __all__ = [
     "Relaxation",
     "Segmentation",
     "Step",
+    "Survey",
     "Trace",
     "__version__",
     "add",
@@ -93,5 +95,6 @@ __all__ = [
     "relaxation",
     "segment",
     "simulate",
+    "survey",
     "truth",
 ]

@@ -1,0 +1,44 @@
+"""A cluster of Dask on loopback, for tests and figures."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+
+def rows_in(results: Path) -> int:
+    """Number of rows that the first part of a survey has so far, while it is under way."""
+    journal = results / "unfinished" / "part-00000.jsonl"
+    return journal.read_text().count("\n") if journal.exists() else 0
+
+
+class Cluster:
+    """A scheduler of Dask and its workers, a process each, on loopback."""
+
+    def __init__(self, workers: int, folder: Path) -> None:
+        self.file = folder / "scheduler.json"
+        scheduler = self.start("scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard")
+        while not self.file.exists():
+            assert scheduler.poll() is None, "the scheduler ended"
+            time.sleep(0.05)
+        threads = ("--nthreads", "1", "--no-nanny", "--no-dashboard", "--local-directory", str(folder))
+        self.workers = [self.start("worker", *threads) for _ in range(workers)]
+        self.processes = [*self.workers, scheduler]
+
+    def start(self, what: str, *words: str) -> subprocess.Popen[bytes]:
+        call = [sys.executable, "-m", "dask", what, "--scheduler-file", str(self.file), *words]
+        return subprocess.Popen(call, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+    @property
+    def address(self) -> str:
+        address: str = json.loads(self.file.read_text())["address"]
+        return address
+
+    def end(self) -> None:
+        for process in self.processes:
+            process.terminate()
+        for process in self.processes:
+            process.wait(20)

@@ -1,0 +1,109 @@
+"""Wall time of a survey on three workers of Dask on loopback, beside the command and beside the ideal.
+
+    python tests/cluster_cost.py [GRASPS]
+
+Simulated grasps are fitted one by one: by the command on all processors, by the cluster, and by a cluster that loses one of its
+workers to SIGKILL in the middle. The ideal is the processor time of the rows, shared evenly among the workers, or among
+the processors where those are fewer. All three make the same bytes.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from pathlib import Path
+
+import palpate
+import pyarrow as pa
+import pyarrow.parquet as pq
+from cluster import Cluster, rows_in
+from conftest import COMMAND, TOP
+from distributed import Client
+
+FLEET = TOP / "tests" / "fleet"
+WORKERS = 3
+OF_ONE = 20
+
+
+def make(folder: Path, grasps: int) -> Path:
+    """Grasps in one Parquet file in long format; few are simulated, each stands in it many times with noise of its own."""
+    import numpy as np
+
+    random = np.random.default_rng(1)
+    model, motion = FLEET / "healthy.toml", FLEET / "grasp.toml"
+    made = [palpate.simulate(model, motion, noise=0.01, seed=seed) for seed in range(OF_ONE)]
+    path = folder / "grasps.parquet"
+    writer = None
+    for number in range(grasps):
+        columns = {name: values.copy() for name, values in made[number % OF_ONE].to_dict().items()}
+        columns["force_N"] += random.normal(0.0, 0.005, len(columns["force_N"]))
+        rows = pa.table({"trace_id": [f"g{number:06}"] * len(columns["time_s"]), **columns})
+        writer = writer or pq.ParquetWriter(path, rows.schema, compression="zstd")
+        writer.write_table(rows)
+    assert writer is not None
+    writer.close()
+    return path
+
+
+def on_cluster(folder: Path, data: Path, kill: bool) -> tuple[Path, float]:
+    """The results, and the wall time of the call."""
+    out = folder / ("killed" if kill else "cluster")
+    with tempfile.TemporaryDirectory() as scratch:
+        cluster = Cluster(WORKERS, Path(scratch))
+        try:
+            with Client(cluster.address, set_as_default=False) as client:
+                client.wait_for_workers(WORKERS, timeout=60)
+                if kill:
+                    threading.Thread(target=end, args=(cluster.workers[0], out), daemon=True).start()
+                began = time.perf_counter()
+                palpate.survey("fit", data, by="trace_id", out=out, engine=client)
+                took = time.perf_counter() - began
+                assert len(client.nthreads()) == WORKERS - kill
+        finally:
+            cluster.end()
+    return out, took
+
+
+def end(worker: subprocess.Popen[bytes], out: Path) -> None:
+    while rows_in(out) < 300:
+        time.sleep(0.01)
+    worker.send_signal(signal.SIGKILL)
+
+
+def groups(results: Path) -> list[bytes]:
+    return [path.read_bytes() for path in sorted((results / "groups").iterdir())]
+
+
+def main() -> None:
+    grasps = int(sys.argv[1]) if len(sys.argv) > 1 else 3000
+    processors = os.cpu_count() or 1
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        data = make(folder, grasps)
+        command = folder / "command"
+        call = [COMMAND, "survey", "fit", "fung", str(data), "--by", "trace_id", "-o", str(command), "--json"]
+        began = time.perf_counter()
+        subprocess.run(call, check=True, stdout=subprocess.DEVNULL)
+        alone = time.perf_counter() - began
+        print(f"{grasps} grasps of {len(pq.read_table(data)) // grasps} samples, {processors} processors")
+        print("| by | wall time | processor time of the rows | ideal | over the ideal |")
+        print("|-|-|-|-|-|")
+
+        def row(by: str, results: Path, took: float, workers: int) -> None:
+            seconds = pq.read_table(results / "work").column("cpu_seconds").to_numpy().sum()
+            ideal = seconds / min(workers, processors)
+            print(f"| {by} | {took:.2f} s | {seconds:.2f} s | {ideal:.2f} s | {took / ideal - 1:+.1%} |", flush=True)
+
+        row("the command", command, alone, processors)
+        for kill, by in ((False, f"{WORKERS} workers"), (True, f"{WORKERS} workers, one killed")):
+            results, took = on_cluster(folder, data, kill)
+            assert groups(results) == groups(command)
+            row(by, results, took, WORKERS - kill)
+
+
+main()
