@@ -12,15 +12,15 @@ use super::published::Published;
 use super::{Failure, progress};
 use crate::criticism::diagnose::{Diagnosis, diagnose};
 use crate::criticism::next_motion::{Proposed, RigFile, propose};
-use crate::files::plan::{COMPUTED, DRAWING, Plan};
+use crate::files::plan::{COMPUTED, FIGURE, Plan};
 use crate::fit::data::Data;
 use crate::model::Model;
-use crate::report::Section;
+use crate::report::{Section, pdf};
 use crate::summary::{
     DiagnosisSummary, NextCommand, Preparation, motion_file, next_motion_json, next_motion_section,
     no_motion,
 };
-use crate::trace::{Trace, read_set, write};
+use crate::trace::{Trace, has_extension, read_set, write};
 
 /// What is done, for those who wait.
 const DOING: &str = "looking for what is missing";
@@ -64,22 +64,27 @@ pub struct Args {
 /// One figure of all for a paper.
 #[derive(Clone, Debug, Default, clap::Args)]
 pub(super) struct Figure {
-    /// Also write one figure for a paper: the worst trace before, the verdict, the same trace after
-    #[arg(long, value_name = "FILE.svg")]
+    /// Also write one figure for a paper: the worst trace before, the verdict, the same trace after. A PDF is printed by
+    /// Chromium, Chrome or Edge
+    #[arg(long, value_name = "FILE.svg|FILE.pdf")]
     figure: Option<PathBuf>,
 }
 
 impl Figure {
     /// Plans its file.
     pub fn plan(&self, files: &mut Plan) -> Result<(), Failure> {
-        self.figure.as_ref().map_or(Ok(()), |path| Ok(files.writes(path, &DRAWING)?))
+        self.figure.as_ref().map_or(Ok(()), |path| Ok(files.writes(path, &FIGURE)?))
     }
 
     /// Writes it where one is asked for, and says where it is.
     pub fn write(&self, found: &Diagnosed) -> Result<(), Failure> {
         let Some(path) = &self.figure else { return Ok(()) };
-        let svg = found.with(|summary, _| summary.paper_figure())?;
-        write_file(path, svg.as_bytes())?;
+        let sheet = found.with(|summary, _| summary.paper_figure())?;
+        if has_extension(path, "pdf") {
+            write_file(path, &pdf(&sheet).map_err(Failure::work)?)?;
+        } else {
+            write_file(path, sheet.svg.as_bytes())?;
+        }
         eprintln!("figure: {}", path.display());
         Ok(())
     }
@@ -100,8 +105,8 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     if let Some(path) = &args.next {
         found.propose(path, &limits.unwrap_or_default())?;
     }
-    args.figure.write(&found)?;
-    args.result.show(&found)
+    args.result.show(&found)?;
+    args.figure.write(&found)
 }
 
 /// A model with the laws that are tried too, traces, and how the next commands call both.

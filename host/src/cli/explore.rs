@@ -61,8 +61,8 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let (model, traces, next) = inputs(&args.model, &args.traces, &args.published, &args.prepare)?;
     let found = explored_by(&args.prepare, model, traces, next, args.output.clone())?;
     write_model(&found, args.output.as_deref())?;
-    args.figure.write(&found.found)?;
-    args.result.show(&found)
+    args.result.show(&found)?;
+    args.figure.write(&found.found)
 }
 
 /// Adds what is missing of a model beside traces in memory; the next commands name both as `next` says.

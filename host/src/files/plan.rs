@@ -34,6 +34,9 @@ pub const REPORT: Kind =
 /// A drawing.
 pub const DRAWING: Kind =
     Kind { endings: &["svg"], marks: &["<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"pl\""] };
+/// A figure for a paper, as a drawing or printed.
+pub const FIGURE: Kind =
+    Kind { endings: &["svg", "pdf"], marks: &[DRAWING.marks[0], "/Title (palpate: "] };
 /// A trace that palpate computed; only as text it can be told from a measurement.
 pub const COMPUTED: Kind = Kind { endings: TRACE.endings, marks: &[COMPUTED_HEAD] };
 /// The same, or a recording as a device would have made it.

@@ -4,9 +4,20 @@ use super::draw::{Heading, Place, begin};
 use super::figure::Figure;
 use super::svg::Svg;
 
-/// Several figures below each other as one SVG file that needs nothing else and suits light and dark.
+/// Figures below each other, for one page.
+#[derive(Clone, Debug)]
+pub struct Sheet {
+    /// What it is.
+    pub title: String,
+    /// An SVG file that needs nothing else and suits light and dark.
+    pub svg: String,
+    /// How high it is, in units of which the sheet is 640 wide.
+    pub height: f64,
+}
+
+/// Several figures below each other as one sheet.
 #[must_use]
-pub fn stacked(title: &str, summary: &str, figures: &[Figure]) -> String {
+pub fn stacked(title: &str, summary: &str, figures: &[Figure]) -> Sheet {
     let drawings: Vec<_> = figures
         .iter()
         .enumerate()
@@ -23,5 +34,5 @@ pub fn stacked(title: &str, summary: &str, figures: &[Figure]) -> String {
         svg.close();
         top += drawing.height;
     }
-    svg.finish()
+    Sheet { title: title.into(), svg: svg.finish(), height }
 }

@@ -315,7 +315,7 @@ pub fn effect_pages() -> Result<Vec<(String, String)>, DataError> {
         let page =
             format!("{text}\n![{name}: what it leaves of a press and four cycles]({name}.svg)\n");
         let picture = stacked(name, summary, &effect_figures(&signature));
-        Ok([(format!("{name}.md"), page), (format!("{name}.svg"), picture)])
+        Ok([(format!("{name}.md"), page), (format!("{name}.svg"), picture.svg)])
     };
     let mut found: Vec<(String, String)> =
         LIBRARY.par_iter().map(pages).collect::<Result<Vec<_>, _>>()?.concat();

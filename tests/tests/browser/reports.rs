@@ -101,3 +101,32 @@ fn the_figure_for_a_paper_is_one_page_with_before_verdict_and_after_and_nothing_
     assert_eq!(beyond, Value::Array(Vec::new()));
     assert_eq!(browser.printed_pages(), 1);
 }
+
+#[test]
+#[ignore = "needs a browser: cargo xtask browser"]
+fn the_figure_for_a_paper_is_a_pdf_of_one_page_with_its_fonts() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    answer(folder, &["hide", "mullins", "--seed", "7", "-o", "set", "--json"]);
+    answer(folder, &["fit", "fung", "set", "-o", "model.toml", "--json"]);
+    let call = ["diagnose", "--model", "model.toml", "set", "--figure", "one.pdf", "--json"];
+    answer(folder, &call);
+    let pdf = std::fs::read(folder.join("one.pdf")).unwrap();
+    let count = |wanted: &[u8]| pdf.windows(wanted.len()).filter(|bytes| *bytes == wanted).count();
+    assert!(pdf.starts_with(b"%PDF-"));
+    assert_eq!(count(b"/Type /Page\n"), 1);
+    assert!(count(b"/FontFile2") + count(b"/FontFile3") > 0, "its fonts are in it");
+    // What palpate printed may be printed again.
+    answer(folder, &call);
+
+    let lost = palpate_tests::palpate()
+        .current_dir(folder)
+        .args(["diagnose", "--model", "model.toml", "set", "--figure", "two.pdf"])
+        .env("PALPATE_BROWSER", "no-such-browser")
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&lost.stderr);
+    assert!(!lost.status.success() && said.contains("no-such-browser cannot be run"), "{said}");
+    assert!(String::from_utf8_lossy(&lost.stdout).contains("mullins"), "the answer is not lost");
+    assert!(!folder.join("two.pdf").exists());
+}

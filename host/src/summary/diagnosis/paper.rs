@@ -2,7 +2,7 @@
 
 use super::{DiagnosisSummary, Verdict};
 use crate::criticism::compare::Comparison;
-use crate::report::{Axis, Bars, Colour, Figure, Panels, Plot, Series, stacked};
+use crate::report::{Axis, Bars, Colour, Figure, Panels, Plot, Series, Sheet, stacked};
 
 /// Heights, user units: all of it fits on a page of A4.
 const SIGNAL: f64 = 130.0;
@@ -10,9 +10,9 @@ const RESIDUAL: f64 = 115.0;
 
 impl DiagnosisSummary<'_> {
     /// The trace with most of the misfit under the model as it was, the verdict with the ladder, and the same trace with what was
-    /// found: one SVG file that needs nothing else. Before and after are on one scale.
+    /// found: one sheet. Before and after are on one scale.
     #[must_use]
-    pub fn paper_figure(&self) -> String {
+    pub fn paper_figure(&self) -> Sheet {
         let verdict = self.headline();
         let trace = self.worst().first().copied().unwrap_or(0);
         let label = &self.data.labels[trace];
