@@ -646,3 +646,85 @@ fn a_recording_of_a_device_is_a_data_set_as_it_is() {
     let overlay = lab.get("overlay?trace=0&width=100");
     assert!(overlay["measured"].as_array().unwrap().len() > 100);
 }
+
+#[test]
+fn the_motion_that_decides_is_that_of_the_command() {
+    let above = tempfile::tempdir().unwrap();
+    let hide = ["hide", "elastic-stiffening", "--seed", "2", "--size", "0.3", "-o", "set"];
+    let made = program().args(hide).current_dir(above.path()).output().unwrap();
+    assert!(made.status.success());
+    for file in above.path().join("set").read_dir().unwrap() {
+        let path = file.unwrap().path();
+        let text = std::fs::read_to_string(&path).unwrap();
+        let first = (1..=3).any(|k| text.contains(&format!("\n# sequence = {k}\n")));
+        if path.extension().is_some_and(|of| of == "csv") && !first {
+            std::fs::remove_file(path).unwrap();
+        }
+    }
+    let lab = Lab::open(above, &["set"]);
+    lab.work(&fung());
+    let state = lab.work(&json!({"motion": null}));
+    let motion = &state["answers"]["motion"];
+    assert!(motion["separates"].as_f64().unwrap() > 10.0, "{motion}");
+    lab.done("save", &json!({}));
+    let command = lab.done("command", &json!({"motion": null}));
+    assert_eq!(
+        command["command"],
+        "palpate diagnose --model set/model-1.toml set --next next-motion.csv"
+    );
+    let asked = lab.run(command["command"].as_str().unwrap());
+    holds_all_of(motion, &asked["next_motion"]);
+    let written = std::fs::read_to_string(lab.above().join("next-motion.csv")).unwrap();
+    assert_eq!(motion["csv"], written, "what the page saves is what the command writes");
+}
+
+#[test]
+fn a_survey_is_opened_and_so_is_one_group_of_it() {
+    let above = tempfile::tempdir().unwrap();
+    for finger in ["thumb", "index"] {
+        let folder = above.path().join("data/lab").join(finger);
+        std::fs::create_dir_all(&folder).unwrap();
+        std::fs::copy(bundled("press.csv"), folder.join("press.csv")).unwrap();
+    }
+    std::fs::write(above.path().join("data/lab/index/other.csv"), "no trace").unwrap();
+    let outside = above.path().join("outside");
+    std::fs::create_dir_all(&outside).unwrap();
+    std::fs::copy(bundled("press.csv"), outside.join("press.csv")).unwrap();
+    let survey = |data: &str, out: &str| {
+        let words = ["survey", "segment", data, "--by", "folder", "-o", out];
+        let made = program().args(words).current_dir(above.path()).output().unwrap();
+        assert!(made.status.success(), "{}", String::from_utf8_lossy(&made.stderr));
+    };
+    survey("data/lab", "data/results");
+    survey("outside", "data/away");
+    let lab = Lab::open(above, &["data"]);
+    assert_eq!(lab.get("state")["surveys"], json!(["away", "results"]));
+    assert_eq!(lab.get("state")["sets"], json!([]), "the tables of a survey are no traces");
+    let state = lab.work(&json!({"survey": "results"}));
+    let listed = state["survey"]["listed"].as_array().unwrap();
+    assert_eq!(listed.len(), 2);
+    assert_eq!(listed[0]["status"], "refused", "what failed comes first: {listed:?}");
+    let good = &listed[1];
+    assert!(good["key"].as_str().unwrap().ends_with("thumb"), "{good}");
+    let task = json!({"group": {"survey": "results", "group": good["group"]}});
+    let command = lab.done("command", &task)["command"].as_str().unwrap().to_owned();
+    assert_eq!(
+        command,
+        format!(
+            "palpate survey traces data/results {} -o data/results-group-{}",
+            good["group"], good["group"]
+        )
+    );
+    for _ in 0..2 {
+        let state = lab.work(&task);
+        assert_eq!(state["set"], format!("results-group-{}", good["group"]).as_str());
+        assert_eq!(state["traces"][0]["name"], "press.csv");
+    }
+    // The traces of the other survey lie where the page may not read.
+    lab.done("start", &json!({"group": {"survey": "away", "group": 0}}));
+    let why = lab.wait();
+    assert!(why.as_str().unwrap().contains("outside the folder that was opened"), "{why}");
+    assert!(!lab.above().join("data/away-group-0").exists());
+    lab.done("start", &json!({"group": {"survey": "results", "group": 99}}));
+    assert!(lab.wait().as_str().unwrap().contains("no group 99"));
+}

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
 use super::group::{Group, Place};
+use super::results::About;
 use crate::trace::many::Rows;
 use crate::trace::{self, Trace, read_set};
 
@@ -16,6 +17,21 @@ pub(super) struct Feed {
     /// Columns that are no part of a trace: those of names.
     names: Vec<String>,
     open: Mutex<Vec<(PathBuf, Rows)>>,
+}
+
+/// The traces of one group of a folder of results, each with a name for a file of its own.
+///
+/// # Errors
+/// When they cannot be read.
+pub fn apart(about: &About, group: &Group) -> Result<Vec<(String, Trace)>, trace::Error> {
+    let id = about.options.get("--trace-id").and_then(|id| id.as_str()).map(str::to_owned);
+    let traces = traces(group, about.by.iter().cloned().chain(id).collect())?;
+    // One of many in a file has no name of its own yet.
+    let name = |trace: &Trace| match trace.path {
+        Some(_) => trace.label(),
+        None => trace.label().replace(['/', '\\'], "-") + ".csv",
+    };
+    Ok(traces.into_iter().map(|trace| (name(&trace), trace)).collect())
 }
 
 /// The traces of one group, without columns `names` where many lie in one file.

@@ -15,7 +15,7 @@ use super::row::{Asked, Row, Worked};
 use super::source::{Input, Sources};
 use crate::files::write_whole;
 
-pub use super::manifest::Manifest as About;
+pub use super::manifest::{Manifest as About, NAME as MANIFEST};
 
 /// Number of groups in a part.
 pub const GROUPS_IN_A_PART: u64 = 1000;

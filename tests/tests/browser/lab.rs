@@ -4,9 +4,10 @@ use std::time::{Duration, Instant};
 
 use palpate_tests::browser::Browser;
 use palpate_tests::server::Server;
-use palpate_tests::{answer, bundled};
+use palpate_tests::{answer, bundled, palpate, workspace};
 
-use crate::opened;
+use crate::axe::axe;
+use crate::{HEIGHT, WIDTH, opened};
 
 /// A server with a practice set in its folder.
 fn practice(effect: &str, seed: &str) -> Server {
@@ -255,4 +256,77 @@ fn files_are_dropped_on_the_room_and_a_foreign_one_is_imported_with_its_mapping(
     browser.says(".lab-trace", "lab.trace.csv");
     assert_eq!(browser.count(".lab-foreign"), 0);
     assert!(server.folder.path().join("set/dropped-2/foreign/lab.map.toml").is_file());
+}
+
+/// Six recordings of a drive with teeth, an effect that the library lacks.
+fn geared() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::create_dir(folder.path().join("geared")).unwrap();
+    let press = std::fs::read_to_string(workspace().join("tests/discover/press.toml")).unwrap();
+    let law = workspace().join("tests/discover/geared.toml").display().to_string();
+    for depth in ["4", "8", "12"] {
+        for speed in ["5", "20"] {
+            let motion = press.replace("DEPTH", depth).replace("SPEED", speed);
+            std::fs::write(folder.path().join("motion.toml"), motion).unwrap();
+            let out = format!("geared/{depth}-mm-at-{speed}.csv");
+            let seed = format!("{depth}{speed}");
+            let made = palpate()
+                .args(["simulate", &law, "--motion", "motion.toml", "--noise", "0.02"])
+                .args(["--seed", &seed, "-o", &out])
+                .current_dir(folder.path())
+                .output()
+                .unwrap();
+            assert!(made.status.success(), "{}", String::from_utf8_lossy(&made.stderr));
+        }
+    }
+    folder
+}
+
+#[test]
+#[ignore = "needs a browser: cargo xtask browser"]
+fn a_formula_for_what_the_library_lacks_is_found_added_and_the_error_falls() {
+    let server = Server::begin_in(geared(), &["geared"]);
+    let browser = opened(&server);
+    for button in ["Fit fung", "Diagnose", "Look for a formula"] {
+        go_on(&browser, button);
+    }
+    browser.says(".lab-discovery", "found-1");
+    assert!(browser.text(".lab-discovery").contains("Can come from"));
+    let _ = browser.script("document.querySelectorAll('.lab-missing details').forEach((d) => (d.open = true)); return 0");
+    browser.until("a surface is drawn", "document.querySelectorAll('.lab-surface').length > 10");
+    assert_eq!(axe(&browser), Vec::<String>::new());
+    let _ = browser.whole_picture("lab-discovery", 1440);
+    browser.resize(WIDTH, HEIGHT);
+    go_on(&browser, "Add found-1");
+    browser.says(".lab-rungs", "found-1 added");
+    browser.says(".lab-floor-reached", "nothing but noise");
+    assert_eq!(browser.complaints(), Vec::<String>::new());
+}
+
+#[test]
+#[ignore = "needs a browser: cargo xtask browser"]
+fn a_group_of_a_survey_is_one_click_away() {
+    let folder = tempfile::tempdir().unwrap();
+    for finger in ["thumb", "index", "little"] {
+        let own = folder.path().join("lab").join(finger);
+        std::fs::create_dir_all(&own).unwrap();
+        std::fs::copy(bundled("press.csv"), own.join("press.csv")).unwrap();
+    }
+    answer(
+        folder.path(),
+        &["survey", "fit", "fung", "lab", "--by", "folder", "-o", "results", "--json"],
+    );
+    let server = Server::begin_in(folder, &["."]);
+    let browser = opened(&server);
+    browser.click(".lab-survey-open");
+    browser.says(".lab-survey", "3 groups by folder");
+    browser.write(".lab-survey input[type=search]", "little\n");
+    browser.says(".lab-survey caption", "1 of 3");
+    assert_eq!(axe(&browser), Vec::<String>::new());
+    let _ = browser.whole_picture("lab-survey", 1440);
+    browser.resize(WIDTH, HEIGHT);
+    browser.click(".lab-group");
+    browser.says(".lab-bench", "results-group-");
+    browser.says(".lab-guide", "1 trace of force_N");
+    assert_eq!(browser.complaints(), Vec::<String>::new());
 }

@@ -8,8 +8,8 @@ use crate::cli::Failure;
 use crate::cli::output::{Force, cannot_write};
 use crate::files::plan::{Plan, TRACE};
 use crate::survey::results::{about, group};
-use crate::survey::{Group, traces};
-use crate::trace::{Trace, write};
+use crate::survey::{Group, apart};
+use crate::trace::write;
 
 /// The traces of one group, as a folder for the other commands and the Lab.
 #[derive(clap::Args)]
@@ -35,13 +35,11 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<(), Failure> {
     let about = about(&args.results).map_err(wrong)?;
     let group = group(&args.results, args.group).map_err(wrong)?;
-    let id = about.options.get("--trace-id").and_then(|id| id.as_str()).map(str::to_owned);
-    let traces = traces(&group, about.by.iter().cloned().chain(id).collect());
-    let traces = traces.map_err(Failure::input)?;
+    let traces = apart(&about, &group).map_err(Failure::input)?;
     let mut files = Plan::reading([&args.results], args.over.into());
     let mut named = Vec::new();
-    for trace in &traces {
-        let path = args.output.join(file_name(trace));
+    for (name, trace) in &traces {
+        let path = args.output.join(name);
         files.writes(&path, &TRACE)?;
         named.push((path, trace));
     }
@@ -55,12 +53,4 @@ pub fn run(args: &Args) -> Result<(), Failure> {
 
 fn tell(group: &Group, by: &[String], folder: &std::path::Path, traces: usize) {
     eprintln!("{}: {traces} trace(s) in {}", group.in_words(by), folder.display());
-}
-
-/// The name of the trace's own file; one of many in a file has none yet.
-fn file_name(trace: &Trace) -> String {
-    match trace.path {
-        Some(_) => trace.label(),
-        None => trace.label().replace(['/', '\\'], "-") + ".csv",
-    }
 }

@@ -9,6 +9,7 @@ use crate::decomposition::DecompositionError;
 use crate::fit::data::DataError;
 use crate::model::{FileError, OptionError};
 use crate::practice::{FolderError, HideError, SealError};
+use crate::survey::ResultsError;
 use crate::trace;
 
 /// Why the Lab cannot do something.
@@ -17,6 +18,8 @@ use crate::trace;
 pub enum LabError {
     #[error("`{0}` is not in the folder that was opened")]
     Outside(String),
+    #[error("{} of this survey lies outside the folder that was opened: open {}", path.display(), above.display())]
+    Elsewhere { path: PathBuf, above: PathBuf },
     #[error("no trace of it can be read; {file}: {why}")]
     Unread { file: String, why: String },
     #[error("the same file as `{0}`")]
@@ -69,6 +72,8 @@ pub enum LabError {
     Hide(#[from] HideError),
     #[error(transparent)]
     Written(#[from] FolderError),
+    #[error(transparent)]
+    Survey(#[from] ResultsError),
     #[error(transparent)]
     Seal(#[from] SealError),
 }

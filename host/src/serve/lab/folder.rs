@@ -5,6 +5,7 @@ use std::path::{Component, Path, PathBuf};
 use super::error::LabError;
 use crate::files::{followed, quoted};
 use crate::recording::EXTENSION;
+use crate::survey::results::MANIFEST;
 use crate::trace::has_extension;
 
 /// A folder with the name under which it was opened.
@@ -110,7 +111,11 @@ impl Folder {
     /// # Errors
     /// When the folder is gone.
     pub fn sets(&self) -> Result<Vec<String>, LabError> {
-        let holds = |name: &String| self.traces(name).is_ok_and(|traces| !traces.is_empty());
+        // The tables of a survey are no traces.
+        let surveys = self.surveys()?;
+        let holds = |name: &String| {
+            !surveys.contains(name) && self.traces(name).is_ok_and(|traces| !traces.is_empty())
+        };
         let mut sets: Vec<String> = self
             .entries("")?
             .into_iter()
@@ -120,6 +125,19 @@ impl Folder {
         sets.retain(holds);
         sets.extend(self.files("", &[EXTENSION])?);
         Ok(sets)
+    }
+
+    /// The results of surveys: this folder, as an empty name, and the folders in it, where they hold any.
+    ///
+    /// # Errors
+    /// When the folder is gone.
+    pub fn surveys(&self) -> Result<Vec<String>, LabError> {
+        let mut folders = self.entries("")?;
+        folders.insert(0, String::new());
+        let holds =
+            |name: &String| self.existing(name).is_ok_and(|path| path.join(MANIFEST).is_file());
+        folders.retain(holds);
+        Ok(folders)
     }
 
     fn files(&self, folder: &str, extensions: &[&str]) -> Result<Vec<String>, LabError> {

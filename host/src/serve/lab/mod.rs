@@ -16,6 +16,7 @@
 //! - `drawing`, `envelope`, `spans`: traces as few points as a plot is wide.
 //! - `forecast`: what candidates would make of the prediction.
 //! - `own_law`: a law of one's own, and what is wrong with it.
+//! - `surveyed`: a survey, and the traces of one of its groups.
 //! - `routes`: all of it over HTTP.
 
 mod choices;
@@ -33,6 +34,7 @@ mod routes;
 mod session;
 mod set;
 mod spans;
+mod surveyed;
 mod task;
 #[cfg(test)]
 mod tests;

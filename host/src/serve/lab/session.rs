@@ -17,6 +17,7 @@ use super::job::Job;
 use super::own_law::OwnLaw;
 use super::set::Set;
 use super::spans::Spans;
+use super::surveyed::group_folder;
 use super::task::{Names, Other, Task};
 use super::work::{Bench, Beside, Compared, Outcome};
 use crate::criticism::diagnose::Diagnosis;
@@ -84,6 +85,8 @@ pub struct Session {
     /// Why the last task gave no outcome.
     failed: Option<String>,
     dropped: Dropped,
+    /// What the rows of a survey say, and its folder.
+    survey: Option<Value>,
 }
 
 impl Session {
@@ -255,7 +258,7 @@ impl Session {
             hide.seed.get_or_insert_with(seed_from_clock);
         }
         let practice = self.practice_name(&task)?;
-        if self.taken.is_empty() && !matches!(task, Task::Hide(_) | Task::Open(_)) {
+        if self.taken.is_empty() && !task.needs_no_traces() {
             return Err(LabError::NoTraces);
         }
         if let Task::Fit(fit) = &task {
@@ -285,9 +288,10 @@ impl Session {
     /// # Errors
     /// When it takes a model or a folder and there is none.
     pub fn command(&self, task: &Task) -> Result<String, LabError> {
-        let set = match task {
-            Task::Open(set) => set.clone(),
-            _ => self.practice_name(task)?.0,
+        let (set, survey) = match task {
+            Task::Open(set) | Task::Survey(set) => (set.clone(), String::new()),
+            Task::Group { survey, group } => (group_folder(survey, *group), survey.clone()),
+            _ => (self.practice_name(task)?.0, String::new()),
         };
         let names = Names {
             model: self.versions.last().map(|version| version.file.clone()),
@@ -296,6 +300,7 @@ impl Session {
             signal: self.signal.clone(),
             other: self.other(task)?.map(|(_, file)| file),
             set: self.folder()?.shown(&set),
+            survey: self.folder()?.shown(&survey),
         };
         task.command(&names)
     }
@@ -401,17 +406,25 @@ impl Session {
             self.known.beside = outcome.beside;
             return Ok(());
         }
+        if outcome.survey.is_some() {
+            self.survey = outcome.survey;
+            return Ok(());
+        }
         if let Some(model) = outcome.model {
             let (file, name) = (self.folder()?.shown(&written), Some(written));
             let said = match task {
                 Task::Fit(fit) => fit.law.clone(),
                 Task::Add { effect, .. } => format!("+ {effect}"),
                 Task::Drop { effect } => format!("− {effect}"),
+                Task::Discover => "formulas".into(),
                 _ => "explored".into(),
             };
             let (model, command) = (Arc::new(model), Some(command));
             self.remember(Version { model, file, name, saved: false, command, said });
-            self.known = Known::default();
+            // Formulas wait beside the model: it predicts what it did.
+            if *task != Task::Discover {
+                self.known = Known::default();
+            }
         }
         if outcome.compared.is_some() {
             self.known.compared = outcome.compared;
@@ -425,7 +438,14 @@ impl Session {
             Task::Fit(_) => "fit",
             Task::Diagnose | Task::Explore => "diagnosis",
             Task::Add { .. } | Task::Drop { .. } => "change",
-            Task::Compare | Task::Beside(_) | Task::Hide(_) | Task::Open(_) => {
+            Task::Discover => "discovery",
+            Task::Motion => "motion",
+            Task::Compare
+            | Task::Beside(_)
+            | Task::Hide(_)
+            | Task::Open(_)
+            | Task::Survey(_)
+            | Task::Group { .. } => {
                 self.keep(outcome.report);
                 return Ok(());
             }

@@ -21,6 +21,10 @@ pub enum Task {
     Diagnose,
     /// Add what is missing until nothing is.
     Explore,
+    /// Find a formula for what the library does not explain.
+    Discover,
+    /// Find the motion that tells apart what these traces do not.
+    Motion,
     /// Add an effect.
     Add {
         /// Its name.
@@ -38,6 +42,15 @@ pub enum Task {
     Beside(Other),
     /// Make a practice set with a hidden effect, and open it.
     Hide(HideTask),
+    /// Read what all rows of a survey say: its folder below that opened, empty for that itself.
+    Survey(String),
+    /// Open the traces of one group of a survey.
+    Group {
+        /// The folder of the survey.
+        survey: String,
+        /// Number of the group.
+        group: u64,
+    },
     /// Read the traces of a folder below that opened: its name, empty for that itself.
     Open(String),
 }
@@ -105,10 +118,14 @@ pub struct Names {
     pub signal: String,
     /// The model beside.
     pub other: Option<String>,
-    /// The folder of a practice set, or of one to read.
+    /// The folder of a practice set, of one to read, or of a survey.
     pub set: String,
+    /// The folder of the survey that a group is of.
+    pub survey: String,
 }
 
+/// The file of a motion to record next.
+pub const MOTION: &str = "next-motion.csv";
 /// Most effects that are drawn, as on the command line.
 const MOST_HIDDEN: u8 = 5;
 
@@ -196,6 +213,12 @@ impl Task {
             Self::Compare => format!("palpate compare {} {traces}", model()?),
             Self::Diagnose => format!("palpate diagnose --model {} {traces}", model()?),
             Self::Explore => format!("palpate explore --model {} {traces} -o {written}", model()?),
+            Self::Discover => {
+                format!("palpate discover --model {} {traces} -o {written}", model()?)
+            }
+            Self::Motion => {
+                format!("palpate diagnose --model {} {traces} --next {MOTION}", model()?)
+            }
             Self::Add { effect, law } => {
                 let law =
                     law.as_ref().map_or(String::new(), |law| format!(" --law {}", quoted(law)));
@@ -209,8 +232,18 @@ impl Task {
                 format!("palpate compare {} {traces}; palpate compare {other} {traces}", model()?)
             }
             Self::Hide(hide) => format!("palpate hide{} -o {set}", hide.options()),
+            Self::Survey(_) => format!("palpate survey report {set}"),
+            Self::Group { group, .. } => {
+                format!("palpate survey traces {} {group} -o {set}", names.survey)
+            }
             Self::Open(_) => format!("palpate serve {set}"),
         })
+    }
+
+    /// Whether it can be done where there is no trace yet.
+    #[must_use]
+    pub const fn needs_no_traces(&self) -> bool {
+        matches!(self, Self::Hide(_) | Self::Open(_) | Self::Survey(_) | Self::Group { .. })
     }
 
     /// What is going on while it is at work.
@@ -221,11 +254,14 @@ impl Task {
             Self::Compare => "comparing".into(),
             Self::Diagnose => "looking for what is missing".into(),
             Self::Explore => "climbing the ladder".into(),
+            Self::Discover => "looking for a formula".into(),
+            Self::Motion => "looking for a motion that decides".into(),
             Self::Add { effect, .. } => format!("refitting with {effect}"),
             Self::Drop { effect } => format!("refitting without {effect}"),
             Self::Beside(_) => "comparing with another model".into(),
             Self::Hide(_) => "making a practice set".into(),
-            Self::Open(_) => "reading traces".into(),
+            Self::Survey(_) => "reading a survey".into(),
+            Self::Group { .. } | Self::Open(_) => "reading traces".into(),
         }
     }
 }

@@ -1,8 +1,9 @@
 //! Doing what is asked for, with the functions that the command line calls.
 
+use std::path::Path;
 use std::sync::Arc;
 
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use super::closer::closer_json;
 use super::drawing::Drawing;
@@ -10,22 +11,26 @@ use super::error::LabError;
 use super::folder::Folder;
 use super::forecast::candidates;
 use super::set::Set;
-use super::task::{FitTask, HideTask, Task};
+use super::surveyed::{surveyed, take_group};
+use super::task::{FitTask, HideTask, MOTION, Task};
 use crate::criticism::change::{self, Change};
 use crate::criticism::compare::{Comparison, compare};
 use crate::criticism::diagnose::{Diagnosis, diagnose};
 use crate::criticism::explore::explored;
+use crate::criticism::next_motion::{RigFile, propose};
 use crate::criticism::noise::noise_of;
+use crate::discover::{self, Outcome as Found};
 use crate::fit::data::Data;
 use crate::fit::whole_motion;
 use crate::model::Model;
 use crate::practice::{self, Choice, check_empty, hide, write_set};
 use crate::report::{Origin, Page, Section};
 use crate::summary::{
-    DiagnosisSummary, FitSummary, NextCommand, Preparation, Refit, change_json, change_report,
-    compare_json, compare_sections, practice_json, unit_of,
+    DiagnosisSummary, DiscoverySummary, FitSummary, NextCommand, Preparation, Refit, change_json,
+    change_report, compare_json, compare_sections, motion_file, next_motion_json,
+    next_motion_section, no_motion, practice_json, unit_of,
 };
-use crate::trace::Trace;
+use crate::trace::{Trace, write_to};
 
 /// All that a piece of work needs, by itself.
 #[derive(Clone)]
@@ -67,6 +72,8 @@ pub struct Outcome {
     pub diagnosis: Option<(Diagnosis, Value)>,
     /// The traces of a folder, by its name.
     pub set: Option<Set>,
+    /// What the rows of a survey say.
+    pub survey: Option<Value>,
 }
 
 /// A model beside the traces, as it is told and drawn.
@@ -116,6 +123,8 @@ pub fn run(task: &Task, bench: &Bench) -> Result<Outcome, LabError> {
         Task::Compare => bench.compare(model()?),
         Task::Diagnose => bench.diagnose(model()?, false),
         Task::Explore => bench.diagnose(model()?, true),
+        Task::Discover => bench.discover(model()?),
+        Task::Motion => bench.motion(model()?),
         Task::Add { effect, law } => {
             let change = change::add(model()?, effect, law.as_deref(), &bench.traces)?;
             bench.changed(change)
@@ -123,6 +132,14 @@ pub fn run(task: &Task, bench: &Bench) -> Result<Outcome, LabError> {
         Task::Drop { effect } => bench.changed(change::drop(model()?, effect, &bench.traces)?),
         Task::Beside(_) => bench.beside(model()?),
         Task::Hide(hide) => bench.hide(hide),
+        Task::Survey(name) => {
+            let survey = surveyed(bench.folder.as_ref().ok_or(LabError::NoFolder)?, name)?;
+            Ok(Outcome { survey: Some(survey), ..Outcome::default() })
+        }
+        Task::Group { survey, group } => {
+            let folder = bench.folder.as_ref().ok_or(LabError::NoFolder)?;
+            bench.open(&take_group(folder, survey, *group)?)
+        }
         Task::Open(set) => bench.open(set),
     }
 }
@@ -233,6 +250,50 @@ impl Bench {
         })
     }
 
+    /// A formula for what the library does not explain; the model comes back with the formulas beside it.
+    fn discover(&self, model: &Model) -> Result<Outcome, LabError> {
+        let unit = unit_of(&model.base.signal);
+        let discovery = discover::discover(model, &self.traces, unit)?;
+        let labels: Vec<String> = self.traces.iter().map(Trace::label).collect();
+        let file = self.folder.as_ref().map(|folder| folder.shown(&self.written));
+        let summary = DiscoverySummary::new(&discovery, &labels, self.next.clone(), file);
+        let preparation = Preparation::of(&self.traces, &model.base.signal);
+        let data = Data::of_model(model, &self.traces)?;
+        let found = matches!(discovery.outcome, Found::Formulas(_));
+        let sections = preparation.before(summary.sections());
+        Ok(Outcome {
+            answer: preparation.within(summary.json()),
+            report: Some(("discovery", self.page("A formula for what is missing", sections))),
+            model: found.then(|| discovery.with_candidates(model, &data, unit)),
+            ..Outcome::default()
+        })
+    }
+
+    /// The motion that tells apart what these traces do not, with what each of the effects predicts for it.
+    fn motion(&self, model: &Model) -> Result<Outcome, LabError> {
+        let diagnosis = diagnose(model, &self.traces)?;
+        let proposed = propose(model, &diagnosis, &self.traces, &RigFile::default())?;
+        let file = Path::new(MOTION);
+        let signal = &diagnosis.signal;
+        let mut answer = next_motion_json(&proposed, file);
+        let Some(trace) = motion_file(&proposed, signal) else {
+            answer["why"] = no_motion(&proposed, &diagnosis).into();
+            return Ok(Outcome { answer, ..Outcome::default() });
+        };
+        let columns = trace
+            .columns
+            .iter()
+            .map(|column| json!({ "name": column.name, "values": column.values }));
+        answer["time_s"] = json!(trace.time);
+        answer["columns"] = columns.collect();
+        let mut csv = Vec::new();
+        write_to(&mut csv, &trace).map_err(|source| LabError::Io { path: file.into(), source })?;
+        answer["csv"] = String::from_utf8_lossy(&csv).into();
+        let sections = vec![next_motion_section(&proposed, file, signal)];
+        let report = self.page("The next experiment", sections);
+        Ok(Outcome { answer, report: Some(("motion", report)), ..Outcome::default() })
+    }
+
     fn changed(&self, change: Change) -> Result<Outcome, LabError> {
         let comparison = compare(&change.model, &self.traces)?;
         let page = self.page("A changed model", change_report(&change, &comparison));
@@ -284,6 +345,6 @@ impl Bench {
 ///
 /// # Errors
 /// When it is not one.
-pub fn reveal(folder: &std::path::Path) -> Result<Value, LabError> {
+pub fn reveal(folder: &Path) -> Result<Value, LabError> {
     Ok(crate::summary::truth_json(&practice::open(folder)?))
 }

@@ -8,14 +8,17 @@ import { beside } from "./lab/beside.js";
 import { candidates } from "./lab/candidates.js";
 import { closer } from "./lab/closer.js";
 import { covariate } from "./lab/covariate.js";
+import { discovery } from "./lab/discovery.js";
 import { dropped } from "./lab/dropped.js";
 import { guide } from "./lab/guide.js";
 import { heatmap } from "./lab/heatmap.js";
 import { ladder } from "./lab/bars.js";
 import { model } from "./lab/model.js";
+import { motion } from "./lab/motion.js";
 import { overlay } from "./lab/overlay.js";
 import { ownLaw } from "./lab/ownlaw.js";
 import { practice } from "./lab/practice.js";
+import { survey } from "./lab/survey.js";
 import { download } from "./save.js";
 
 export const keys = [
@@ -38,6 +41,8 @@ export function open(root, api) {
     law: { name: "mine", stage: "contact", expression: "k * tanh(v / w)", parameters: "k = 0 N, w = 1 mm/s" },
     practice: { effect: "", size: 1 },
     beside: {},
+    survey: {},
+    discovery: {},
   };
   let choices = null;
   let state = null;
@@ -65,11 +70,12 @@ export function open(root, api) {
     beside: panel("Two models", "two", "Another model over the same traces, and both drawn."),
     law: panel("A law of one's own", "own", "An expression of force, N, or of whatever acts at its place in the chain. Try it like an effect."),
     practice: panel("Practice", "practice"),
+    survey: panel("Survey", "survey", "The answers of `palpate survey` to every group of a large data set. Open puts the traces of a group on the bench, in a folder of their own."),
   };
   const work = h("div", { class: "lab-work", role: "status", "aria-live": "polite" });
   const way = h("div", {});
   const left = [panels.trace, panels.heat, panels.against, panels.closer].map((of) => of.place);
-  const right = [panels.ladder, panels.missing, panels.model, panels.beside, panels.law, panels.practice].map((of) => of.place);
+  const right = [panels.ladder, panels.missing, panels.model, panels.beside, panels.law, panels.survey, panels.practice].map((of) => of.place);
   const files = dropped(api, { opened: openDropped, say: (text) => say(text), fail: (error) => say(error.message, true) });
   panels.bench.place.append(files.root);
   const columns = h("div", { class: "lab-columns" }, h("div", { class: "lab-column" }, left), h("div", { class: "lab-column" }, right));
@@ -132,6 +138,7 @@ export function open(root, api) {
     choose,
     copy,
     redraw: () => drawBench(),
+    redrawAll: () => keepingFocus(root, draw),
     add: (effect) => start({ add: { effect } }),
     hover: (effect) => plots.hover(effect),
     hide: start,
@@ -247,6 +254,8 @@ export function open(root, api) {
     if (comparison) panels.beside.show(beside(state, drafts.beside, act));
     panels.law.hide(!now);
     if (now && !panels.law.body.hasChildNodes()) panels.law.show(ownLaw(choices, drafts.law, act));
+    panels.survey.hide(!state.surveys.length);
+    if (state.surveys.length) panels.survey.show(survey(state, drafts.survey, { ...act, redraw: act.redrawAll }));
     panels.practice.show(practice(choices, state, drafts.practice, act));
   }
 
@@ -267,8 +276,18 @@ export function open(root, api) {
     const diagnose = h("button", { class: "lab-diagnose", onclick: () => start({ diagnose: null }) }, "Diagnose");
     const explore = h("button", { class: "lab-explore", onclick: () => start({ explore: null }) }, "Add all that is missing");
     const tools = h("div", { class: "tools" }, diagnose, copy({ diagnose: null }), explore, copy({ explore: null }));
-    const known = state.answers.diagnosis;
-    return [tools, known ? candidates(state.answers, known.unit, act) : ""];
+    const { diagnosis: known, discovery: formulas, motion: next } = state.answers;
+    const further = [
+      known?.verdict === "unknown" || formulas ? [h("button", { class: "lab-discover", onclick: () => start({ discover: null }) }, "Look for a formula"), copy({ discover: null })] : [],
+      known?.steps.some((step) => step.credible_set.length > 1) || next ? [h("button", { class: "lab-next-motion", onclick: () => start({ motion: null }) }, "Propose the next motion"), copy({ motion: null })] : [],
+    ].flat();
+    return [
+      tools,
+      known ? candidates(state.answers, known.unit, act) : "",
+      further.length ? h("div", { class: "tools" }, further) : "",
+      next ? motion(next) : "",
+      formulas ? discovery(formulas, drafts.discovery, { ...act, redraw: act.redrawAll }) : "",
+    ];
   }
 
   function against() {

@@ -68,6 +68,8 @@ impl Session {
             "answers": self.known.answers,
             "reports": self.known.reports.iter().map(|(kind, _)| kind).collect::<Vec<_>>(),
             "practice": sealed,
+            "surveys": folder.and_then(|folder| folder.surveys().ok()).unwrap_or_default(),
+            "survey": self.survey,
             "job": self.job.as_ref().map(Job::json),
             "failed": self.failed,
         })

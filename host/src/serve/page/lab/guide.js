@@ -35,22 +35,30 @@ function stand(state, fit) {
   if (comparison?.only_noise) return { at: 3, words: done(state, left) };
   const diagnosis = answers.diagnosis;
   if (!diagnosis) return { at: 1, words: `${left} Where it fails is shaded below the plots.`, task: { diagnose: null }, button: "Diagnose" };
-  return found(diagnosis, model, left);
+  return found(answers, model, left);
 }
 
-/** After a diagnosis: the effect to add, or why there is none. */
-function found(diagnosis, model, left) {
+/** After a diagnosis: the effect or formula to add, or why there is none. */
+function found({ diagnosis, discovery }, model, left) {
   const known = new Set((model.effect ?? []).map((of) => of.name));
   const next = diagnosis.steps.find((step) => !known.has(step.effect));
-  if (!next) {
-    const words = diagnosis.verdict === "adequate" ? "Nothing is missing." : "No effect of the library explains what is left; a law of one's own may.";
-    return { at: 2, words: `${left} ${words}` };
-  }
+  if (diagnosis.verdict === "unknown") return unknown(discovery, next, left);
+  if (!next) return { at: 2, words: `${left} Nothing is missing.` };
   const effect = next.effect;
   const others = next.credible_set.filter((name) => name !== effect);
   const doubt = others.length ? ` These traces do not tell it apart from ${others.join(", ")}.` : "";
   const words = `${left} What is missing looks like ${effect}.${doubt} The pointer on the button lays over the plots what it would change.`;
   return { at: 2, words, task: { add: { effect } }, button: `Add ${effect}`, effect };
+}
+
+/** Where the library does not explain it to the end a formula may. */
+function unknown(discovery, next, left) {
+  const most = next ? ` (${next.effect} explains the most)` : "";
+  const words = `${left} No effect of the library explains it to the end${most}.`;
+  if (!discovery) return { at: 2, words: `${words} A formula may.`, task: { discover: null }, button: "Look for a formula" };
+  const formula = discovery.formulas[0]?.name;
+  if (!formula) return { at: 2, words: `${words} No formula does either; a law of one's own may.` };
+  return { at: 2, words: `${words} The formula ${formula} does better.`, task: { add: { effect: formula } }, button: `Add ${formula}` };
 }
 
 function done(state, left) {
