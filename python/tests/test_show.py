@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import csv
 from pathlib import Path
 
 import matplotlib
 import palpate
 import pytest
 from conftest import PRESS, TRACES, command
+from palpate import _drawn
 
 matplotlib.use("Agg")
 ROWS = sorted(TRACES.glob("table-3.1-row-0[123].csv"))
@@ -45,13 +47,18 @@ def test_every_answer_is_a_frame_a_table_and_a_plot(practice: Path, model: Path,
 
 
 def test_all_figures_of_a_comparison_can_be_drawn(practice: Path, model: Path, tmp_path: Path) -> None:
-    from palpate import _plot
-
     found = palpate.compare(model, practice)
-    count = len(_plot.figures(found.sections()))
+    figures = _drawn.figures(found.sections())
+    count = len(figures)
     assert count > 10
-    for which in range(count):
+    for which, figure in enumerate(figures):
         found.plot(which).savefig(tmp_path / "one.png")
+        drawn = found.plot_data(which)
+        if figure["kind"] == "panels":
+            assert len(drawn) == sum(len(series["x"]) for plot in figure["plots"] for series in plot["series"])
+        else:
+            across, down = ("groups", "series") if figure["kind"] == "bars" else ("columns", "rows")
+            assert len(drawn) == len(figure[across]) * len(figure[down])
     with pytest.raises(palpate.Error, match=f"figure {count} of {count}"):
         found.plot(count)
     with pytest.raises(palpate.Error, match="nothing is drawn"):
@@ -77,6 +84,20 @@ def test_what_an_answer_says_is_typed(practice: Path, model: Path) -> None:
     change = palpate.add("mullins", model, practice)
     assert change.rms[1] < change.rms[0] and "mullins" in change.parameters
     assert change.model.effects == ["mullins"]
+
+
+def test_the_numbers_of_a_figure_go_through_csv_as_they_are(tmp_path: Path) -> None:
+    found = palpate.fit(PRESS)
+    plot = _drawn.chosen(found.sections(), 0)["plots"][0]
+    drawn = found.plot_data()
+    drawn.to_csv(tmp_path / "figure.csv", index=False)
+    with open(tmp_path / "figure.csv", newline="") as file:
+        back = list(csv.DictReader(file))
+    series = plot["series"][0]
+    mine = [row for row in back if (row["plot"], row["series"]) == (plot["title"], series["name"])]
+    for axis in ("x", "y"):
+        column = f"{plot[axis]['label']} ({plot[axis]['unit']})"
+        assert [float(row[column]) for row in mine] == series[axis].tolist()
 
 
 def test_the_frame_of_a_fit_has_its_numbers_as_they_are() -> None:

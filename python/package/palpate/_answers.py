@@ -71,6 +71,15 @@ class Answer:
 
         return _plot.figure(self.sections(), which or 0)
 
+    def plot_data(self, which: int | None = None) -> pd.DataFrame:
+        """The numbers of a figure of the report, all of them, a row a point, a cell or a bar; without `which`, the first.
+
+        `plot_data().to_csv("figure.csv")` writes them for another program.
+        """
+        from palpate import _drawn
+
+        return _drawn.numbers(self.sections(), which or 0)
+
     def sections(self, *, short: bool = False) -> list[dict[str, Any]]:
         """The sections of the report as plain objects (`short`: those of the terminal), to draw or set them otherwise."""
         return self._native.sections(short)

@@ -18,10 +18,10 @@ MOST = 30
 
 def answer(one: Answer) -> str:
     """What a terminal shows of an answer, and the first figure of its report."""
-    from palpate import _plot
+    from palpate import _drawn
 
     told = "".join(_section(section) for section in one.sections(short=True))
-    drawn = _plot.figures(one.sections())
+    drawn = _drawn.figures(one.sections())
     picture = _picture(drawn[0]) if drawn else ""
     return f'<div class="palpate">{told}{picture}</div>'
 

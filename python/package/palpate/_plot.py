@@ -6,7 +6,7 @@ import textwrap
 from typing import TYPE_CHECKING, Any
 
 from palpate._data import TIME
-from palpate._palpate import Error
+from palpate._drawn import chosen, named
 
 if TYPE_CHECKING:
     from palpate._data import Trace
@@ -17,30 +17,9 @@ INK, GREY, SHADE = "#1b1f24", "#59616b", "#eef2f6"
 HEIGHT, WIDTH = 2.4, 8.0
 
 
-def figures(sections: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """The figures of sections, those that are folded away included."""
-    found: list[dict[str, Any]] = []
-
-    def gather(blocks: list[dict[str, Any]]) -> None:
-        for block in blocks:
-            if block["kind"] == "details":
-                gather(block["blocks"])
-            elif block["kind"] in ("panels", "heat map", "bars"):
-                found.append(block)
-
-    for section in sections:
-        gather(section["blocks"])
-    return found
-
-
 def figure(sections: list[dict[str, Any]], which: int) -> Any:
     """Draws one figure of sections."""
-    found = figures(sections)
-    if not found:
-        raise Error("nothing is drawn of this answer")
-    if not -len(found) <= which < len(found):
-        raise Error(f"figure {which} of {len(found)}")
-    one = found[which]
+    one = chosen(sections, which)
     draw = {"panels": _panels, "heat map": _heat_map, "bars": _bars}[one["kind"]]
     drawn = draw(one)
     if one["title"]:
@@ -74,15 +53,11 @@ def _hue(number: int) -> str:
     return {-1: INK, -2: GREY}.get(number) or HUES[number % len(HUES)]
 
 
-def _named(axis: dict[str, Any]) -> str:
-    return f"{axis['label']} ({axis['unit']})" if axis["unit"] else str(axis["label"])
-
-
 def _panels(one: dict[str, Any]) -> Any:
     drawn, axes = _stack(len(one["plots"]))
     for axis, plot in zip(axes, one["plots"]):
         _plot(axis, plot)
-    axes[-1].set_xlabel(_named(one["plots"][-1]["x"]))
+    axes[-1].set_xlabel(named(one["plots"][-1]["x"]))
     return drawn
 
 
@@ -108,7 +83,7 @@ def _plot(axis: Any, plot: dict[str, Any]) -> None:
             getattr(axis, f"set_{which}scale")("log")
         if scale["range"] is not None:
             getattr(axis, f"set_{which}lim")(*scale["range"])
-    axis.set_ylabel(_named(plot["y"]))
+    axis.set_ylabel(named(plot["y"]))
     if plot["title"]:
         axis.set_title(plot["title"], fontsize=9, loc="left")
     if sum(bool(series["name"]) for series in plot["series"]) > 1:
@@ -156,7 +131,7 @@ def _bars(one: dict[str, Any]) -> Any:
     for value, label in one["levels"]:
         axis.axhline(value, color=GREY, linewidth=0.8, linestyle=":", label=label or None)
     axis.set_xticks(range(len(one["groups"])), one["groups"], rotation=20, ha="right")
-    axis.set_ylabel(_named(one["axis"]))
+    axis.set_ylabel(named(one["axis"]))
     if one["axis"]["log"]:
         axis.set_yscale("log")
     if any(series["name"] for series in one["series"]):
