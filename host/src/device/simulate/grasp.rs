@@ -118,7 +118,7 @@ mod tests {
     fn a_further_finger_presses_later_and_more_gently() {
         let most = |finger| {
             let mut grasp = Grasp::new(1, finger);
-            let felt = (0..7_000).map(|ms| (grasp.feel(f64::from(ms) * 1e-3), ms));
+            let felt = (0..7_000_i32).map(|ms| (grasp.feel(f64::from(ms) * 1e-3), ms));
             felt.fold((0.0, 0), |most, one| if one.0 > most.0 { one } else { most })
         };
         let ((first, at), (third, later)) = (most(0), most(2));
