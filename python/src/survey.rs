@@ -70,12 +70,13 @@ impl Survey {
         next.transpose().map(Option::flatten).map_err(|failure| failed(&failure))
     }
 
-    /// Keeps rows that were made elsewhere.
-    fn keep(&self, py: Python<'_>, rows: Vec<String>) -> PyResult<()> {
+    /// Keeps rows that were made elsewhere, and gives the number of those that were not there yet.
+    fn keep(&self, py: Python<'_>, rows: Vec<String>) -> PyResult<usize> {
         py.detach(|| {
             let mut open = self.folder();
             let open = open.as_mut().ok_or_else(|| broken("the folder is closed"))?;
-            rows.iter().try_for_each(|row| open.keep(row)).map_err(|failure| failed(&failure))
+            let kept = rows.iter().map(|row| open.keep(row).map(usize::from));
+            kept.sum::<Result<_, _>>().map_err(|failure| failed(&failure))
         })
     }
 

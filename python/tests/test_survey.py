@@ -156,9 +156,10 @@ def here(work: Callable[[str], list[str]], tasks: Iterator[str]) -> Iterator[lis
     return map(work, tasks)
 
 
-def test_any_engine_will_do_and_rows_come_in_any_order(there: Path, whole: dict[str, bytes]) -> None:
+def test_any_engine_will_do_and_rows_come_in_any_order_and_twice(there: Path, whole: dict[str, bytes]) -> None:
     def backwards(work: Callable[[str], list[str]], tasks: Iterator[str]) -> list[list[str]]:
-        return [work(task) for task in reversed(list(tasks))]
+        last, *others = reversed(list(tasks))
+        return [work(last), *(work(task) for task in others), work(last)]
 
     palpate.survey("fit", "lab", out="backwards", engine=backwards, **FIT)
     assert groups(there / "backwards") == whole

@@ -46,8 +46,7 @@ def fill(native: _palpate.Survey, engine: Engine, tell: Tell | None) -> None:
         share = _Share(of)
         tasks = _tasks(native, share)
         for rows in engine(work, tasks) if callable(engine) else _dask(engine, tasks, share):
-            native.keep(rows)
-            share.count(rows)
+            share.count(rows, native.keep(rows))
             if tell is not None:
                 tell("groups", share.done, of)
         if share.done < of:
@@ -60,17 +59,19 @@ class _Share:
     """How many groups a task should have."""
 
     def __init__(self, of: int) -> None:
-        self.of, self.done, self.given, self.seconds, self.threads = of, 0, 0, 0.0, 8
+        self.of, self.given, self.came, self.done = of, 0, 0, 0
+        self.seconds, self.threads = 0.0, 8
 
     def next(self) -> int:
         """As many as take `A_TASK_SECONDS`, and fewer at the end, so that all workers end together."""
-        known = self.done * A_TASK_SECONDS / self.seconds if self.seconds > 0 else FIRST
+        known = self.came * A_TASK_SECONDS / self.seconds if self.seconds > 0 else FIRST
         fair = (self.of - self.given) / (AHEAD * max(self.threads, 1))
         return max(1, int(min(known, fair)))
 
-    def count(self, rows: list[str]) -> None:
-        """Counts rows that are there, with the processor time that they took."""
-        self.done += len(rows)
+    def count(self, rows: list[str], kept: int) -> None:
+        """Counts rows that came, of which so many were kept, with the processor time that they took."""
+        self.came += len(rows)
+        self.done += kept
         self.seconds += sum(json.loads(row)[1]["seconds"] for row in rows)
 
 

@@ -5,7 +5,7 @@
 //! there is, and gives the rows back in any order. The folder is the one that the command fills: either goes on with what the
 //! other left.
 
-use std::collections::VecDeque;
+use std::collections::{HashSet, VecDeque};
 use std::io::{self, Write};
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
@@ -68,7 +68,8 @@ impl Call {
         let missing = results.missing().into();
         let options = survey.options(&self.words)?;
         let folder = std::env::current_dir().map_err(Failure::work)?;
-        Ok(Open { words: self.words.clone(), options, folder, results, missing })
+        let (words, handed_out) = (self.words.clone(), HashSet::new());
+        Ok(Open { words, options, folder, results, missing, handed_out })
     }
 
     /// What all rows say.
@@ -97,6 +98,8 @@ pub struct Open {
     folder: PathBuf,
     results: Results,
     missing: VecDeque<Group>,
+    /// Numbers of the groups that are in a task and have no row yet.
+    handed_out: HashSet<u64>,
 }
 
 /// Some groups, with all that their rows depend on besides files.
@@ -129,18 +132,24 @@ impl Open {
     pub fn next_task(&mut self, most: usize) -> Result<Option<String>, Failure> {
         let count = most.min(self.missing.len());
         let groups: Vec<Group> = self.missing.drain(..count).collect();
+        self.handed_out.extend(groups.iter().map(|group| group.number));
         let (words, options) = (self.words.clone(), self.options.clone());
         let (version, folder) = (env!("CARGO_PKG_VERSION").to_owned(), self.folder.clone());
         text(&Task { version, words, options, folder, tried: 0, groups })
     }
 
-    /// Keeps a row that [`work`] or [`gave_up`] gave: when this returns it survives the end of the process.
+    /// Keeps a row that [`work`] or [`gave_up`] gave: when this returns it survives the end of the process. False, and nothing is
+    /// kept, where the group has a row already or is in no task: an engine may do a task twice.
     ///
     /// # Errors
     /// When it is no row, and what the file system answers.
-    pub fn keep(&mut self, row: &str) -> Result<(), Failure> {
+    pub fn keep(&mut self, row: &str) -> Result<bool, Failure> {
         let (row, worked): (Row, Worked) = serde_json::from_str(row).map_err(Failure::work)?;
-        self.results.add(row, worked).map_err(wrong)
+        let is_new = self.handed_out.remove(&row.group);
+        if is_new {
+            self.results.add(row, worked).map_err(wrong)?;
+        }
+        Ok(is_new)
     }
 }
 
@@ -269,11 +278,15 @@ mod tests {
             let rows = String::from_utf8(rows).unwrap();
             let left = rest(task, 1, 1).unwrap();
             for row in rows.lines().take(if left.is_some() { 1 } else { 2 }) {
-                open.keep(row).unwrap();
+                assert!(open.keep(row).unwrap());
+                assert!(!open.keep(row).unwrap(), "it came twice");
             }
             let mut rows = Vec::new();
             left.map_or(Ok(()), |left| work(&left, &mut rows)).unwrap();
-            String::from_utf8(rows).unwrap().lines().for_each(|row| open.keep(row).unwrap());
+            String::from_utf8(rows)
+                .unwrap()
+                .lines()
+                .for_each(|row| assert!(open.keep(row).unwrap()));
         }
         drop(open);
         assert_eq!(groups(&at("apart")), groups(&at("here")));
