@@ -7,6 +7,7 @@
 //! the place, and at most [`NUMBERS`] numbers or [`TEXT_LIMIT`] bytes of text in memory. A missing number is NaN.
 
 mod error;
+pub mod export;
 mod gather;
 pub mod hdf5;
 mod limits;

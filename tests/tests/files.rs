@@ -56,6 +56,8 @@ const WRITERS: &[(&[&str], &str, Option<&str>)] = &[
     (&["afm", "rough", "--report", "OUT"], "html", None),
     (&["afm", "press.csv", "--report", "OUT"], "html", None),
     (&["convert", "press.csv", "-o", "OUT"], "csv", Some("press.csv")),
+    (&["convert", "press.csv", "-o", "OUT"], "mat", None),
+    (&["convert", "press.csv", "-o", "OUT"], "mcap", None),
     (&["import", "lab.txt", "--map", "map.toml", "-o", "OUT"], "csv", None),
     (&["record", "-o", "OUT"], "palpate", None),
     (&["plot", "press.csv", "-o", "OUT"], "svg", None),

@@ -223,6 +223,68 @@ fn a_packed_trace_is_a_trace_and_a_packed_export_comes_in_by_its_mapping() {
     assert_eq!(imported(&path, None).force().unwrap()[3], 0.03);
 }
 
+/// Converts a bundled press to a file of that name.
+fn exported(folder: &Path, name: &str) -> PathBuf {
+    let path = folder.join(name);
+    let press = palpate_tests::bundled("press.csv");
+    let output = palpate_tests::palpate().arg("convert").arg(&press).arg("-o").arg(&path).output();
+    let output = output.unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    path
+}
+
+#[test]
+fn what_is_written_for_other_programs_comes_back_to_the_last_bit() {
+    let folder = tempfile::tempdir().unwrap();
+    let press = trace::read(&palpate_tests::bundled("press.csv")).unwrap();
+    for name in ["press.mat", "press.mcap"] {
+        let back = trace::read(&exported(folder.path(), name)).unwrap();
+        assert_eq!(back.time, press.time, "{name}");
+        for column in &press.columns {
+            assert_eq!(
+                back.column(&column.name),
+                Some(&column.values[..]),
+                "{name}, {}",
+                column.name
+            );
+        }
+    }
+    std::fs::write(folder.path().join("odd.csv"), "time_s,Kraft (N)\n0,1\n1,2\n").unwrap();
+    let odd = ["convert", "odd.csv", "-o", "odd.mat"];
+    let output = palpate_tests::palpate().current_dir(folder.path()).args(odd).output().unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    assert!(said.contains("odd.mat: MATLAB 7.3, Kraft (N): MATLAB allows no such name"), "{said}");
+    assert!(!folder.path().join("odd.mat").exists());
+}
+
+#[test]
+#[ignore = "needs the libraries of `cargo xtask formats`"]
+fn what_is_written_for_other_programs_is_read_by_their_libraries() {
+    let folder = tempfile::tempdir().unwrap();
+    let press = trace::read(&palpate_tests::bundled("press.csv")).unwrap();
+    let top = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let output = Command::new(top.join("target/formats/python/bin/python"))
+        .arg(top.join("tests/formats/read.py"))
+        .args(["press.mat", "press.mcap"].map(|name| exported(folder.path(), name)))
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let found: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    for file in found.as_array().unwrap() {
+        let head = file["head"].as_str().unwrap();
+        assert!(head.contains("shape = \"block\""), "{head}");
+        let numbers = |name: &str| -> Vec<f64> {
+            let values = file["columns"][name].as_array().unwrap_or_else(|| panic!("{name}"));
+            values.iter().map(|value| value.as_f64().unwrap()).collect()
+        };
+        assert_eq!(numbers("time_s"), press.time);
+        for column in &press.columns {
+            assert_eq!(numbers(&column.name), column.values, "{}", column.name);
+        }
+    }
+}
+
 #[test]
 fn what_nothing_reads_is_refused_by_its_name_with_what_to_do() {
     let folder = tempfile::tempdir().unwrap();

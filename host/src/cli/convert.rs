@@ -8,18 +8,19 @@ use serde_json::{Value, json};
 
 use super::Failure;
 use super::output::{Force, cannot_write, print_json};
-use crate::files::plan::{Plan, TRACE_OR_RECORDING};
+use crate::files::plan::{CONVERTED, Plan};
 use crate::files::write_whole;
 use crate::recording;
 use crate::trace::recordable::{RecordableError, settings_of, write_recording};
 use crate::trace::recorded::{Options, Recorded, read_recording};
-use crate::trace::{self, Trace};
+use crate::trace::{self, Export, Trace};
 
 /// Turn recordings of a device into traces (CSV, Parquet), and back
 #[derive(clap::Args)]
 #[command(after_help = "\
 The ending of OUT says what is written: .csv and .parquet for traces, .palpate for a recording that a
-device would have made of a trace with gauges, to try things without one. Several traces are numbered:
+device would have made of a trace with gauges, to try things without one; .mat (7.3) for MATLAB and .mcap
+for the viewers of robots, where palpate was built with --features formats. Several traces are numbered:
 OUT-1.csv, OUT-2.csv … A recording gives one trace for each stretch of its stream: it ends where the
 device began anew, the link was lost or the settings changed. Rows that were lost are a gap in time.
 
@@ -34,12 +35,13 @@ Examples:
   palpate convert take.palpate -o take.csv
   palpate convert take.palpate -o take.parquet --host-time
   palpate convert traces/ -o all.parquet                  all-1.parquet, all-2.parquet …
-  palpate convert press.csv -o press.palpate              a recording without a device")]
+  palpate convert press.csv -o press.palpate              a recording without a device
+  palpate convert press.csv -o press.mat                  load('press.mat') in MATLAB")]
 pub struct Args {
     /// Recordings, traces, or folders of traces
     #[arg(required = true, value_name = "IN")]
     inputs: Vec<PathBuf>,
-    /// What to write: a name that ends in .csv, .parquet or .palpate
+    /// What to write: a name that ends in .csv, .parquet, .palpate, .mat or .mcap
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
     /// Time of recordings in seconds of this computer's clock, not of the device's
@@ -65,7 +67,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let files = file_names(&args.output, read.traces.len());
     let mut plan = Plan::reading(&args.inputs, args.over.into());
     for file in &files {
-        plan.writes(file, &TRACE_OR_RECORDING)?;
+        plan.writes(file, &CONVERTED)?;
     }
     for (trace, file) in read.traces.iter().zip(&files) {
         form.write(file, trace)?;
@@ -84,16 +86,20 @@ pub fn run(args: &Args) -> Result<(), Failure> {
 pub(super) enum Form {
     Trace,
     Recording,
+    Export(Export),
 }
 
 impl Form {
     pub(super) fn of(path: &Path) -> Result<Self, Failure> {
+        if let Some(export) = Export::of(path) {
+            return Ok(Self::Export(export));
+        }
         let extension = path.extension().map(OsStr::to_ascii_lowercase);
         match extension.as_ref().and_then(|ending| ending.to_str()) {
             Some("csv" | "parquet") => Ok(Self::Trace),
             Some(recording::EXTENSION) => Ok(Self::Recording),
             _ => Err(Failure::Input(miette!(
-                "{}: the name must end in .csv, .parquet or .palpate",
+                "{}: the name must end in .csv, .parquet, .palpate, .mat or .mcap",
                 path.display()
             ))),
         }
@@ -102,6 +108,10 @@ impl Form {
     pub(super) fn write(self, path: &Path, trace: &Trace) -> Result<(), Failure> {
         match self {
             Self::Trace => trace::write(path, trace).map_err(Failure::work),
+            Self::Export(export) => export.write(path, trace).map_err(|error| match error {
+                error @ trace::Error::Write { .. } => Failure::work(error),
+                error => Failure::input(error),
+            }),
             Self::Recording => {
                 let mut bytes = Vec::new();
                 write_recording(trace, &settings_of(trace), &mut bytes).map_err(

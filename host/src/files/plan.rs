@@ -49,6 +49,9 @@ pub const TRACE: Kind = Kind { endings: &["csv", "parquet"], marks: &[] };
 /// A trace, or a recording as a device makes it.
 pub const TRACE_OR_RECORDING: Kind =
     Kind { endings: &["csv", "parquet", crate::recording::EXTENSION], marks: &[] };
+/// What a trace can be converted to.
+pub const CONVERTED: Kind =
+    Kind { endings: &["csv", "parquet", crate::recording::EXTENSION, "mat", "mcap"], marks: &[] };
 /// What a device sent.
 pub const RECORDING: Kind = Kind { endings: &[crate::recording::EXTENSION], marks: &[] };
 /// A table of results, by its header row.

@@ -259,7 +259,7 @@ pub enum Error {
     },
     /// A format whose reader this program was built without.
     #[error(
-        "{}: {format}. This palpate was built without readers of other programs' files. From palpate's sources: \
+        "{}: {format}. This palpate was built without other programs' files. From palpate's sources: \
          `cargo install --path host --features formats`.",
         path.display()
     )]

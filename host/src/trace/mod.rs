@@ -41,6 +41,7 @@ mod write;
 pub use block_means::{REST, block_begins, block_means};
 pub use control::control;
 pub use error::{Error, Place, SignalError};
+pub use foreign::Export;
 pub use from_columns::ColumnsError;
 pub use gaps::{Gap, gaps, runs};
 pub use head::{Control, Head, Setup, Shape, Specimen};

@@ -1,7 +1,7 @@
 //! Files of other programs that are not plain text: packed text, and files of one or several tables (parts).
 //!
 //! Their readers are in the crate `palpate-formats`, which the feature `formats` takes in. A table comes out of it as text, one
-//! line a row, so that a mapping speaks of it as of any other text.
+//! line a row, so that a mapping speaks of it as of any other text. Some of them are written, too.
 
 mod kind;
 #[cfg(feature = "formats")]
@@ -12,7 +12,8 @@ use std::io::{self, Read};
 use std::path::Path;
 
 use super::error::Error;
-use super::{Trace, read};
+use super::{Trace, has_extension, head, read, write};
+use crate::files::write_whole;
 use kind::{Format, Reader};
 
 /// A file as text.
@@ -68,6 +69,37 @@ pub(super) fn trace(path: &Path) -> Result<Option<Trace>, Error> {
     }
 }
 
+/// A file of another program that is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Export {
+    /// MATLAB 7.3: a vector for each column.
+    Matlab,
+    /// MCAP: a message of JSON for each row.
+    Mcap,
+}
+
+impl Export {
+    /// What a file of this name would be.
+    #[must_use]
+    pub fn of(path: &Path) -> Option<Self> {
+        let is = |ending| has_extension(path, ending);
+        if is("mat") { Some(Self::Matlab) } else { is("mcap").then_some(Self::Mcap) }
+    }
+
+    /// Writes a trace whole or not at all, with its head as a text that is not read back.
+    ///
+    /// # Errors
+    /// As [`super::write()`]; [`Error::Foreign`] where the format allows no column of a name, and [`Error::Unbuilt`] where this
+    /// program was built without formats of others.
+    pub fn write(self, path: &Path, trace: &Trace) -> Result<(), Error> {
+        let refused = |source| Error::Write { path: path.into(), source };
+        write::checked(trace).map_err(refused)?;
+        let head = head::to_toml(&trace.head).map_err(|error| refused(io::Error::other(error)))?;
+        let bytes = exported(path, trace, &head, self)?;
+        write_whole(path, |file| file.write_all(&bytes)).map_err(refused)
+    }
+}
+
 fn plain(path: &Path, part: Option<&str>) -> Result<Opened, Error> {
     let open = |source| Error::Open { path: path.into(), source };
     let file = File::open(path).map_err(open)?;
@@ -88,11 +120,17 @@ fn unread(path: &Path, format: Format, instead: &'static str) -> Error {
 }
 
 #[cfg(feature = "formats")]
-use parts::{only_trace, open_part, unpacked};
+use parts::{exported, only_trace, open_part, unpacked};
 
 #[cfg(not(feature = "formats"))]
 fn unbuilt<T>(path: &Path, format: Format) -> Result<T, Error> {
     Err(Error::Unbuilt { path: path.into(), format: format.name })
+}
+
+#[cfg(not(feature = "formats"))]
+fn exported(path: &Path, _: &Trace, _: &str, export: Export) -> Result<Vec<u8>, Error> {
+    let name = if export == Export::Matlab { "a MATLAB file (7.3)" } else { "an MCAP file" };
+    unbuilt(path, Format { name, reader: Reader::None("") })
 }
 
 #[cfg(not(feature = "formats"))]

@@ -5,11 +5,11 @@ use std::panic::AssertUnwindSafe;
 use std::path::Path;
 
 use palpate_formats::{
-    Content, Contents, Part, hdf5, mat, packed, parquet, ros, spreadsheet, tdms,
+    Content, Contents, Part, export, hdf5, mat, packed, parquet, ros, spreadsheet, tdms,
 };
 
-use super::Opened;
 use super::kind::{Format, Reader};
+use super::{Export, Opened};
 use crate::caught::caught;
 use crate::trace::error::Error;
 use crate::trace::mapping::Delimiter;
@@ -57,6 +57,23 @@ pub(super) fn only_trace(path: &Path, format: Format) -> Result<Trace, Error> {
     let listed = if several { traces } else { others };
     let present = listed.into_iter().map(|part| part.name).collect();
     Err(Error::NotOneTrace { path: path.into(), format: format.name, several, present })
+}
+
+/// The bytes of a trace as a file of another program.
+pub(super) fn exported(
+    path: &Path,
+    trace: &Trace,
+    head: &str,
+    form: Export,
+) -> Result<Vec<u8>, Error> {
+    let mut columns = vec![(TIME, &trace.time[..])];
+    columns.extend(trace.columns.iter().map(|column| (&column.name[..], &column.values[..])));
+    let table = export::Table { columns: &columns, head };
+    let made = match form {
+        Export::Matlab => export::mat(table),
+        Export::Mcap => export::mcap(table),
+    };
+    made.map_err(|error| foreign(path, error))
 }
 
 fn contents(path: &Path, format: Format, part: Option<&str>) -> Result<Contents, Error> {
