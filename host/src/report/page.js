@@ -497,18 +497,37 @@
 
   // ---- the page ---------------------------------------------------------------------------------------
 
-  function download(figure) {
+  function picture(figure) {
     const copy = figure.querySelector("svg").cloneNode(true);
     copy.querySelectorAll(".hit,.hair,.knob,.zoom").forEach(node => node.remove());
     copy.setAttribute("role", "img");
     const style = element("style", {});
     style.textContent = JSON.parse(document.getElementById("figure-style").textContent);
     copy.prepend(style);
-    const file = new Blob([new XMLSerializer().serializeToString(copy)], { type: "image/svg+xml" });
+    return new XMLSerializer().serializeToString(copy);
+  }
+
+  // What is drawn, a row a point, with as many points and digits as the figure has.
+  function table(data) {
+    const cell = text => /[",\n]/.test(text) ? `"${text.replace(/"/g, '""')}"` : text;
+    const named = axis => cell(axis.unit ? `${axis.label} (${axis.unit})` : axis.label);
+    const lines = [`series,quantity,${named(data.x)},value,upper end or error`];
+    for (const panel of data.panels) {
+      for (const series of panel.series) {
+        const x = data.columns[series.x];
+        const row = (y, i) => [cell(series.name), named(panel.y), x[i] ?? "", y ?? "", series.other[i] ?? ""];
+        lines.push(...series.y.map((y, i) => row(y, i).join(",")));
+      }
+    }
+    return lines.join("\n") + "\n";
+  }
+
+  function download(figure, text, ending, type) {
+    const file = new Blob([text], { type });
     const link = html("a");
     const title = figure.querySelector(".pl-title");
     const name = (title ? title.textContent : "").toLowerCase().replace(/[^\p{L}\p{N}]+/gu, "-").replace(/^-|-$/g, "");
-    link.download = (name || figure.id) + ".svg";
+    link.download = (name || figure.id) + ending;
     link.href = URL.createObjectURL(file);
     link.click();
     setTimeout(() => URL.revokeObjectURL(link.href), 1000);
@@ -516,16 +535,21 @@
 
   for (const figure of document.querySelectorAll("figure")) {
     const data = figure.querySelector("script.data");
-    const plot = data ? new Plot(figure, JSON.parse(data.textContent)) : null;
+    const drawn = data ? JSON.parse(data.textContent) : null;
+    const plot = drawn ? new Plot(figure, drawn) : null;
     const tools = html("div", "tools", undefined, figure);
     if (plot) {
       const all = html("button", "", "Show all", tools);
       all.type = "button";
       all.addEventListener("click", () => plot.reset());
     }
-    const save = html("button", "", "Save SVG", tools);
-    save.type = "button";
-    save.addEventListener("click", () => download(figure));
+    const save = (ending, type, text) => {
+      const button = html("button", "", `Save ${ending.slice(1).toUpperCase()}`, tools);
+      button.type = "button";
+      button.addEventListener("click", () => download(figure, text(), ending, type));
+    };
+    save(".svg", "image/svg+xml", () => picture(figure));
+    if (drawn) save(".csv", "text/csv", () => table(drawn));
     if (plot) html("span", "", "Drag to zoom; click, then turn the wheel; double-click shows all. Keys: ← → + − 0.", tools);
   }
 

@@ -69,6 +69,43 @@ fn the_tables_of_a_report_have_one_left_edge_and_none_is_clipped() {
 
 #[test]
 #[ignore = "needs a browser: cargo xtask browser"]
+fn the_numbers_of_a_figure_are_saved_as_csv() {
+    let folder = tempfile::tempdir().unwrap();
+    let press = bundled("press.csv").display().to_string();
+    answer(folder.path(), &["fit", "fung", &press, "--report", "fit.html", "--json"]);
+    let browser = opened(&folder.path().join("fit.html"));
+    let saved = browser.script(
+        "let saved, name;
+         URL.createObjectURL = (file) => { saved = file; return '#'; };
+         HTMLAnchorElement.prototype.click = function () { name = this.download; };
+         const buttons = [...document.querySelectorAll('.tools button')];
+         buttons.find((button) => button.textContent === 'Save CSV').click();
+         return saved.text().then((text) => [name, saved.type, text])",
+    );
+    let [name, kind, text] = [0, 1, 2].map(|at| saved[at].as_str().unwrap());
+    assert!(name.ends_with(".csv") && kind == "text/csv", "{name}, {kind}");
+    let mut lines = csv::Reader::from_reader(text.as_bytes());
+    let header: Vec<String> = lines.headers().unwrap().iter().map(str::to_owned).collect();
+    assert_eq!(header, ["series", "quantity", "time (s)", "value", "upper end or error"]);
+    let trace = palpate::trace::read(&bundled("press.csv")).unwrap();
+    let (mut measured, mut series) = (0, std::collections::BTreeSet::new());
+    for line in lines.records().map(Result::unwrap) {
+        series.insert(line[0].to_owned());
+        let (time, value): (f64, f64) = (line[2].parse().unwrap(), line[3].parse().unwrap());
+        if &line[0] == "measured" && &line[1] == "force (N)" {
+            let near =
+                |(t, force): (&f64, &f64)| (t - time).abs() < 1e-5 && (force - value).abs() < 1e-5;
+            let there = trace.time.iter().zip(trace.force().unwrap()).any(near);
+            assert!(there, "{time} s, {value} N");
+            measured += 1;
+        }
+    }
+    assert_eq!(measured, trace.len());
+    assert!(series.contains("model") && series.contains("residual"), "{series:?}");
+}
+
+#[test]
+#[ignore = "needs a browser: cargo xtask browser"]
 fn a_report_of_ten_traces_fits_on_six_pages() {
     let folder = tempfile::tempdir().unwrap();
     for file in reports(folder.path()) {
