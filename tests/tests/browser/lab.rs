@@ -290,16 +290,50 @@ fn a_formula_for_what_the_library_lacks_is_found_added_and_the_error_falls() {
     for button in ["Fit fung", "Diagnose", "Look for a formula"] {
         go_on(&browser, button);
     }
-    browser.says(".lab-discovery", "found-1");
-    assert!(browser.text(".lab-discovery").contains("Can come from"));
-    let _ = browser.script("document.querySelectorAll('.lab-missing details').forEach((d) => (d.open = true)); return 0");
+    browser.says(".lab-formula", "found-1");
+    assert!(browser.text(".lab-formula").contains("Can come from"));
+    let _ = browser.script("document.querySelectorAll('.lab-formula details').forEach((d) => (d.open = true)); return 0");
     browser.until("a surface is drawn", "document.querySelectorAll('.lab-surface').length > 10");
     assert_eq!(axe(&browser), Vec::<String>::new());
-    let _ = browser.whole_picture("lab-discovery", 1440);
+    for width in [390, 1440] {
+        let _ = browser.whole_picture(&format!("lab-discovery-{width}"), width);
+        assert_eq!(
+            browser.script("return document.scrollingElement.scrollWidth <= innerWidth"),
+            true
+        );
+    }
     browser.resize(WIDTH, HEIGHT);
     go_on(&browser, "Add found-1");
     browser.says(".lab-rungs", "found-1 added");
     browser.says(".lab-floor-reached", "nothing but noise");
+    assert_eq!(browser.complaints(), Vec::<String>::new());
+}
+
+#[test]
+#[ignore = "needs a browser: cargo xtask browser"]
+fn the_motion_that_decides_is_drawn_and_saved() {
+    let folder = tempfile::tempdir().unwrap();
+    let hide =
+        ["hide", "elastic-stiffening", "--seed", "2", "--size", "0.3", "-o", "set", "--json"];
+    answer(folder.path(), &hide);
+    let server = Server::begin_in(folder, &["set"]);
+    let browser = opened(&server);
+    browser.says(".lab-traces", "10 of 10 traces");
+    let _ = browser.script(
+        "document.querySelector('.lab-traces').open = true;
+         document.querySelectorAll('.lab-traces input').forEach((box, k) => (box.checked = k < 3));
+         return 0",
+    );
+    browser.click(".lab-take");
+    browser.says(".lab-traces", "3 of 10 traces");
+    go_on(&browser, "Fit fung");
+    go_on(&browser, "Diagnose");
+    browser.click(".lab-next-motion");
+    browser.says(".lab-motion", "Save next-motion.csv");
+    assert_eq!(browser.count(".lab-motion .lab-chart"), 3);
+    assert_eq!(axe(&browser), Vec::<String>::new());
+    let _ = browser.whole_picture("lab-motion", 1440);
+    browser.resize(WIDTH, HEIGHT);
     assert_eq!(browser.complaints(), Vec::<String>::new());
 }
 

@@ -66,16 +66,18 @@ export function open(root, api) {
     closer: panel("A closer look at the trace", "closer", "Left over is measured minus model. What nothing but noise would show is dashed: where the two part, the model lacks something."),
     ladder: panel("Ladder", "rungs", "The error (RMS, root mean square) after each addition. Fitted: of these traces. Held out: of each trace, predicted by a fit to the others. No model gets below the noise."),
     missing: panel("What is missing", "missing", "Diagnose looks for physical effects that the model lacks. Then add the one you believe."),
+    formula: panel("A formula", "formula", "For what no effect of the library explains: terms of a grammar, kept where they lower the error on what they were not fitted to."),
+    motion: panel("The next experiment as a motion", "motion"),
     model: panel("Model", "model"),
     beside: panel("Two models", "two", "Another model over the same traces, and both drawn."),
     law: panel("A law of one's own", "own", "An expression of force, N, or of whatever acts at its place in the chain. Try it like an effect."),
     practice: panel("Practice", "practice"),
-    survey: panel("Survey", "survey", "The answers of `palpate survey` to every group of a large data set. Open puts the traces of a group on the bench, in a folder of their own."),
+    survey: panel("Survey", "survey", "The answers of the command survey to every group of a large data set. Open puts the traces of a group on the bench, in a folder of their own."),
   };
   const work = h("div", { class: "lab-work", role: "status", "aria-live": "polite" });
   const way = h("div", {});
   const left = [panels.trace, panels.heat, panels.against, panels.closer].map((of) => of.place);
-  const right = [panels.ladder, panels.missing, panels.model, panels.beside, panels.law, panels.survey, panels.practice].map((of) => of.place);
+  const right = [panels.ladder, panels.missing, panels.formula, panels.motion, panels.model, panels.beside, panels.law, panels.survey, panels.practice].map((of) => of.place);
   const files = dropped(api, { opened: openDropped, say: (text) => say(text), fail: (error) => say(error.message, true) });
   panels.bench.place.append(files.root);
   const columns = h("div", { class: "lab-columns" }, h("div", { class: "lab-column" }, left), h("div", { class: "lab-column" }, right));
@@ -249,6 +251,11 @@ export function open(root, api) {
     if (!comparison) panels.closer.show(h("p", { class: "lab-note" }, unfitted));
     fill(panels.ladder, now?.ladder, "Its first rung is the base law.", rungs);
     fill(panels.missing, now, unfitted, missing);
+    const { discovery: formulas, motion: next } = state.answers;
+    panels.formula.hide(!formulas);
+    if (formulas) panels.formula.show(discovery(formulas, drafts.discovery, { ...act, redraw: act.redrawAll }));
+    panels.motion.hide(!next);
+    if (next) panels.motion.show(motion(next));
     fill(panels.model, now, "Its parameters, once a base law is fitted.", () => [model(state, choices, act)]);
     panels.beside.hide(!comparison);
     if (comparison) panels.beside.show(beside(state, drafts.beside, act));
@@ -281,13 +288,8 @@ export function open(root, api) {
       known?.verdict === "unknown" || formulas ? [h("button", { class: "lab-discover", onclick: () => start({ discover: null }) }, "Look for a formula"), copy({ discover: null })] : [],
       known?.steps.some((step) => step.credible_set.length > 1) || next ? [h("button", { class: "lab-next-motion", onclick: () => start({ motion: null }) }, "Propose the next motion"), copy({ motion: null })] : [],
     ].flat();
-    return [
-      tools,
-      known ? candidates(state.answers, known.unit, act) : "",
-      further.length ? h("div", { class: "tools" }, further) : "",
-      next ? motion(next) : "",
-      formulas ? discovery(formulas, drafts.discovery, { ...act, redraw: act.redrawAll }) : "",
-    ];
+    tools.append(...further);
+    return [tools, known ? candidates(state.answers, known.unit, act) : ""];
   }
 
   function against() {

@@ -16,7 +16,6 @@ export function discovery(found, draft, act) {
   return h(
     "div",
     { class: "lab-discovery" },
-    h("h3", {}, found.formulas.length > 1 ? "Formulas" : "A formula"),
     found.outcome === "formula" ? h("p", {}, fall(found)) : h("p", {}, OUTCOME[found.outcome]),
     h("ol", { class: "lab-candidates" }, found.formulas.map((of) => formula(of, act))),
     surfaces(found, draft, act),

@@ -9,7 +9,7 @@ const WAY = ["Fit a base law", "Ask what is missing", "Add it", "Nothing but noi
  * picked.
  */
 export function guide(state, fit, act) {
-  if (!state.traces.length) return h("section", { class: "lab-guide", "aria-label": "What to do next" }, h("p", {}, "Open a folder with traces, or hide an effect under Practice and find it."));
+  if (!state.traces.length) return h("section", { class: "lab-guide", "aria-label": "What to do next" }, h("p", {}, state.surveys.length ? "Open a survey below, and one of its groups; or a folder with traces." : "Open a folder with traces, or hide an effect under Practice and find it."));
   const { at, words, task, button, effect } = stand(state, fit);
   const step = (text, k) => h("li", k === at ? { "aria-current": "step" } : { class: k < at ? "lab-step-done" : "" }, text);
   const hover = effect ? { onmouseenter: () => act.hover(effect), onmouseleave: () => act.hover(null), onfocus: () => act.hover(effect), onblur: () => act.hover(null) } : {};

@@ -10,8 +10,7 @@ const SIZE = [420, 190];
 
 /** What `palpate diagnose --next` proposes. */
 export function motion(found) {
-  const head = h("h3", {}, "The next experiment as a motion");
-  if (!found.file) return h("div", { class: "lab-motion" }, head, h("p", {}, `None is proposed: ${found.why}.`));
+  if (!found.file) return h("div", {}, h("p", {}, `None is proposed: ${found.why}.`));
   const { columns, time_s: time, rig } = found;
   const [displacement, ...rest] = columns.filter(({ name }) => name === "displacement_mm").concat(columns.filter(({ name }) => name !== "displacement_mm"));
   const predicted = rest.filter(({ name }) => found.tells_apart.some((member) => name.startsWith(`${member.replaceAll("-", "_")}_`)));
@@ -20,8 +19,7 @@ export function motion(found) {
   const lines = predicted.map(({ values }, index) => ({ kind: `trace-${index % KEYS.length}`, x: time, y: values, name: found.tells_apart[index] }));
   return h(
     "div",
-    { class: "lab-motion" },
-    head,
+    {},
     h("p", {}, `${number(found.duration_s)} s of motion that tell ${found.tells_apart.join(", ")} apart: if one is right, each other, refitted, leaves at least ${number(found.separates)} squares of the noise (more than 10 tell).${told}`),
     h(
       "div",
