@@ -40,16 +40,13 @@ def make(folder: Path, grasps: int) -> Path:
     random = np.random.default_rng(1)
     model, motion = FLEET / "healthy.toml", FLEET / "grasp.toml"
     made = [palpate.simulate(model, motion, noise=0.01, seed=seed) for seed in range(OF_ONE)]
-    path = folder / "grasps.parquet"
-    writer = None
+    tables = []
     for number in range(grasps):
         columns = {name: values.copy() for name, values in made[number % OF_ONE].to_dict().items()}
         columns["force_N"] += random.normal(0.0, 0.005, len(columns["force_N"]))
-        rows = pa.table({"trace_id": [f"g{number:06}"] * len(columns["time_s"]), **columns})
-        writer = writer or pq.ParquetWriter(path, rows.schema, compression="zstd")
-        writer.write_table(rows)
-    assert writer is not None
-    writer.close()
+        tables.append(pa.table({"trace_id": [f"g{number:06}"] * len(columns["time_s"]), **columns}))
+    path = folder / "grasps.parquet"
+    pq.write_table(pa.concat_tables(tables), path, compression="zstd", row_group_size=500_000)
     return path
 
 

@@ -26,7 +26,9 @@ Function = Callable[[Work, Iterator[str]], Iterable[list[str]]]
 #: How often a group is tried at which the process ends.
 ATTEMPTS = 2
 #: How long a task should take, s: long beside the start of a process, short beside a survey.
-A_TASK_SECONDS = 2.0
+A_TASK_SECONDS = 4.0
+#: How long the last ones should take, s: a process starts in some 0.06 s, and no worker waits longer for another.
+LAST_SECONDS = 1.0
 #: Groups of a task before it is known how long one takes.
 FIRST = 5
 #: Tasks that a thread of the cluster has before it, so that it never waits.
@@ -63,10 +65,13 @@ class _Share:
         self.seconds, self.threads = 0.0, 8
 
     def next(self) -> int:
-        """As many as take `A_TASK_SECONDS`, and fewer at the end, so that all workers end together."""
-        known = self.came * A_TASK_SECONDS / self.seconds if self.seconds > 0 else FIRST
-        fair = (self.of - self.given) / (AHEAD * max(self.threads, 1))
-        return max(1, int(min(known, fair)))
+        """As many as take `A_TASK_SECONDS`, and fewer at the end, so that all workers end at about one time."""
+        left = (self.of - self.given) / (AHEAD * self.threads)
+        if self.seconds <= 0:
+            return max(1, int(min(FIRST, left)))
+        a_second = self.came / self.seconds
+        fair = min(max(left, LAST_SECONDS * a_second), self.of / self.threads)
+        return max(1, int(min(A_TASK_SECONDS * a_second, fair)))
 
     def count(self, rows: list[str], kept: int) -> None:
         """Counts rows that came, of which so many were kept, with the processor time that they took."""
