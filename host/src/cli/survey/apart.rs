@@ -166,7 +166,7 @@ pub fn work(task: &str, mut out: impl Write + Send) -> Result<(), Failure> {
             "the survey was called with palpate {version}, this worker has {here}"
         )));
     }
-    let call = Call::new(&words[1..])?;
+    let call = Call::new(words.get(1..).unwrap_or_default())?;
     let survey = call.survey()?;
     if survey.options(&words)? != options {
         return Err(Failure::Input(miette::miette!(
@@ -327,6 +327,9 @@ mod tests {
         assert!(said.contains("palpate 9, this worker has"), "{said}");
         let said = wrong("\"--by\":\"finger\"", "\"--by\":\"trace\"");
         assert!(said.contains("another model"), "{said}");
+        let mut empty: Value = serde_json::from_str(&task).unwrap();
+        empty["words"] = serde_json::json!([]);
+        assert!(work(&empty.to_string(), io::sink()).is_err() && work("{}", io::sink()).is_err());
         let asks_nothing = Call::new(&words("report results")).err().unwrap().words();
         assert!(asks_nothing.contains("asks no group"), "{asks_nothing}");
     }
