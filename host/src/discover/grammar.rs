@@ -99,7 +99,7 @@ const SCALE: ShapeParameter = ShapeParameter {
 const ONE: fn(&Reach) -> f64 = |_| 1.0;
 
 /// Every shape.
-pub const SHAPES: [Shape; 11] = [
+pub const SHAPES: [Shape; 12] = [
     Shape {
         name: "proportional to",
         family: Family::Straight,
@@ -155,6 +155,16 @@ pub const SHAPES: [Shape; 11] = [
         family: Family::Local,
         words: "is a bump of {size} where the {c} is {place}, {width} wide, while pressing",
         text: "0.5 * (1 + sign(v)) * exp(-(({c} - place) / width)^2)",
+        power: 0,
+        parameters: &[PLACE, WIDTH],
+        size: ONE,
+        slow: false,
+    },
+    Shape {
+        name: "bump against the motion at one",
+        family: Family::Local,
+        words: "is against the motion, {size} where the {c} is {place}, {width} wide",
+        text: "sign(v) * exp(-(({c} - place) / width)^2)",
         power: 0,
         parameters: &[PLACE, WIDTH],
         size: ONE,

@@ -47,6 +47,7 @@ def main():
         done = subprocess.run([palpate, *map(str, words)], capture_output=True, text=True)
         if done.returncode:
             sys.exit(done.stderr)
+        return done.stdout
 
     print("| hidden | | found | error on traces left out / noise | terms | CPU |")
     print("|-|-|-|-|-|-|")
@@ -71,6 +72,8 @@ def main():
         for trace, predicted in pairs:
             predicted.unlink(missing_ok=True)
             call("simulate", fitted, "--motion", trace, "-o", predicted)
+        left = json.loads(call("compare", fitted, folder / "traces", "--json"))["rms"]
+        print(f"| {case[0]} | `fung` alone | | {left / NOISE:.2f} fitted | | |")
         row(case, "palpate", [palpate, "discover", "--model", fitted, folder / "traces", "--json"])
         row(case, "PySINDy", [python, HERE / "rival.py", *(f"{a}={b}" for a, b in pairs)])
 
