@@ -1,10 +1,13 @@
 //! The fingers of a hand side by side, with the mouse.
 
-use palpate_tests::server::Server;
+use std::time::Instant;
+
+use palpate_tests::server::{PATIENCE, Server};
+use serde_json::Value;
 
 use crate::opened;
 
-/// The time of the largest signal in the plot of each finger, s before now.
+/// The largest signal of each finger, µε, when it was, and the time now, s.
 const PEAKS: &str = r"
   const { api } = await import('/api.js');
   const { readView } = await import('/live/window.js');
@@ -13,7 +16,7 @@ const PEAKS: &str = r"
     const { count, from, courses } = readView(await api.of(number).bytes('/live/view?from=0&to=1e6&bins=5000'));
     let most = 0;
     for (let bin = 0; bin < count; bin++) if (courses[0][1][bin] > courses[0][1][most]) most = bin;
-    peaks.push([courses[0][1][most], from[most]]);
+    peaks.push([courses[0][1][most], from[most], from[count - 1]]);
   }
   return peaks;
 ";
@@ -26,10 +29,20 @@ fn the_fingers_of_a_hand_are_shown_side_by_side_and_recorded_together() {
     browser.until("three fingers", "document.querySelectorAll('.finger').length === 3");
     for finger in 1..=3 {
         browser.says(&format!(".finger:nth-child({finger}) .finger-state"), " Hz, 0 rows lost");
-        browser.says(&format!(".finger:nth-child({finger}) .tip-regions"), "1 CD");
     }
     // Each presses more gently than the one before: the rows are those of three devices.
-    let peaks = browser.later(PEAKS);
+    let begun = Instant::now();
+    let peaks = loop {
+        let peaks = browser.later(PEAKS);
+        let over = |peak: &Value| {
+            let [most, at, now] = [0, 1, 2].map(|k| peak[k].as_f64().unwrap());
+            most > 300.0 && now > at + 1.0
+        };
+        if peaks.as_array().unwrap().iter().all(over) {
+            break peaks;
+        }
+        assert!(begun.elapsed() < PATIENCE, "no press has passed: {peaks}");
+    };
     let strength = |finger: usize| peaks[finger][0].as_f64().unwrap();
     for finger in [1, 2] {
         let gentler = strength(finger) / strength(finger - 1);
