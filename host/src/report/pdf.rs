@@ -2,14 +2,14 @@
 
 use std::io;
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, ExitStatus, Stdio};
+use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 use super::layout::WIDTH;
 use super::stack::Sheet;
 
 /// Names a browser that is to print, in place of those that are looked for.
-pub const BROWSER: &str = "PALPATE_BROWSER";
+const BROWSER: &str = "PALPATE_BROWSER";
 /// Browsers that print without a window, by their names on the path, and where they lie on macOS and Windows.
 const BROWSERS: [&str; 9] = [
     "chromium",
@@ -28,7 +28,7 @@ const PAPER_MM: f64 = 160.0;
 const PATIENCE: Duration = Duration::from_secs(60);
 const LOOK: Duration = Duration::from_millis(20);
 /// What the titles of our documents begin with.
-pub const TITLE: &str = "palpate: ";
+const TITLE: &str = "palpate: ";
 
 /// Why there is no PDF.
 #[derive(Debug, thiserror::Error)]
@@ -102,7 +102,7 @@ fn printed(browser: &str, folder: &Path, page: &Path) -> Result<Vec<u8>, PdfErro
             .stderr(Stdio::piped())
             .spawn()
             .map_err(|source| PdfError::Run { browser: browser.into(), source })?;
-        said = ended(child, browser)?.1;
+        said = ended(child, browser)?;
         if let Ok(bytes) = std::fs::read(&out)
             && bytes.starts_with(b"%PDF-")
         {
@@ -119,17 +119,16 @@ fn option(name: &str, path: &Path) -> PathBuf {
     option.into()
 }
 
-/// Waits for a browser, for as long as there is patience: how it ended, and what it said.
-fn ended(mut child: Child, browser: &str) -> Result<(ExitStatus, String), PdfError> {
+/// Waits until a browser has ended, for as long as there is patience: what it said.
+fn ended(mut child: Child, browser: &str) -> Result<String, PdfError> {
     let failed = |source| PdfError::Run { browser: browser.into(), source };
     // What it says is read beside, so that it never waits for somebody to read.
     let stderr = child.stderr.take();
     let heard = std::thread::spawn(move || stderr.map(io::read_to_string));
     let begun = Instant::now();
     loop {
-        if let Some(status) = child.try_wait().map_err(failed)? {
-            let said = heard.join().ok().flatten().and_then(Result::ok).unwrap_or_default();
-            return Ok((status, said));
+        if child.try_wait().map_err(failed)?.is_some() {
+            return Ok(heard.join().ok().flatten().and_then(Result::ok).unwrap_or_default());
         }
         if begun.elapsed() > PATIENCE {
             let _ = child.kill();

@@ -103,14 +103,17 @@ fn router(fingers: Vec<Live>, lab: Option<Session>, guard: Arc<Guard>) -> Router
     let fingers: Vec<Arc<Live>> = fingers.into_iter().map(Arc::new).collect();
     let about = Json(about(&fingers, lab.is_some()));
     let mut api = Router::new().route("/rooms", get(async || about));
+    let asking = device::Asking::default();
     for (index, finger) in fingers.iter().enumerate() {
-        let of = |path: &str| format!("/fingers/{}/{path}", index + 1);
-        api = api.nest(&of("live"), live::routes(Arc::clone(finger)));
-        api = api.nest(&of("device"), device::routes(Arc::clone(finger), beside(&fingers, index)));
-    }
-    if let Some(first) = fingers.first() {
-        api = api.nest("/live", live::routes(Arc::clone(first)));
-        api = api.nest("/device", device::routes(Arc::clone(first), beside(&fingers, 0)));
+        let beside = beside(&fingers, index);
+        let rooms = Router::new()
+            .nest("/live", live::routes(Arc::clone(finger)))
+            .nest("/device", device::routes(Arc::clone(finger), beside, Arc::clone(&asking)));
+        // Where none is named, the first.
+        if index == 0 {
+            api = api.merge(rooms.clone());
+        }
+        api = api.nest(&format!("/fingers/{}", index + 1), rooms);
     }
     if let Some(session) = lab {
         api = api.nest("/lab", lab::routes(session));

@@ -25,21 +25,15 @@ pub(super) struct Feed {
 /// When they cannot be read.
 pub fn apart(about: &About, group: &Group) -> Result<Vec<(String, Trace)>, trace::Error> {
     let id = about.options.get("--trace-id").and_then(|id| id.as_str()).map(str::to_owned);
-    let traces = traces(group, about.by.iter().cloned().chain(id).collect())?;
+    // Where many lie in one file, names are columns and no part of a trace.
+    let feed = Feed::new(about.by.iter().cloned().chain(id).collect());
+    let traces = Feed::whole(group, feed.rows(group)?)?;
     // One of many in a file has no name of its own yet.
     let name = |trace: &Trace| match trace.path {
         Some(_) => trace.label(),
         None => trace.label().replace(['/', '\\'], "-") + ".csv",
     };
     Ok(traces.into_iter().map(|trace| (name(&trace), trace)).collect())
-}
-
-/// The traces of one group, without columns `names` where many lie in one file.
-///
-/// # Errors
-/// When they cannot be read.
-pub fn traces(group: &Group, names: Vec<String>) -> Result<Vec<Trace>, trace::Error> {
-    Feed::whole(group, Feed::new(names).rows(group)?)
 }
 
 impl Feed {

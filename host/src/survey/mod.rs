@@ -23,7 +23,7 @@ pub mod row;
 pub mod run;
 pub mod source;
 
-pub use feed::{apart, traces};
+pub use feed::apart;
 pub use group::{Group, Place};
 pub use names::Names;
 pub use results::{Plan, Results, ResultsError};

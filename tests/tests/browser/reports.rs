@@ -13,10 +13,15 @@ fn opened(file: &Path) -> Browser {
     Browser::open(&format!("file://{}", file.display()), 1440, 900)
 }
 
+/// Ten traces with a hidden effect in `set`, and a base law fitted to them in `model.toml`.
+fn fitted(folder: &Path, effect: &str, seed: &str) {
+    answer(folder, &["hide", effect, "--seed", seed, "-o", "set", "--json"]);
+    answer(folder, &["fit", "fung", "set", "-o", "model.toml", "--json"]);
+}
+
 /// A comparison of the ten traces of a practice set, and the relaxation of ten holds.
 fn reports(folder: &Path) -> [std::path::PathBuf; 2] {
-    answer(folder, &["hide", "adhesion", "--seed", "3", "-o", "set", "--json"]);
-    answer(folder, &["fit", "fung", "set", "-o", "model.toml", "--json"]);
+    fitted(folder, "adhesion", "3");
     answer(folder, &["compare", "model.toml", "set", "--report", "compare.html", "--json"]);
     let rows: Vec<String> = (1..=10)
         .map(|row| bundled(&format!("table-3.1-row-{row:02}.csv")).display().to_string())
@@ -119,8 +124,7 @@ fn a_report_of_ten_traces_fits_on_six_pages() {
 fn the_figure_for_a_paper_is_one_page_with_before_verdict_and_after_and_nothing_runs_out_of_it() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
-    answer(folder, &["hide", "mullins", "--seed", "7", "-o", "set", "--json"]);
-    answer(folder, &["fit", "fung", "set", "-o", "model.toml", "--json"]);
+    fitted(folder, "mullins", "7");
     answer(folder, &["diagnose", "--model", "model.toml", "set", "--figure", "one.svg", "--json"]);
     let browser = opened(&folder.join("one.svg"));
     let titles = browser.script(
@@ -144,8 +148,7 @@ fn the_figure_for_a_paper_is_one_page_with_before_verdict_and_after_and_nothing_
 fn the_figure_for_a_paper_is_a_pdf_of_one_page_with_its_fonts() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
-    answer(folder, &["hide", "mullins", "--seed", "7", "-o", "set", "--json"]);
-    answer(folder, &["fit", "fung", "set", "-o", "model.toml", "--json"]);
+    fitted(folder, "mullins", "7");
     let call = ["diagnose", "--model", "model.toml", "set", "--figure", "one.pdf", "--json"];
     answer(folder, &call);
     let pdf = std::fs::read(folder.join("one.pdf")).unwrap();

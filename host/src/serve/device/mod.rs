@@ -23,19 +23,21 @@ use serde_json::Value;
 use super::guard::{MESSAGE_LIMIT, PROTOCOL};
 use super::live::Live;
 
+/// Held while ports are asked, so that two pages do not open the same one.
+pub type Asking = Arc<tokio::sync::Mutex<()>>;
+
 /// What the room needs of the device.
 #[derive(Clone)]
 struct Room {
     live: Arc<Live>,
     /// Ports of the other fingers.
     beside: Arc<[PathBuf]>,
-    /// Held while ports are asked, so that two pages do not open the same one.
-    asking: Arc<tokio::sync::Mutex<()>>,
+    asking: Asking,
 }
 
-/// What the page asks of the room of one finger; ports of the others, `beside`, are left alone.
-pub fn routes(live: Arc<Live>, beside: Arc<[PathBuf]>) -> Router {
-    let room = Room { live, beside, asking: Arc::default() };
+/// What the page asks of the room of one finger; ports of the others, `beside`, are left alone. `asking` is that of all fingers.
+pub fn routes(live: Arc<Live>, beside: Arc<[PathBuf]>, asking: Asking) -> Router {
+    let room = Room { live, beside, asking };
     Router::new().route("/ports", get(list)).route("/watch", get(follow)).with_state(room)
 }
 

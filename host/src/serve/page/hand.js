@@ -5,13 +5,12 @@ import { choice, h, isForPage, put } from "./dom.js";
 import { plot } from "./plot.js";
 import { follow } from "./live/follow.js";
 import { tip, tipLegend } from "./live/fingertip.js";
-import { GAUGES, SIGNALS } from "./live/signals.js";
+import { GAUGES, SIGNALS, STRETCHES } from "./live/signals.js";
 import { stamp } from "./live/stamp.js";
 import { picture } from "./save.js";
 
 export const keys = [["space", "hold the picture and go on"]];
 
-const STRETCHES = [2, 5, 10, 30, 60];
 /** Bins across a plot. */
 const COLUMNS = 400;
 /** Heights of a plot, px, and of the legend below the fingers. */

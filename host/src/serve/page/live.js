@@ -5,7 +5,7 @@ import { plot } from "./plot.js";
 import { healthPanel } from "./live/health.js";
 import { fingertip } from "./live/fingertip.js";
 import { foretold, foretoldPanel } from "./live/foretold.js";
-import { GAUGES, SIGNALS } from "./live/signals.js";
+import { GAUGES, SIGNALS, STRETCHES } from "./live/signals.js";
 import { follow } from "./live/follow.js";
 import { columnsOf, readView } from "./live/window.js";
 import { controls } from "./live/controls.js";
@@ -38,7 +38,6 @@ const LEGEND = [
 ];
 /** Heights of a plot, px, and of its heading with the space below. */
 const [LEAST_HEIGHT, MOST_HEIGHT, HEADING] = [200, 560, 44];
-const STRETCHES = [2, 5, 10, 30, 60];
 const LONGEST = 86_400;
 /** Bins across a plot, at least and at most; between, as many as it is wide in px. */
 const COLUMNS = [300, 1_000];

@@ -1,6 +1,8 @@
 // What a fingertip streams.
 
 export const GAUGES = 4;
+/** How much of it can be shown at once, s. */
+export const STRETCHES = [2, 5, 10, 30, 60];
 /** What is drawn of each gauge: name, colour, dash, shown at first; the order is that of the stream. */
 export const SIGNALS = [
   ["signal", "ink", undefined, true, "raw, as calibrated strain: FA + SA"],
