@@ -97,18 +97,20 @@ struct Hearing {
 }
 
 impl Hearing {
-    /// Hears until `enough`, or until nothing has come for so long.
+    /// Hears until `enough`, or until no row has come for so long; what else a device says does not prolong it.
     fn until(
         &mut self,
         session: &mut Session,
         patience: Duration,
         enough: impl Fn(&Stream) -> bool,
     ) -> Result<(), LinkError> {
+        let mut deadline = Instant::now() + patience;
         while !enough(&self.stream) {
-            let Some(heard) = session.hear(Instant::now() + patience)? else { break };
+            let Some(heard) = session.hear(deadline)? else { break };
             self.stream.take(&heard);
             if let Ok((_, Said::Rows(rows))) = &heard.said {
                 self.rows.extend(session.rows(rows).into_iter().flatten());
+                deadline = Instant::now() + patience;
             }
         }
         Ok(())

@@ -6,13 +6,16 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
+use shared::pipeline::GAUGES;
 use shared::wire::{
-    Accumulated, Accumulator, Answer, ClockSource, Counters, Done, FRAME_MAX, Formats, Head, Hello,
-    Refusal, ResetCause, SCHEMA, Settings, ToDevice, ToHost, decode, encode, introduction, open,
+    Accumulated, Accumulator, Answer, ClockSource, Columns, Counters, Done, FRAME_MAX, Formats,
+    Head, Hello, Refusal, ResetCause, SCHEMA, Settings, Status, ToDevice, ToHost, decode, encode,
+    introduction, open, read,
 };
 
 use super::heard::Said;
 use super::line::{Arrival, Line};
+use super::replay::replay;
 use super::session::{LinkError, Session, VERSION};
 
 const SOON: Duration = Duration::from_millis(800);
@@ -127,8 +130,12 @@ fn greet(to: u32, out: &mut Vec<u8>) {
 }
 
 /// A session with a device that greets, then does with each command what `script` says.
-fn session(mut script: Script) -> Session {
+fn session(script: Script) -> Session {
     let (line, far) = line();
+    session_over(line, far, script)
+}
+
+fn session_over(line: Line, far: End, mut script: Script) -> Session {
     device(
         far,
         Box::new(move |number, message, out| match introduction(message) {
@@ -256,6 +263,49 @@ fn what_comes_while_a_command_waits_is_heard_afterwards_in_order() {
         }
     }
     assert_eq!(generations, [1, 2, 3]);
+}
+
+/// How a device is that has done nothing yet.
+fn status() -> Status {
+    Status {
+        counters: Counters::default(),
+        gauges: Default::default(),
+        rows: 0,
+        streaming: None,
+        temperature: None,
+        converter: None,
+        stack_used: 0,
+        queue_most: 0,
+    }
+}
+
+#[test]
+fn rows_that_do_not_come_are_not_waited_for_because_a_device_goes_on_talking() {
+    let (line, far) = line();
+    let (talker, mut said) = (far.to.clone(), Vec::new());
+    say(&ToHost::Status(status()), &mut said);
+    let talking = std::thread::spawn(move || {
+        for _ in 0..200 {
+            if talker.send(said.clone()).is_err() {
+                return false;
+            }
+            std::thread::sleep(Duration::from_millis(20));
+        }
+        true
+    });
+    let lose = |number, message: &[u8], out: &mut Vec<u8>| {
+        let outcome = match read(message).unwrap() {
+            ToDevice::Inject(_) => Done::Injected { taken: 1, lost: 0, room: 15 },
+            _ => Done::Carried,
+        };
+        answer(number, Ok(outcome), out);
+        say(&ToHost::Status(status()), out);
+    };
+    let mut session = session_over(line, far, Box::new(lose));
+    let replayed = replay(&mut session, 1_000_000, Columns::Parts, None, &[[1; GAUGES]]).unwrap();
+    assert!(replayed.rows.is_empty());
+    drop(session);
+    assert!(!talking.join().unwrap(), "it was heard to its end");
 }
 
 #[test]
