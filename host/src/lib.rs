@@ -17,6 +17,7 @@
 //! - [`sensor`]: a simulated fingertip.
 //! - [`afm`]: force curves of a tip.
 //! - [`grasp`]: what a soft contact can hold before it slips.
+//! - [`robots`]: what a fingertip feels as topics for the tools of robots.
 //! - [`held`]: what a law foretells of a held press from the signal alone.
 //! - [`dissertation`]: the figures that the dissertation prints.
 //! - [`practice`]: data sets with a hidden effect.
@@ -49,6 +50,7 @@ pub mod press;
 pub mod recording;
 pub mod regions;
 pub mod report;
+pub mod robots;
 pub mod sensor;
 pub mod serve;
 pub mod summary;

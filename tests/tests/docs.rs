@@ -164,6 +164,11 @@ fn the_page_on_grasps_says_what_the_commands_print() {
 }
 
 #[test]
+fn the_commands_for_robots_run() {
+    run_all("docs/robots.md");
+}
+
+#[test]
 fn every_link_to_a_file_leads_somewhere() {
     for document in [
         "README.md",
@@ -176,6 +181,7 @@ fn every_link_to_a_file_leads_somewhere() {
         "docs/discover.md",
         "docs/base-laws.md",
         "docs/fleet.md",
+        "docs/robots.md",
         "docs/grasp.md",
         "docs/sensor.md",
         "docs/afm.md",

@@ -60,6 +60,7 @@ const WRITERS: &[(&[&str], &str, Option<&str>)] = &[
     (&["convert", "press.csv", "-o", "OUT"], "mcap", None),
     (&["import", "lab.txt", "--map", "map.toml", "-o", "OUT"], "csv", None),
     (&["record", "-o", "OUT"], "palpate", None),
+    (&["record", "-o", "take.palpate", "--mcap", "OUT"], "mcap", None),
     (&["plot", "press.csv", "-o", "OUT"], "svg", None),
     (&["events", "press.csv", "--report", "OUT"], "html", None),
     (&["markers", "press.csv", "--report", "OUT"], "html", None),

@@ -19,6 +19,7 @@ const LIBRARIES: &[&str] = &[
     "pyarrow==26.0.1",
     "rosbags==0.11.9",
     "scipy==1.17.1",
+    "websockets==17.4",
     "zstandard==0.25.0",
 ];
 
@@ -41,7 +42,8 @@ pub fn run() -> miette::Result<()> {
     }
     call(&python, &["tests/formats/write.py", &files.to_string_lossy()])?;
     // With `--workspace` they share the build of all other tests.
-    let tests = ["test", "--workspace", "--test", "formats", "--", "--include-ignored"];
+    let files = ["--test", "formats", "--test", "robots"];
+    let tests = [&["test", "--workspace"], &files[..], &["--", "--include-ignored"]].concat();
     rust("files of other programs", workspace(), &tests, &[])
 }
 

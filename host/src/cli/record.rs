@@ -2,17 +2,18 @@
 
 use std::io::IsTerminal;
 use std::path::PathBuf;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
-use shared::wire::{Columns, Felt, Source, Start};
+use shared::wire::{Columns, Felt, Row, Source, Start};
 
 use super::device::At;
 use super::output::{Force, print};
 use super::{Failure, interrupt};
 use crate::device::describe::{felt_in_words, felt_json, live_line, view_json};
 use crate::device::record::{Beside, Plan, RecordError, View, overload, record};
-use crate::files::plan::{self, RECORDING};
+use crate::files::plan::{self, MESSAGES, RECORDING};
+use crate::robots::McapFile;
 
 /// Record a device into a file.
 #[derive(clap::Args)]
@@ -28,13 +29,18 @@ a touch, a release and a slip are printed above it as the device tells them.
 Examples:
   palpate record -o press.palpate                    until Ctrl-C
   palpate record -o press.palpate --duration 60
-  palpate record -o press.palpate --json             an object a second, with the events in it")]
+  palpate record -o press.palpate --json             an object a second, with the events in it
+  palpate record -o press.palpate --mcap press.mcap  also as topics of ROS 2 (built with
+                                                     --features robots)")]
 pub struct Args {
     #[command(flatten)]
     at: At,
     /// The recording to write
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
+    /// Also write rows and events as topics of ROS 2, by the clock of this computer
+    #[arg(long, value_name = "FILE.mcap")]
+    mcap: Option<PathBuf>,
     /// End after so many seconds
     #[arg(long, value_name = "S", value_parser = parse_duration)]
     duration: Option<Duration>,
@@ -65,6 +71,7 @@ struct Screen {
     shown_s: u64,
     /// Events since the last object.
     felt: Vec<Value>,
+    mcap: Option<McapFile>,
     ended: fn() -> bool,
 }
 
@@ -73,7 +80,16 @@ impl Beside for Screen {
         (self.ended)()
     }
 
+    fn rows(&mut self, rows: &[Row], at: Instant) {
+        if let Some(file) = &mut self.mcap {
+            file.listener().rows(rows, at);
+        }
+    }
+
     fn feel(&mut self, felt: &Felt) {
+        if let Some(file) = &mut self.mcap {
+            file.listener().event(felt);
+        }
         if self.live {
             eprintln!("\r{}\x1b[K", felt_in_words(felt));
         }
@@ -98,7 +114,13 @@ impl Beside for Screen {
 
 /// Records until told to end.
 pub fn run(args: &Args) -> Result<(), Failure> {
-    plan::Plan::reading([""; 0], args.over.into()).writes(&args.output, &RECORDING)?;
+    let mut files = plan::Plan::reading([""; 0], args.over.into());
+    files.writes(&args.output, &RECORDING)?;
+    let mut mcap = None;
+    if let Some(file) = &args.mcap {
+        files.writes(file, &MESSAGES)?;
+        mcap = Some(McapFile::at(file, args.over.force).map_err(Failure::input)?);
+    }
     let ended = interrupt::handle()?;
     let (port, session) = args.at.open()?;
     let columns = if args.all { Columns::All } else { Columns::Parts };
@@ -108,18 +130,25 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     }
     let plan = Plan { port, start, duration: args.duration };
     let live = !args.quiet && !args.json && std::io::stderr().is_terminal();
-    let mut screen = Screen { live, json: args.json, shown_s: 0, felt: Vec::new(), ended };
+    let mut screen = Screen { live, json: args.json, shown_s: 0, felt: Vec::new(), mcap, ended };
     let outcome = record(session, &plan, &args.output, args.over.force, &mut screen);
     if live {
         eprintln!();
     }
-    let view = outcome.map_err(failed)?;
+    let mcap = screen.mcap.map_or(Ok(()), McapFile::end);
+    summarise(args, &outcome.map_err(failed)?)?;
+    mcap.map_err(Failure::work)
+}
+
+/// Says how it went.
+fn summarise(args: &Args, view: &View) -> Result<(), Failure> {
     let file = args.output.display();
     if args.json {
-        return print(&format!(
-            "{}\n",
-            json!({ "file": args.output, "summary": view_json(&view) })
-        ));
+        let mut object = json!({ "file": args.output, "summary": view_json(view) });
+        if let Some(mcap) = &args.mcap {
+            object["mcap"] = json!(mcap);
+        }
+        return print(&format!("{object}\n"));
     }
     if args.quiet {
         return Ok(());

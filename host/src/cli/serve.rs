@@ -10,6 +10,7 @@ use crate::device::session::LinkError;
 use crate::held::Law;
 use crate::model::Model;
 use crate::practice::{Choice, SEALED, check_empty, hide, write_set};
+use crate::robots::Viewers;
 use crate::serve::lab::Session;
 use crate::serve::live::{Elf, Given, Live, Source};
 use crate::serve::{Options, run as serve};
@@ -42,6 +43,8 @@ Examples:
                                              held press goes on; without one, the device's filter
   palpate serve --port /dev/ttyUSB0 --port /dev/ttyUSB1
                                              the fingers of a hand side by side
+  palpate serve --simulate --foxglove        also for Foxglove, PlotJuggler and their like
+                                             (built with --features robots)
   palpate serve --replay press.csv           a trace through the filter of the device, as fast as
                                              it was recorded
   palpate serve --replay press.csv --speed 4 --recordings touches/")]
@@ -88,6 +91,10 @@ pub struct Args {
     /// Address to listen on; any but a loopback address lets other computers in
     #[arg(long, value_name = "ADDRESS", default_value_t = IpAddr::V4(Ipv4Addr::LOCALHOST))]
     bind: IpAddr,
+    /// Also send rows, events and margins as topics of ROS 2 to viewers that speak the Foxglove protocol, on this port of the
+    /// same address; 0 for any that is free
+    #[arg(long, value_name = "PORT", num_args = 0..=1, require_equals = true, default_missing_value = "8765")]
+    foxglove: Option<u16>,
     /// Open the page in the browser
     #[arg(long)]
     open: bool,
@@ -115,19 +122,26 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         return Err(Failure::Input(miette::miette!("{folder} is no folder for recordings")));
     }
     let lab = args.lab()?;
-    let fingers = args.fingers(lab.is_some())?;
+    let viewers = args.viewers()?;
+    let fingers = args.fingers(lab.is_some(), viewers.as_ref())?;
     if !args.bind.is_loopback() {
         eprintln!(
             "! {} is no loopback address: whoever reaches it and has the token sees the page and commands the device, \
              and nothing is encrypted",
             args.bind
         );
+        if viewers.is_some() {
+            eprintln!("! whoever reaches it sees the topics for robots, without a token");
+        }
     }
     let options = Options { bind: args.bind, port: args.port_http, fingers, lab };
     let mut printed = Ok(());
     let ready = |url: &str| {
         printed = print(&format!("{url}\n"));
         eprintln!("open this address in a browser; Ctrl-C ends it");
+        if let Some(viewers) = &viewers {
+            eprintln!("viewers of robots connect to {}", viewers.url());
+        }
         if args.open
             && let Err(error) = open::that_detached(url)
         {
@@ -175,17 +189,30 @@ impl Args {
     }
 
     /// The devices, or what stands for them; none beside a folder where none was named.
-    fn fingers(&self, beside: bool) -> Result<Vec<Live>, Failure> {
+    fn fingers(&self, beside: bool, viewers: Option<&Viewers>) -> Result<Vec<Live>, Failure> {
         let named = !self.ports.is_empty() || self.replay.is_some() || self.made_up();
         if beside && !named {
-            return Ok(Vec::new());
+            return match viewers {
+                None => Ok(Vec::new()),
+                Some(_) => Err(Failure::Input(miette::miette!(
+                    "--foxglove shows a fingertip: name its --port, or --simulate one"
+                ))),
+            };
         }
         let (given, elf) = (self.given(beside)?, self.elf()?);
-        let begin = |source| {
-            Live::begin(source, self.recordings.clone(), elf.clone(), given.clone())
+        let begin = |(index, source)| {
+            let listener = viewers.map(|viewers| viewers.finger(index + 1)).transpose();
+            let listener = listener.map_err(Failure::work)?;
+            Live::begin(source, self.recordings.clone(), elf.clone(), given.clone(), listener)
                 .map_err(Failure::input)
         };
-        sources(self)?.into_iter().map(begin).collect()
+        sources(self)?.into_iter().enumerate().map(begin).collect()
+    }
+
+    /// The door for viewers of robots, if it is to be open.
+    fn viewers(&self) -> Result<Option<Viewers>, Failure> {
+        let viewers = self.foxglove.map(|port| Viewers::serve(self.bind, port));
+        viewers.transpose().map_err(Failure::input)
     }
 
     /// The model that foretells in the Live room. One that does not is of use in the Lab alone.

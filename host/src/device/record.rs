@@ -103,6 +103,9 @@ pub trait Beside {
     /// Sees the recording about ten times in a second, and at the end.
     fn watch(&mut self, view: &View);
 
+    /// Sees the rows of each block, whose last byte was read `at`.
+    fn rows(&mut self, _: &[Row], _at: Instant) {}
+
     /// Hears of a touch, a release or a slip as soon as the device tells it.
     fn feel(&mut self, _: &Felt) {}
 
@@ -281,7 +284,9 @@ impl<'p> Recorder<'p> {
             self.take(&heard)?;
             match &heard.said {
                 Ok((_, Said::Rows(rows))) => {
-                    self.row = session.rows(rows).and_then(|rows| rows.last().copied());
+                    let rows = session.rows(rows).unwrap_or_default();
+                    beside.rows(&rows, heard.at);
+                    self.row = rows.last().copied();
                 }
                 Ok((_, Said::Event(felt))) => beside.feel(felt),
                 _ => {}

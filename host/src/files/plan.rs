@@ -54,6 +54,8 @@ pub const CONVERTED: Kind =
     Kind { endings: &["csv", "parquet", crate::recording::EXTENSION, "mat", "mcap"], marks: &[] };
 /// What a device sent.
 pub const RECORDING: Kind = Kind { endings: &[crate::recording::EXTENSION], marks: &[] };
+/// What a device sent, as messages for the tools of robots.
+pub const MESSAGES: Kind = Kind { endings: &["mcap"], marks: &[] };
 /// A table of results, by its header row.
 pub const fn table(header: &'static [&'static str]) -> Kind {
     Kind { endings: &["csv"], marks: header }

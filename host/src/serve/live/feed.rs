@@ -25,6 +25,7 @@ use crate::device::release::verdict;
 use crate::device::session::{LinkError, Session};
 use crate::device::stream::{Mark, Stream};
 use crate::recording::Gap;
+use crate::robots::Listener;
 
 /// How long to listen before looking at wishes.
 const SLICE: Duration = Duration::from_millis(10);
@@ -60,6 +61,8 @@ pub(super) struct Feed {
     pub(super) grasp: Grasp,
     pub(super) foretelling: Foretelling,
     pub(super) log: Log,
+    /// What else hears the fingertip.
+    pub(super) listener: Option<Box<dyn Listener>>,
     /// Whether a stream is wanted.
     pub(super) wanted: bool,
     pub(super) heard_at: Instant,
@@ -212,6 +215,9 @@ impl Feed {
         match said {
             Said::Rows(rows) => match session.rows(rows) {
                 Some(rows) => {
+                    if let Some(listener) = &mut self.listener {
+                        listener.rows(&rows, heard.at);
+                    }
                     store.take(&rows, interval_s);
                     self.show(&mut store, &rows, interval_s);
                     let filter = &session.settings().1.relaxation;
@@ -230,7 +236,12 @@ impl Feed {
                 self.log.take(piece);
                 store.health.log = self.log.words();
             }
-            Said::Event(felt) => store.say(felt_in_words(felt)),
+            Said::Event(felt) => {
+                if let Some(listener) = &mut self.listener {
+                    listener.event(felt);
+                }
+                store.say(felt_in_words(felt));
+            }
             Said::Answer(_) | Said::Foreign { .. } | Said::Kept(_) => {}
         }
     }
@@ -241,7 +252,7 @@ impl Feed {
             store.bench.counts = Some((Instant::now(), counts));
         }
         let now_s = store.now_s();
-        self.grasp.take(rows, now_s, &mut store.bench.readings);
+        self.grasp.take(rows, now_s, &mut store.bench.readings, self.listener.as_deref_mut());
     }
 
     /// Puts in what is due of a trace.

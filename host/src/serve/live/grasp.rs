@@ -9,6 +9,7 @@ use shared::wire::Row;
 
 use crate::grasp::live::{Felt, Fingertip, Watch, Weights, weights};
 use crate::grasp::{Body, Contact, PressureLaw};
+use crate::robots::Listener;
 use crate::summary::reading_json;
 
 /// Time between two readings, s, as of the command.
@@ -172,8 +173,14 @@ impl Grasp {
         self.watched.as_ref().map_or(Value::Null, |(holding, _)| holding.json())
     }
 
-    /// Takes rows that end at a time of the session, s.
-    pub(super) fn take(&mut self, rows: &[Row], now_s: f64, readings: &mut Readings) {
+    /// Takes rows that end at a time of the session, s; `listener` hears the readings too.
+    pub(super) fn take(
+        &mut self,
+        rows: &[Row],
+        now_s: f64,
+        readings: &mut Readings,
+        mut listener: Option<&mut (dyn Listener + 'static)>,
+    ) {
         let Some((_, watch)) = &mut self.watched else { return };
         let Some(end) = rows.last() else { return };
         for felt in rows.iter().filter_map(Felt::of) {
@@ -182,6 +189,9 @@ impl Grasp {
             }
             self.last_s = felt.time;
             if let Some(reading) = watch.take(&felt) {
+                if let Some(listener) = &mut listener {
+                    listener.margin(&reading);
+                }
                 let mut json = reading_json(&reading);
                 json["session_s"] = (now_s - (end.time_us as f64 * 1e-6 - felt.time)).into();
                 readings.push(json);

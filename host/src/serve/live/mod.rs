@@ -61,6 +61,7 @@ use crate::device::session::Session;
 #[cfg(unix)]
 use crate::device::simulate::{Simulated, Simulation, SimulationError};
 use crate::device::stream::Stream;
+use crate::robots::Listener;
 use crate::trace::Trace;
 use crate::trace::recordable::{RecordableError, Samples, samples};
 
@@ -122,7 +123,7 @@ pub struct Live {
 
 impl Live {
     /// Begins to listen; recordings go to `folder`, the words of the device's log are in `elf`, and `given` foretells in place
-    /// of the filter of the device.
+    /// of the filter of the device; `listener` hears all that is shown.
     ///
     /// # Errors
     /// [`LiveError`].
@@ -131,6 +132,7 @@ impl Live {
         folder: PathBuf,
         elf: Option<Elf>,
         given: Option<Given>,
+        listener: Option<Box<dyn Listener>>,
     ) -> Result<Self, LiveError> {
         let ended = Arc::new(AtomicBool::new(false));
         let mut threads = Vec::new();
@@ -168,6 +170,7 @@ impl Live {
             grasp: Grasp::default(),
             foretelling: Foretelling::new(given),
             log: Log::new(elf),
+            listener,
             wanted: true,
             heard_at: Instant::now(),
         };

@@ -1,0 +1,78 @@
+//! An MCAP file beside a recording.
+
+use std::fs::File;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use palpate_robots::Door;
+use shared::wire::{Felt, Row};
+
+use super::topics::Finger;
+use super::{Listener, RobotsError};
+use crate::grasp::live::Reading;
+
+/// An MCAP file that begins with the first row: where none comes, none is made, and an older one stays. What goes wrong with it is
+/// said at its end, and does not touch the recording.
+pub struct McapFile {
+    path: PathBuf,
+    overwrite: bool,
+    door: Door,
+    finger: Finger,
+    begun: Option<Result<(), RobotsError>>,
+}
+
+impl McapFile {
+    /// A file at this path; one that is there is written over only if `overwrite` says so.
+    ///
+    /// # Errors
+    /// [`RobotsError::Door`].
+    pub fn at(path: &Path, overwrite: bool) -> Result<Self, RobotsError> {
+        let door = Door::new();
+        let finger = Finger::new(door.finger(1)?);
+        Ok(Self { path: path.into(), overwrite, door, finger, begun: None })
+    }
+
+    /// What is published to it.
+    pub fn listener(&mut self) -> &mut dyn Listener {
+        self
+    }
+
+    /// Ends it.
+    ///
+    /// # Errors
+    /// [`RobotsError`] if it could not be begun, or some of it could not be written.
+    pub fn end(mut self) -> Result<(), RobotsError> {
+        self.begun.take().unwrap_or(Ok(()))?;
+        Ok(self.door.end_file()?)
+    }
+
+    fn begin(&mut self) -> Result<(), RobotsError> {
+        let failed = |source| RobotsError::File { path: self.path.clone(), source };
+        let is_special = std::fs::metadata(&self.path).is_ok_and(|about| !about.is_file());
+        let opened = if is_special {
+            File::options().write(true).open(&self.path)
+        } else if self.overwrite {
+            File::create(&self.path)
+        } else {
+            File::create_new(&self.path)
+        };
+        Ok(self.door.write(opened.map_err(failed)?)?)
+    }
+}
+
+impl Listener for McapFile {
+    fn rows(&mut self, rows: &[Row], at: Instant) {
+        if self.begun.is_none() {
+            self.begun = Some(self.begin());
+        }
+        self.finger.rows(rows, at);
+    }
+
+    fn event(&mut self, felt: &Felt) {
+        self.finger.event(felt);
+    }
+
+    fn margin(&mut self, reading: &Reading) {
+        self.finger.margin(reading);
+    }
+}
