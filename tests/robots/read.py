@@ -1,7 +1,7 @@
 """Reads what a fingertip publishes, by libraries that share no code with the program that sends it.
 
-Call: read.py FILE.mcap ws://HOST:PORT ROWS. Prints as JSON what the file holds, read by two libraries, and the first ROWS rows of
-the first finger that come over the WebSocket.
+Call: read.py FILE.mcap ws://HOST:PORT ROWS. Prints as JSON what the file holds, read by two libraries,
+and the first ROWS rows of the first finger that come over the WebSocket.
 """
 
 import asyncio
@@ -43,7 +43,7 @@ def store_of(schemas):
 
 
 def from_file(path):
-    """Every message by mcap-ros2-support; every row also by rosbags, which knows ROS 2's own Header."""
+    """Every message by mcap-ros2-support, and every row also by rosbags."""
     topics, rows, same, store = {}, [], True, None
     with open(path, "rb") as file:
         reader = make_reader(file, decoder_factories=[DecoderFactory()])

@@ -75,6 +75,12 @@ enum Task {
         #[arg(long, default_value = "dev")]
         profile: String,
     },
+    /// Test what the Python package does with data sets of LeRobot, on one that LeRobot 0.4 writes (fetches some 8 GB).
+    Lerobot {
+        /// Profile of the wheel that is tested.
+        #[arg(long, default_value = "dev")]
+        profile: String,
+    },
     /// Build the wheel of the Python package for this platform and leave it in target/wheels/.
     Wheel,
     /// Check licences, sources, versions and known faults of all crates.
@@ -106,6 +112,7 @@ fn main() -> ExitCode {
         Task::Fuzz { seconds, seed, target } => check::fuzz(seconds, seed, target.as_deref()),
         Task::Formats => formats::run(),
         Task::Python { profile } => python::check(&profile),
+        Task::Lerobot { profile } => python::lerobot(&profile),
         Task::Wheel => python::wheel(),
         Task::Supply => supply::run(),
         Task::Sbom => generate("sbom"),

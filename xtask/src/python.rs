@@ -13,25 +13,26 @@ pub fn folder() -> PathBuf {
     workspace().join("python")
 }
 
-/// The environment that builds and tests it.
-fn environment() -> PathBuf {
-    workspace().join("target/python-env")
+/// An environment of Python under `target/`, and the file in the package's folder that says what is in it.
+struct Environment {
+    name: &'static str,
+    requirements: &'static str,
 }
+
+/// Builds the wheel and tests it.
+const OWN: Environment = Environment { name: "python-env", requirements: "tests/requirements.txt" };
+/// Has LeRobot, which is too large for the other.
+const LEROBOT: Environment =
+    Environment { name: "lerobot-env", requirements: "tests-lerobot/requirements.txt" };
 
 /// Where wheels are left.
 fn wheels() -> PathBuf {
     workspace().join("target/wheels")
 }
 
-/// A program of the environment.
-fn program(name: &str) -> PathBuf {
-    let (folder, end) = if cfg!(windows) { ("Scripts", ".exe") } else { ("bin", "") };
-    environment().join(folder).join(format!("{name}{end}"))
-}
-
 /// Builds the wheel of this platform, for every Python from 3.10 on, and leaves it in `target/wheels/`.
 pub fn wheel() -> miette::Result<()> {
-    set_up()?;
+    OWN.set_up()?;
     let wheel = build("release")?;
     let bytes = fs::metadata(&wheel).into_diagnostic()?.len();
     println!("{}: {:.1} MB", wheel.display(), bytes as f64 / 1e6);
@@ -41,13 +42,20 @@ pub fn wheel() -> miette::Result<()> {
 
 /// Checks the package: format and lints of its compiled half, the wheel, and all tests with what it installs.
 pub fn check(profile: &str) -> miette::Result<()> {
-    set_up()?;
+    OWN.set_up()?;
     cargo("format of the Python package", &["fmt", "--check"])?;
     cargo("lints of the Python package", &["clippy", "--", "-D", "warnings"])?;
+    OWN.install(&build(profile)?)?;
+    OWN.run("pytest", &["-q", "--durations=5", "tests"])
+}
+
+/// Tests what the package does with data sets of LeRobot, on one that LeRobot itself writes.
+pub fn lerobot(profile: &str) -> miette::Result<()> {
+    OWN.set_up()?;
     let wheel = build(profile)?;
-    let wheel = wheel.display().to_string();
-    run("python", &["-m", "pip", "install", "--quiet", "--force-reinstall", "--no-deps", &wheel])?;
-    run("pytest", &["-q", "--durations=5", "tests"])
+    LEROBOT.set_up()?;
+    LEROBOT.install(&wheel)?;
+    LEROBOT.run("pytest", &["-q", "tests-lerobot"])
 }
 
 /// Runs cargo in the folder of the package; it is built beside the workspace, which has the same crates.
@@ -56,24 +64,55 @@ fn cargo(name: &str, arguments: &[&str]) -> miette::Result<()> {
     rust(name, &folder(), arguments, &[("CARGO_TARGET_DIR", &target.to_string_lossy())])
 }
 
-/// Makes the environment where it is missing or needs other packages than those it has.
-fn set_up() -> miette::Result<()> {
-    let wanted = folder().join("tests/requirements.txt");
-    let wanted_text = fs::read_to_string(&wanted).into_diagnostic()?;
-    let has = environment().join("requirements.txt");
-    if fs::read_to_string(&has).is_ok_and(|has| has == wanted_text) {
-        return Ok(());
+impl Environment {
+    fn path(&self) -> PathBuf {
+        workspace().join("target").join(self.name)
     }
-    let path = environment().display().to_string();
-    println!("==> an environment for Python in {path}");
-    let python = if cfg!(windows) { "python" } else { "python3" };
-    let made = Command::new(python).args(["-m", "venv", &path]).status();
-    if !made.is_ok_and(|status| status.success()) {
-        bail!("`{python} -m venv` failed: install Python 3.10 or later with its venv module");
+
+    /// A program of the environment.
+    fn program(&self, name: &str) -> PathBuf {
+        let (folder, end) = if cfg!(windows) { ("Scripts", ".exe") } else { ("bin", "") };
+        self.path().join(folder).join(format!("{name}{end}"))
     }
-    let requirements = wanted.display().to_string();
-    run("python", &["-m", "pip", "install", "--quiet", "-r", &requirements])?;
-    fs::write(has, wanted_text).into_diagnostic()
+
+    /// Makes it where it is missing or needs other packages than those it has.
+    fn set_up(&self) -> miette::Result<()> {
+        let wanted = folder().join(self.requirements);
+        let wanted_text = fs::read_to_string(&wanted).into_diagnostic()?;
+        let has = self.path().join("requirements.txt");
+        if fs::read_to_string(&has).is_ok_and(|has| has == wanted_text) {
+            return Ok(());
+        }
+        let path = self.path().display().to_string();
+        println!("==> an environment for Python in {path}");
+        let python = if cfg!(windows) { "python" } else { "python3" };
+        let made = Command::new(python).args(["-m", "venv", &path]).status();
+        if !made.is_ok_and(|status| status.success()) {
+            bail!("`{python} -m venv` failed: install Python 3.10 or later with its venv module");
+        }
+        let requirements = wanted.display().to_string();
+        self.run("python", &["-m", "pip", "install", "--quiet", "-r", &requirements])?;
+        fs::write(has, wanted_text).into_diagnostic()
+    }
+
+    /// Puts a wheel into it, in place of the one before.
+    fn install(&self, wheel: &Path) -> miette::Result<()> {
+        let wheel = wheel.display().to_string();
+        let pip = ["-m", "pip", "install", "--quiet", "--force-reinstall", "--no-deps", &wheel];
+        self.run("python", &pip)
+    }
+
+    /// Runs a program of it in the folder of the package.
+    fn run(&self, name: &str, arguments: &[&str]) -> miette::Result<()> {
+        println!("==> {name} {}", arguments.join(" "));
+        let status = Command::new(self.program(name))
+            .args(arguments)
+            .current_dir(folder())
+            .status()
+            .into_diagnostic()
+            .wrap_err_with(|| format!("{name} of the environment cannot be run"))?;
+        if status.success() { Ok(()) } else { bail!("{name} {} failed", arguments.join(" ")) }
+    }
 }
 
 /// Builds the wheel, alone in its folder, and says where it is.
@@ -84,7 +123,7 @@ fn build(profile: &str) -> miette::Result<PathBuf> {
     }
     let out = wheels.display().to_string();
     println!("==> the wheel, in the profile {profile}");
-    let status = Command::new(program("maturin"))
+    let status = Command::new(OWN.program("maturin"))
         .args(["build", "--locked", "--profile", profile, "--out", &out])
         .current_dir(folder())
         .env("CARGO_TARGET_DIR", target)
@@ -100,16 +139,4 @@ fn build(profile: &str) -> miette::Result<PathBuf> {
 
 fn is_wheel(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension == "whl")
-}
-
-/// Runs a program of the environment in the folder of the package.
-fn run(name: &str, arguments: &[&str]) -> miette::Result<()> {
-    println!("==> {name} {}", arguments.join(" "));
-    let status = Command::new(program(name))
-        .args(arguments)
-        .current_dir(folder())
-        .status()
-        .into_diagnostic()
-        .wrap_err_with(|| format!("{name} of the environment cannot be run"))?;
-    if status.success() { Ok(()) } else { bail!("{name} {} failed", arguments.join(" ")) }
 }
