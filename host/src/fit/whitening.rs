@@ -58,6 +58,16 @@ impl Schedule {
         let (own, slow) = gains.split_at(self.order);
         (own, slow, left[0])
     }
+
+    /// Whether the last sample's numbers are these, as far as it matters.
+    fn is_near(&self, gain: &[f64], left: f64) -> bool {
+        if self.numbers.is_empty() {
+            return false;
+        }
+        let (own, slow, before) = self.at(self.len() - 1);
+        let moved = own.iter().chain(slow).zip(gain).map(|(a, b)| (a - b).abs());
+        (left - before).abs() < 1e-9 * left && moved.fold(0.0, f64::max) < 1e-7
+    }
 }
 
 /// Time constants of the processes that together are flicker, in samples.
@@ -234,64 +244,43 @@ impl Whitening {
         self.coefficients().len().max(1)
     }
 
-    /// The Kalman filter's gain and standard deviation of the innovation, until they settle.
+    /// The Kalman filter's gains and standard deviations of the innovation, until they settle, by the Chandrasekhar recursions (Morf,
+    /// Sidhu and Kailath, 1974): the covariance of a stationary state first changes by a matrix of rank one, and so it does from
+    /// then on. A sample costs a few operations for each number of the state, not for each pair of them.
     fn gains(&self, longest: usize) -> Schedule {
         let order = self.order();
-        let size = order + TIMES.len();
-        let autocovariance = self.autocovariance(order);
-        let flicker = self.flicker.powi(2);
-        // Row by row; the matrices are so small that a general product would cost ten times as much.
-        let mut covariance = vec![0.0; size * size];
-        for (i, row) in covariance.chunks_exact_mut(size).enumerate() {
-            match i < order {
-                true => (0..order).for_each(|j| row[j] = autocovariance[i.abs_diff(j)]),
-                false => row[i] = flicker,
-            }
-        }
-        let decays = decays();
-        let mut chance = vec![0.0; size];
-        chance[0] = self.left[self.left.len() - 1].powi(2);
-        for (chance, decay) in chance[order..].iter_mut().zip(&decays) {
-            *chance = flicker * (1.0 - decay * decay);
-        }
-        let mut turned = vec![0.0; size * size];
-        let mut towards = vec![0.0; size];
-        let mut gain = vec![0.0; size];
+        let (flicker, decays) = (self.flicker.powi(2), decays());
+        let seen = |state: &[f64]| state[0] + state[order..].iter().sum::<f64>();
+        // The covariance of the state, foretold from the samples before, with the next sample; and the variance of that.
+        let mut towards = self.autocovariance(order);
+        towards.extend([flicker; TIMES.len()]);
+        let mut variance = seen(&towards);
+        // What chance adds from one sample to the next is never foretold.
+        let chance = decays.iter().map(|decay| flicker * (1.0 - decay * decay)).sum::<f64>();
+        let least = chance + self.left[self.left.len() - 1].powi(2);
+        let mut gain: Vec<f64> = towards.iter().map(|towards| towards / variance).collect();
+        // From one sample to the next the covariance of the state changes by `weight` times `change` and its transpose.
+        let mut change = gain.clone();
+        self.advance(&mut change, &decays);
+        let mut weight = -variance;
         let mut found = Schedule { order, numbers: Vec::new() };
-        while found.len() < longest.clamp(1, SETTLED) {
-            for (towards, row) in towards.iter_mut().zip(covariance.chunks_exact(size)) {
-                *towards = row[0] + row[order..].iter().sum::<f64>();
+        loop {
+            let settled = found.is_near(&gain, variance.sqrt());
+            found.numbers.extend(gain.iter().chain([&variance.sqrt()]));
+            if settled || found.len() >= longest.clamp(1, SETTLED) {
+                return found;
             }
-            let variance = towards[0] + towards[order..].iter().sum::<f64>();
-            gain.iter_mut().zip(&towards).for_each(|(gain, towards)| *gain = towards / variance);
-            for (gain, row) in gain.iter().zip(covariance.chunks_exact_mut(size)) {
-                row.iter_mut().zip(&towards).for_each(|(own, towards)| *own -= gain * towards);
+            let told = seen(&change);
+            let next = (variance + weight * told * told).max(least);
+            for ((towards, change), gain) in towards.iter_mut().zip(&mut change).zip(&mut gain) {
+                *towards += weight * told * *change;
+                *change -= told * *gain;
+                *gain = *towards / next;
             }
-            // The covariance is symmetric: what time does to a state, done to each row and then to each column.
-            for row in covariance.chunks_exact_mut(size) {
-                self.advance(row, &decays);
-            }
-            for (i, row) in turned.chunks_exact_mut(size).enumerate() {
-                for (value, other) in row.iter_mut().zip(covariance.chunks_exact(size)) {
-                    *value = other[i];
-                }
-                self.advance(row, &decays);
-                row[i] += chance[i];
-            }
-            std::mem::swap(&mut covariance, &mut turned);
-            let left = variance.sqrt();
-            let settled = !found.numbers.is_empty() && {
-                let (own, slow, before) = found.at(found.len() - 1);
-                let last = own.iter().chain(slow);
-                let moved = last.zip(&gain).map(|(a, b)| (a - b).abs());
-                (left - before).abs() < 1e-9 * left && moved.fold(0.0, f64::max) < 1e-7
-            };
-            found.numbers.extend(gain.iter().chain([&left]));
-            if settled {
-                break;
-            }
+            self.advance(&mut change, &decays);
+            weight *= variance / next;
+            variance = next;
         }
-        found
     }
 
     /// What a sample of time does to a state: the autoregression's last values move up, the flicker decays.
@@ -324,11 +313,16 @@ impl Whitening {
         self.apply(&mut ones);
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         let unit = dot(&ones, &ones);
+        let (own, count) = (&self.left, values.len());
         let left = |k: usize| match self.schedule.len() {
-            0 => self.left[k.min(self.left.len() - 1)],
+            0 => own[k],
             _ => self.schedule.at(k).2,
         };
-        let logarithms: f64 = (0..values.len()).map(|k| left(k).ln()).sum();
+        // From where it has settled, what is left is the same at each sample.
+        let settled = self.schedule.len().max(own.len());
+        let changing: f64 = (0..count.min(settled)).map(|k| left(k).ln()).sum();
+        let rest = count.saturating_sub(settled) as f64 * left(settled - 1).ln();
+        let logarithms = changing + rest;
         Likelihood {
             squares: dot(&values, &values) - dot(&ones, &values).powi(2) / unit,
             logarithms: 2.0 * logarithms + unit.ln(),
@@ -437,6 +431,58 @@ mod tests {
         let best = at(sd, 0.6, 0.0);
         for other in [at(1.2 * sd, 0.6, 0.0), at(sd, 0.4, 0.0), at(sd, 0.6, 0.3)] {
             assert!(other > best + 5.0);
+        }
+    }
+
+    /// Gains and what is left at every sample by the Kalman filter's own equations, over the whole covariance of the state.
+    fn by_riccati(noise: &Whitening, samples: usize) -> Vec<(Vec<f64>, f64)> {
+        let (order, decays) = (noise.order(), decays());
+        let size = order + TIMES.len();
+        let (flicker, own) = (noise.flicker.powi(2), noise.autocovariance(order));
+        let mut covariance = nalgebra::DMatrix::from_fn(size, size, |i, j| match (i, j) {
+            (i, j) if i < order && j < order => own[i.abs_diff(j)],
+            (i, j) if i == j => flicker,
+            _ => 0.0,
+        });
+        let mut step = nalgebra::DMatrix::zeros(size, size);
+        for (j, coefficient) in noise.coefficients().iter().enumerate() {
+            step[(0, j)] = *coefficient;
+        }
+        (1..order).for_each(|i| step[(i, i - 1)] = 1.0);
+        let mut chance = nalgebra::DMatrix::zeros(size, size);
+        chance[(0, 0)] = noise.left[noise.left.len() - 1].powi(2);
+        for (k, decay) in decays.iter().enumerate() {
+            step[(order + k, order + k)] = *decay;
+            chance[(order + k, order + k)] = flicker * (1.0 - decay * decay);
+        }
+        let seen = nalgebra::DVector::from_fn(size, |i, _| f64::from(i == 0 || i >= order));
+        (0..samples)
+            .map(|_| {
+                let towards = &covariance * &seen;
+                let variance = seen.dot(&towards);
+                let gain = &towards / variance;
+                let known = &covariance - &gain * towards.transpose();
+                covariance = &step * known * step.transpose() + &chance;
+                (gain.iter().copied().collect(), variance.sqrt())
+            })
+            .collect()
+    }
+
+    #[test]
+    fn the_gains_are_those_of_the_kalman_filter() {
+        let models: [&[f64]; 6] =
+            [&[], &[0.5], &[-0.9], &[0.99, -0.3], &[0.9, 0.5, -0.7, 0.2], &[0.999, 0.9]];
+        for partial in models {
+            for flicker in [1e-3, 0.3, 30.0] {
+                let noise = Whitening::new(1.5, partial, flicker, 1_500);
+                let samples = noise.schedule.len();
+                for (k, (gain, left)) in by_riccati(&noise, samples).iter().enumerate() {
+                    let (own, slow, found) = noise.schedule.at(k);
+                    let wrong = own.iter().chain(slow).zip(gain).map(|(a, b)| (a - b).abs());
+                    let wrong = wrong.fold((found - left).abs() / left, f64::max);
+                    assert!(wrong < 1e-8, "{partial:?}, {flicker}, sample {k}: {wrong}");
+                }
+            }
         }
     }
 }
