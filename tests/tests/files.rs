@@ -364,6 +364,43 @@ mod unix {
     }
 
     #[test]
+    fn a_request_to_end_is_heard_where_another_signal_is_ignored() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        fs::create_dir(at("out")).unwrap();
+        long_trace(&at("long.csv"));
+        // As a shell begins what it runs in the background, and as `nohup` does.
+        for ignored in ["INT", "HUP"] {
+            let palpate = program().get_program().to_owned();
+            let script = format!("trap '' {ignored}; exec \"$0\" convert long.csv -o out/long.csv");
+            let mut shell = Command::new("sh");
+            let mut process = shell
+                .arg("-c")
+                .arg(script)
+                .arg(palpate)
+                .current_dir(folder.path())
+                .spawn()
+                .unwrap();
+            while unfinished(&at("out")) == 0 {
+                assert!(
+                    process.try_wait().unwrap().is_none(),
+                    "it was written too fast to be seen"
+                );
+            }
+            let send = |signal: &str| {
+                let process = process.id().to_string();
+                assert!(
+                    Command::new("kill").args(["-s", signal, &process]).status().unwrap().success()
+                );
+            };
+            send(ignored);
+            send("TERM");
+            assert_eq!(process.wait().unwrap().code(), Some(130), "{ignored}");
+            assert_eq!(unfinished(&at("out")), 0, "{ignored}");
+        }
+    }
+
+    #[test]
     fn a_reader_that_has_seen_enough_is_no_fault() {
         for arguments in [&["completions", "bash"][..], &["effects"], &["--help"]] {
             let mut process = program()
