@@ -1,7 +1,7 @@
 //! Where messages go: to viewers over a WebSocket, and into a file.
 
 use std::fs::File;
-use std::io::{self, BufWriter, Write};
+use std::io::{self, BufWriter};
 use std::net::{IpAddr, SocketAddr};
 use std::sync::Arc;
 
@@ -75,19 +75,14 @@ impl Door {
         Ok(())
     }
 
-    /// Ends the file, so that it can be read.
+    /// Ends the file, so that it can be read; gives it back, if there is one.
     ///
     /// # Errors
     /// [`Error::Write`] or [`Error::Disk`] if some of it is missing, as on a full disk.
-    pub fn end_file(&mut self) -> Result<(), Error> {
-        let Some(file) = self.file.take() else { return Ok(()) };
-        let mut file = file.close().map_err(Error::Write)?;
-        file.flush()?;
-        file.get_ref().sync_data().or_else(|error| match error.kind() {
-            // A device such as `/dev/null` has nothing to keep.
-            io::ErrorKind::InvalidInput => Ok(()),
-            _ => Err(error.into()),
-        })
+    pub fn end_file(&mut self) -> Result<Option<File>, Error> {
+        let Some(file) = self.file.take() else { return Ok(None) };
+        let file = file.close().map_err(Error::Write)?;
+        Ok(Some(file.into_inner().map_err(io::IntoInnerError::into_error)?))
     }
 }
 

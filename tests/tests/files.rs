@@ -263,7 +263,7 @@ fn what_palpate_wrote_it_writes_again_and_anything_else_with_force() {
 #[cfg(unix)]
 mod unix {
     use std::os::unix::fs::{FileTypeExt, symlink};
-    use std::process::{Command, Stdio};
+    use std::process::{Child, Command, Stdio};
     use std::time::{Duration, Instant};
 
     use palpate_tests::server::program;
@@ -312,6 +312,20 @@ mod unix {
         names.filter(|name| name.to_string_lossy().ends_with(".palpate-tmp")).count()
     }
 
+    /// Waits until a process is writing a file in a folder.
+    fn wait_for_unfinished(process: &mut Child, folder: &Path) {
+        let begun = Instant::now();
+        while unfinished(folder) == 0 {
+            assert!(begun.elapsed() < PATIENCE, "nothing is written");
+            assert!(process.try_wait().unwrap().is_none(), "it was written too fast to be seen");
+        }
+    }
+
+    fn send(signal: &str, process: &Child) {
+        let kill = Command::new("kill").args(["-s", signal, &process.id().to_string()]).status();
+        assert!(kill.unwrap().success());
+    }
+
     /// Whether this process, and so what it starts, ignores a signal, as under `nohup`.
     fn ignored(signal: u32) -> bool {
         let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
@@ -342,17 +356,8 @@ mod unix {
             }
             let arguments = ["convert", "long.csv", "-o", "out/long.csv"];
             let mut process = program().args(arguments).current_dir(folder.path()).spawn().unwrap();
-            let begun = Instant::now();
-            while unfinished(&at("out")) == 0 {
-                assert!(begun.elapsed() < PATIENCE, "nothing is written");
-                assert!(
-                    process.try_wait().unwrap().is_none(),
-                    "it was written too fast to be seen"
-                );
-            }
-            let kill =
-                Command::new("kill").args(["-s", signal, &process.id().to_string()]).status();
-            assert!(kill.unwrap().success());
+            wait_for_unfinished(&mut process, &at("out"));
+            send(signal, &process);
             let status = process.wait().unwrap();
             assert!(!status.success());
             assert_eq!(unfinished(&at("out")), usize::from(signal == "KILL"), "{signal}");
@@ -381,20 +386,9 @@ mod unix {
                 .current_dir(folder.path())
                 .spawn()
                 .unwrap();
-            while unfinished(&at("out")) == 0 {
-                assert!(
-                    process.try_wait().unwrap().is_none(),
-                    "it was written too fast to be seen"
-                );
-            }
-            let send = |signal: &str| {
-                let process = process.id().to_string();
-                assert!(
-                    Command::new("kill").args(["-s", signal, &process]).status().unwrap().success()
-                );
-            };
-            send(ignored);
-            send("TERM");
+            wait_for_unfinished(&mut process, &at("out"));
+            send(ignored, &process);
+            send("TERM", &process);
             assert_eq!(process.wait().unwrap().code(), Some(130), "{ignored}");
             assert_eq!(unfinished(&at("out")), 0, "{ignored}");
         }

@@ -1,10 +1,10 @@
-//! Files: what may be written ([`plan`]), so that a reader sees all of one or nothing ([`write_whole`]), and how a shell takes
-//! a name ([`quoted`]).
+//! Files: what may be written ([`plan`]), so that a reader sees all of one or nothing ([`write_whole`]) or as its contents come
+//! ([`begin`]), and how a shell takes a name ([`quoted`]).
 
 pub mod plan;
 mod temporary;
 
-use std::fs::{self, File};
+use std::fs::{self, File, TryLockError};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
@@ -51,6 +51,39 @@ fn replace(
     fill(&mut writer)?;
     let temporary = writer.into_inner().map_err(io::IntoInnerError::into_error)?;
     temporary.persist(path, permissions)
+}
+
+/// Begins a file that is written as its contents come; one that is there is replaced only if `overwrite` says so. Nobody else who
+/// begins it so writes to it meanwhile. What is no regular file (a device, a pipe) is written into.
+///
+/// # Errors
+/// [`io::ErrorKind::AlreadyExists`], [`io::ErrorKind::ResourceBusy`] while another writes to it, or whatever else the file
+/// system answers.
+pub fn begin(path: &Path, overwrite: bool) -> io::Result<File> {
+    let regular = !fs::metadata(path).is_ok_and(|about| !about.is_file());
+    if !regular {
+        return File::options().write(true).open(path);
+    }
+    let mut options = File::options();
+    options.write(true).create(true).truncate(false);
+    let file = if overwrite { options.open(path) } else { File::create_new(path) }?;
+    // A file system without locks cannot tell; there one writer could lose what another writes.
+    if let Err(TryLockError::WouldBlock) = file.try_lock() {
+        return Err(io::ErrorKind::ResourceBusy.into());
+    }
+    file.set_len(0)?;
+    Ok(file)
+}
+
+/// Tells the disk to keep what was written; a device such as `/dev/null` has nothing to keep.
+///
+/// # Errors
+/// Whatever the file system answers.
+pub fn keep(file: &mut File) -> io::Result<()> {
+    match file.sync_data() {
+        Err(error) if error.kind() == io::ErrorKind::InvalidInput => Ok(()),
+        kept => kept,
+    }
 }
 
 /// Where a name leads, link by link; the last one may lead to nothing yet.

@@ -265,8 +265,9 @@ impl Whitening {
         let mut weight = -variance;
         let mut found = Schedule { order, numbers: Vec::new() };
         loop {
-            let settled = found.is_near(&gain, variance.sqrt());
-            found.numbers.extend(gain.iter().chain([&variance.sqrt()]));
+            let left = variance.sqrt();
+            let settled = found.is_near(&gain, left);
+            found.numbers.extend(gain.iter().chain([&left]));
             if settled || found.len() >= longest.clamp(1, SETTLED) {
                 return found;
             }

@@ -1,6 +1,6 @@
 //! Appending to a recording.
 
-use std::fs::{File, TryLockError};
+use std::fs::File;
 use std::io::{self, Write};
 use std::path::Path;
 
@@ -8,6 +8,7 @@ use shared::wire::{FRAME_MAX, Head};
 
 use super::BEGINNING;
 use super::note::{Note, Opened, encode_note};
+use crate::files;
 
 /// Least time between two notes of arrival, µs.
 pub const ANCHOR_US: u64 = 20_000;
@@ -44,27 +45,7 @@ impl Writer<File> {
     /// [`io::ErrorKind::AlreadyExists`], [`io::ErrorKind::ResourceBusy`] while another recording is written to it, or
     /// whatever else the file system answers.
     pub fn create(path: &Path, overwrite: bool, opened: &Opened<'_>) -> io::Result<Self> {
-        let regular = !std::fs::metadata(path).is_ok_and(|about| !about.is_file());
-        if !regular {
-            return Self::begin(File::options().write(true).open(path)?, keep, opened);
-        }
-        let mut options = File::options();
-        options.write(true).create(true).truncate(false);
-        let file = if overwrite { options.open(path) } else { File::create_new(path) }?;
-        // A file system without locks cannot tell; there one recording could lose another, as before.
-        if let Err(TryLockError::WouldBlock) = file.try_lock() {
-            return Err(io::ErrorKind::ResourceBusy.into());
-        }
-        file.set_len(0)?;
-        Self::begin(file, keep, opened)
-    }
-}
-
-/// Tells the disk to keep what was written; a device such as `/dev/null` has nothing to keep.
-fn keep(file: &mut File) -> io::Result<()> {
-    match file.sync_data() {
-        Err(error) if error.kind() == io::ErrorKind::InvalidInput => Ok(()),
-        kept => kept,
+        Self::begin(files::begin(path, overwrite)?, files::keep, opened)
     }
 }
 

@@ -1,6 +1,5 @@
 //! An MCAP file beside a recording.
 
-use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -9,6 +8,7 @@ use shared::wire::{Felt, Row};
 
 use super::topics::Finger;
 use super::{Listener, RobotsError};
+use crate::files;
 use crate::grasp::live::Reading;
 
 /// An MCAP file that begins with the first row: where none comes, none is made, and an older one stays. What goes wrong with it is
@@ -43,20 +43,17 @@ impl McapFile {
     /// [`RobotsError`] if it could not be begun, or some of it could not be written.
     pub fn end(mut self) -> Result<(), RobotsError> {
         self.begun.take().unwrap_or(Ok(()))?;
-        Ok(self.door.end_file()?)
+        match self.door.end_file()? {
+            Some(mut file) => files::keep(&mut file)
+                .map_err(|source| RobotsError::File { path: self.path, source }),
+            None => Ok(()),
+        }
     }
 
     fn begin(&mut self) -> Result<(), RobotsError> {
         let failed = |source| RobotsError::File { path: self.path.clone(), source };
-        let is_special = std::fs::metadata(&self.path).is_ok_and(|about| !about.is_file());
-        let opened = if is_special {
-            File::options().write(true).open(&self.path)
-        } else if self.overwrite {
-            File::create(&self.path)
-        } else {
-            File::create_new(&self.path)
-        };
-        Ok(self.door.write(opened.map_err(failed)?)?)
+        let file = files::begin(&self.path, self.overwrite).map_err(failed)?;
+        Ok(self.door.write(file)?)
     }
 }
 

@@ -6,13 +6,12 @@ use std::time::Instant;
 use palpate_robots::{Door, Fingertip, GraspMargin, Topics, TouchEvent};
 use shared::events::Kind;
 use shared::fixed::microstrain;
-use shared::phase::RelaxationType;
 use shared::wire::{Felt, Row};
 
 use super::stamps::Stamps;
 use super::{Listener, RobotsError};
 use crate::grasp::live::Reading;
-use crate::regions::code;
+use crate::regions::{code, type_code};
 
 /// Viewers that are let in, until this ends.
 pub struct Viewers {
@@ -82,11 +81,7 @@ impl Finger {
             entered_rows_ago: row
                 .entered
                 .map(|rows| rows.map_or(-1, |rows| i32::try_from(rows).unwrap_or(i32::MAX))),
-            relaxation: row.states.map(|state| match state.relaxation {
-                RelaxationType::None => 0,
-                RelaxationType::TypeI => 1,
-                RelaxationType::TypeII => 2,
-            }),
+            relaxation: row.states.map(|state| type_code(state.relaxation) as u8),
             flags: row.states.map(|state| state.flags.bits()),
         });
     }

@@ -44,15 +44,15 @@ def features(
     """What a data set's gauges felt, frame by frame, as LeRobot's `add_features` takes it.
 
     `gauges` is the feature that holds the strains, one of which is `microstrain` µε; `take` are
-    those of its elements that are gauges, by place or by name, where it holds others too. Each episode is
-    split by the filter of the device at the rate of the data set, with the relaxation function of
-    `model`, or that of eq. 3.6.
+    those of its elements that are gauges, by place or by name, where it holds others too. Each
+    episode is split by the filter of the device at the rate of the data set, with the relaxation
+    function of `model`, or that of eq. 3.6.
 
     - `observation.touch.fa`, `observation.touch.sa`: the fast and the slow adapting part of each
       gauge, µε; their sum is the strain.
     - `observation.touch.event`: 1 in the frame in which a gauge comes into contact, −1 in which it
-      is let go, else 0. Slips are jolts of milliseconds: no data set of some 30 frames a second holds
-      them; a recording of the device does.
+      is let go, else 0. Slips are jolts of milliseconds: no data set of some 30 frames a second
+      holds them; a recording of the device does.
     """
     import numpy as np
 
