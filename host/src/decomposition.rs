@@ -7,8 +7,7 @@
 use shared::adaptation::{Config, ConfigError, Output, Relaxation, State};
 use shared::fixed::{STRAIN_FRACTION_BITS, STRAIN_MAX};
 
-use crate::dissertation::EQUATION_3_6;
-use crate::model::Model;
+use crate::model::{EQUATION_3_6, Model};
 use crate::trace::{FORCE, GAUGES, Trace, runs};
 
 /// One channel of a recording, decomposed. Every vector is as long as the recording and in the

@@ -5,8 +5,7 @@ use shared::events::{Config, ConfigError, Kind, Settings, State};
 use shared::pipeline::GAUGES;
 
 use crate::decomposition::{Channel, DecompositionError, decompose, signals};
-use crate::sensor::HAPPENED;
-use crate::trace::{GAUGES as NAMES, Trace, noise, runs, sampling};
+use crate::trace::{HAPPENED, GAUGES as NAMES, Trace, noise, runs, sampling};
 
 /// The name of a kind of event.
 #[must_use]

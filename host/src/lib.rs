@@ -47,6 +47,7 @@ mod meant;
 pub mod model;
 pub mod practice;
 pub mod press;
+pub mod promises;
 pub mod recording;
 pub mod regions;
 pub mod report;

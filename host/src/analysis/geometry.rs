@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use crate::grasp::widened;
+use crate::model::widened;
 use crate::trace::{Shape, Specimen};
 
 /// What a ball's depression d in (7.7) means for a displacement of the machine.

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use super::Failure;
 use super::output::{Output, print_json, print_sections, write_report};
 use crate::criticism::signature::signature;
-use crate::effects::contract::{Kept, contract};
+use crate::promises::{Kept, contract};
 use crate::effects::{EffectError, find, read_laws};
 use crate::summary::{
     contract_json, contract_section, effect_figures, effect_json, effect_section, library_json,

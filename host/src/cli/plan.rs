@@ -7,10 +7,10 @@ use serde_json::{Value, json};
 use super::answer::Answer;
 use super::output::{print_json, print_sections};
 use super::{Failure, progress};
-use crate::dissertation::{EQUATION_3_5, EQUATION_3_6};
+use crate::dissertation::EQUATION_3_5;
 use crate::fit::exponentials::plan::{Experiment, Plan, Recording, Wanted};
 use crate::fit::exponentials::{Bound, ExponentialSum, Normalisation, Parameter, Term};
-use crate::model::Model;
+use crate::model::{EQUATION_3_6, Model};
 use crate::report::Section;
 use crate::summary::plan_section;
 

@@ -6,7 +6,6 @@ use nalgebra::{DMatrix, DVector};
 use super::dependence::{Bin, binned};
 use super::residuals::Stretch;
 use crate::model::covariate::Covariate;
-use crate::report::number::significant;
 
 /// A residual over one quantity.
 #[derive(Clone, Debug, PartialEq)]
@@ -88,18 +87,23 @@ impl LeftoverCurve {
     }
 }
 
+/// A number to four significant digits.
+fn rounded(number: f64) -> f64 {
+    format!("{number:.3e}").parse().unwrap_or(number)
+}
+
 /// The cubics in the words of a law of one's own.
 fn expression(covariate: Covariate, scale: f64, coefficients: &[f64]) -> String {
     if covariate == Covariate::Direction {
-        let [mean, way] = [coefficients[0], coefficients[1]].map(|c| significant(c, 4));
+        let [mean, way] = [coefficients[0], coefficients[1]].map(|c| rounded(c));
         return format!("k * ({mean} + {way} * sign(v))");
     }
-    let unit = format!("({} / {})", covariate.symbol(), significant(scale, 4));
+    let unit = format!("({} / {})", covariate.symbol(), rounded(scale));
     let cubic = |coefficients: &[f64]| {
         let term = |(n, c): (usize, &f64)| match n {
-            0 => significant(*c, 4),
-            1 => format!("{} * {unit}", significant(*c, 4)),
-            n => format!("{} * {unit}^{n}", significant(*c, 4)),
+            0 => rounded(*c).to_string(),
+            1 => format!("{} * {unit}", rounded(*c)),
+            n => format!("{} * {unit}^{n}", rounded(*c)),
         };
         coefficients.iter().enumerate().map(term).collect::<Vec<_>>().join(" + ")
     };

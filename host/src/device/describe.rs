@@ -6,11 +6,10 @@ use shared::wire::{ClockSource, Counters, Felt, Kept, ResetCause, Settings, Sour
 
 use super::change::{Threshold, rate_hz};
 use super::heard::Identity;
-use super::record::{View, parts};
+use super::record::View;
 use super::refusal::Fault;
 use crate::events::name;
-use crate::report::number::significant;
-use crate::report::{Block, Column, Section, Table};
+use crate::recording::parts;
 
 /// Why a device began.
 #[must_use]
@@ -24,7 +23,9 @@ pub const fn reset_in_words(reset: ResetCause) -> &'static str {
     }
 }
 
-const fn clock_in_words(clock: ClockSource) -> &'static str {
+/// What a device takes its time from.
+#[must_use]
+pub const fn clock_in_words(clock: ClockSource) -> &'static str {
     match clock {
         ClockSource::Crystal => "crystal",
         ClockSource::Internal => "internal oscillator, 1 %: the crystal did not start",
@@ -40,40 +41,9 @@ pub fn one_line(identity: &Identity) -> String {
     format!("{board}, firmware {version}{git}, serial {}", identity.serial_number())
 }
 
-/// Who a device is, its settings and how it is.
-#[must_use]
-pub fn info(identity: &Identity, settings: &Settings, status: &Status) -> Vec<Section> {
-    let text = |name: &str, value: String| (name.to_owned(), value);
-    let mut who = vec![
-        text("device", one_line(identity)),
-        text("clock", clock_in_words(identity.clock).into()),
-        text("began because", reset_in_words(identity.reset).into()),
-    ];
-    if !identity.panic.is_empty() {
-        who.push(text("last panic", identity.panic.clone()));
-    }
-    if let Some(words) = identity.kept.and_then(kept_in_words) {
-        who.push(text("settings", words.into()));
-    }
-    let temperature = status
-        .temperature
-        .map_or("no sensor".into(), |temperature| format!("{:.1} °C", celsius(temperature)));
-    who.push(text("temperature", temperature));
-    who.push(text(
-        "converter",
-        status.converter.map_or("as it should be".into(), |fault| Fault(fault).to_string()),
-    ));
-    if status.stack_used > 0 {
-        who.push(text("stack used", format!("{} bytes at most", status.stack_used)));
-    }
-    let mut blocks = vec![Block::Definitions(who)];
-    blocks.extend(self::settings(settings, identity.converter_clock_hz));
-    blocks.push(Block::Table(counters(&status.counters)));
-    vec![Section { title: "Device".into(), blocks }]
-}
-
 /// What a user must know of the settings that were kept.
-const fn kept_in_words(kept: Kept) -> Option<&'static str> {
+#[must_use]
+pub const fn kept_in_words(kept: Kept) -> Option<&'static str> {
     match kept {
         Kept::None | Kept::All => None,
         Kept::Calibration => Some(
@@ -86,48 +56,9 @@ const fn kept_in_words(kept: Kept) -> Option<&'static str> {
     }
 }
 
-/// The settings.
-#[must_use]
-pub fn settings(settings: &Settings, converter_clock_hz: u32) -> Vec<Block> {
-    let rate = rate_hz(settings.oversampling, converter_clock_hz);
-    let relaxation = settings.relaxation;
-    let filter = format!(
-        "c1 {}, v1 {} 1/s, c2 {}, v2 {} 1/s",
-        relaxation.c1, relaxation.v1, relaxation.c2, relaxation.v2
-    );
-    let thresholds = Threshold::ALL
-        .map(|(threshold, name, unit)| format!("{name} {} {unit}", threshold.of(settings)));
-    let mut gauges = Table::new(
-        "",
-        vec![
-            Column::text("Gauge"),
-            Column::whole("Gain"),
-            Column::number("Calibration", "µε per 1000 counts"),
-            Column::whole("Offset (counts)"),
-            Column::number("Tare", "µε"),
-        ],
-    );
-    for (gauge, sheet) in settings.calibration.iter().enumerate() {
-        gauges = gauges.row([
-            (gauge + 1).to_string(),
-            settings.gain[gauge].to_string(),
-            significant(sheet.gain * 1e3, 6),
-            sheet.offset.to_string(),
-            format!("{:.1}", microstrain(settings.tare[gauge])),
-        ]);
-    }
-    vec![
-        Block::Definitions(vec![
-            ("rate".into(), format!("{rate} Hz")),
-            ("filter".into(), filter),
-            ("thresholds".into(), thresholds.join(", ")),
-        ]),
-        Block::Table(gauges),
-    ]
-}
-
 /// The counters by name.
-fn named(counters: &Counters) -> [(&'static str, u32); 8] {
+#[must_use]
+pub fn named(counters: &Counters) -> [(&'static str, u32); 8] {
     [
         ("conversions_missed", counters.conversions_missed),
         ("conversions_damaged", counters.conversions_damaged),
@@ -138,13 +69,6 @@ fn named(counters: &Counters) -> [(&'static str, u32); 8] {
         ("frames_damaged", counters.frames_damaged),
         ("frames_missed", counters.frames_missed),
     ]
-}
-
-fn counters(counters: &Counters) -> Table {
-    let columns = vec![Column::text("Lost since the reset"), Column::whole("Count")];
-    named(counters).into_iter().fold(Table::new("", columns), |table, (name, count)| {
-        table.row([name.replace('_', " "), count.to_string()])
-    })
 }
 
 /// Who a device is.

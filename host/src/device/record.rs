@@ -5,7 +5,6 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use shared::pipeline::GAUGES;
 use shared::wire::{BAUD, ClockSource, Columns, Counters, Felt, Row, Start, ToDevice};
 
 use super::heard::{Heard, Identity, Said};
@@ -417,17 +416,6 @@ fn lost(counters: &Counters) -> u64 {
         .into_iter()
         .map(u64::from)
         .sum()
-}
-
-/// FA and SA of a row, µε, gauge by gauge.
-#[must_use]
-pub fn parts(row: &Row) -> [(f64, f64); GAUGES] {
-    let microstrain = shared::fixed::microstrain;
-    let mut parts = [(0.0, 0.0); GAUGES];
-    for (part, (fa, sa)) in parts.iter_mut().zip(row.fa.iter().zip(&row.sa)) {
-        *part = (microstrain(*fa), microstrain(*sa));
-    }
-    parts
 }
 
 #[cfg(test)]

@@ -4,7 +4,6 @@ use serde_json::{Value, json};
 use shared::wire::{SelfTest, Settings};
 
 use super::refusal::Fault;
-use crate::report::{Block, Callout, Column, Section, Table};
 
 /// Counts beyond this fraction of full scale are those of a bridge that is open or shorted.
 const NEAR_RAIL: f64 = 0.95;
@@ -69,38 +68,9 @@ pub fn faults(test: &SelfTest) -> Vec<String> {
     checks(test).into_iter().filter_map(|check| check.fault).collect()
 }
 
-/// For a person.
-#[must_use]
-pub fn sections(test: &SelfTest, settings: &Settings) -> Vec<Section> {
-    let mut table = Table::new(
-        "",
-        vec![
-            Column::text("Gauge"),
-            Column::whole("Mean (counts)"),
-            Column::number("Noise", "counts"),
-            Column::number("Noise", "µε"),
-        ],
-    )
-    .note(format!(
-        "{} samples, at {:.4} times the rate that is set",
-        test.samples, test.rate_ratio
-    ));
-    for (gauge, noise) in noise(test, settings).into_iter().enumerate() {
-        table = table.row([
-            (gauge + 1).to_string(),
-            test.mean_counts[gauge].to_string(),
-            format!("{:.1}", test.noise_counts[gauge]),
-            format!("{noise:.3}"),
-        ]);
-    }
-    let kind = Callout::Warning;
-    let warn = |text| Block::Callout { kind, title: String::new(), text };
-    let blocks = std::iter::once(Block::Table(table)).chain(faults(test).into_iter().map(warn));
-    vec![Section { title: "Self-test".into(), blocks: blocks.collect() }]
-}
-
 /// Noise of each gauge, µε.
-fn noise(test: &SelfTest, settings: &Settings) -> Vec<f64> {
+#[must_use]
+pub fn noise(test: &SelfTest, settings: &Settings) -> Vec<f64> {
     let sheets = settings.calibration.iter().zip(test.noise_counts);
     sheets.map(|(sheet, noise)| f64::from(noise) * sheet.gain.abs()).collect()
 }

@@ -3,12 +3,12 @@
 use std::f64::consts::FRAC_PI_2;
 
 use super::simulated::trace;
-use super::{Chapter, Check, Comparison, EQUATION_3_6, Evidence};
+use super::{Chapter, Check, Comparison, Evidence};
 use crate::analysis::creep::creep;
 use crate::fit::exponentials::Parameter;
 use crate::fit::hold::Terms;
 use crate::grasp::{Contact, PressureLaw, Shape, limit_curve};
-use crate::model::{BaseLaw, Family, ForceProfile, ForceStep, Hold, Loading, Separation};
+use crate::model::{BaseLaw, EQUATION_3_6, Family, ForceProfile, ForceStep, Hold, Loading, Separation};
 use crate::report::number::{percent, significant};
 use crate::report::{Axis, Callout, Colour, Column, Plot, Section, Series, Table};
 use crate::trace::{Control, DISPLACEMENT};

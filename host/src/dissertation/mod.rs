@@ -29,7 +29,7 @@ mod tactile_sensor;
 pub use comparison::{Check, Comparison, Evidence};
 pub use figures::{Counterpart, counterparts};
 pub use relaxation_tables::{
-    EQUATION_3_5, EQUATION_3_6, RelaxationRow, Statistic, TABLE_3_1, TABLE_3_2, TABLE_3_3,
+    EQUATION_3_5, RelaxationRow, Statistic, TABLE_3_1, TABLE_3_2, TABLE_3_3,
     TABLE_3_4,
 };
 

@@ -5,7 +5,7 @@ use std::path::Path;
 use super::comparison::decimals;
 use super::grasp_courses;
 use super::{
-    Chapter, Check, Comparison, EQUATION_3_5, EQUATION_3_6, Evidence, RelaxationRow, Statistic,
+    Chapter, Check, Comparison, EQUATION_3_5, Evidence, RelaxationRow, Statistic,
     TABLE_3_1, TABLE_3_2, TABLE_3_3, TABLE_3_4,
 };
 use crate::analysis::cycles::segment;
@@ -13,6 +13,7 @@ use crate::fit::exponentials::Parameter;
 use crate::fit::hold::{HoldFit, Spread, Terms, fit_holds, spreads};
 use crate::fit::ranks::kruskal_wallis;
 use crate::fit::welch::{Repeats, welch};
+use crate::model::EQUATION_3_6;
 use crate::report::number::{percent, significant};
 use crate::report::{Axis, Callout, Colour, Column, Plot, Section, Series, Table};
 use crate::trace::{FORCE, Trace, parse};

@@ -53,9 +53,6 @@ const fn statistic(
 /// Force N^(e) of eq. 3.5 at the start of the hold at 12 mm, N.
 pub const EQUATION_3_5: f64 = 2.187;
 
-/// Shares c0, c1, c2 and rates v1, v2 (1/s) of eq. 3.6, the best fit for 12 mm.
-pub const EQUATION_3_6: ([f64; 3], [f64; 2]) = ([0.4852, 0.2472, 0.2676], [3.981, 0.5325]);
-
 /// Table 3.1: 12 mm.
 #[rustfmt::skip]
 pub const TABLE_3_1: [RelaxationRow; 10] = [

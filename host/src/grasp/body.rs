@@ -3,6 +3,7 @@
 use std::str::FromStr;
 
 use super::contact::Shape;
+use crate::model::widened;
 use crate::trace;
 
 /// What is pressed by a flat surface.
@@ -121,13 +122,6 @@ impl Body {
     pub const fn grows(&self) -> bool {
         !matches!(self, Self::Fixed(_))
     }
-}
-
-/// How much wider a specimen is than without load at a compression, mm, of its height, mm (eq. 5.5, where Δl
-/// is negative in compression).
-#[must_use]
-pub fn widened(compression: f64, height: f64, poisson: f64) -> f64 {
-    1.0 + poisson * compression / height
 }
 
 impl FromStr for Body {

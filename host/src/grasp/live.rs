@@ -13,7 +13,7 @@ use super::body::Body;
 use super::contact::{Contact, Load};
 use super::growth::Material;
 use super::margin::margin;
-use crate::device::record::parts;
+use crate::recording::parts;
 
 /// What the gauges feel at one time; strains in µε.
 #[derive(Clone, Copy, Debug, PartialEq)]

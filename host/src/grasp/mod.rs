@@ -28,7 +28,7 @@ mod rectangle;
 pub mod surface;
 
 pub use balance::{Balance, BalanceError, Closure, Least, Pose, Touch, Wrench};
-pub use body::{Body, BodyError, widened};
+pub use body::{Body, BodyError};
 pub use contact::{Contact, Load, Motion, Shape, SizeError};
 pub use growth::{Grown, Held, Material, growth};
 pub use hand::{Finger, Hand, HandError, Instant};

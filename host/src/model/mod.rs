@@ -26,6 +26,7 @@ mod relaxation;
 mod response;
 mod scene;
 mod segments;
+mod widened;
 mod yielding;
 
 pub use act::{Act, Remembered, Stage};
@@ -45,7 +46,8 @@ pub use options::OptionError;
 pub use parameter::Parameter;
 pub use profile::{Hold, Move, Profile, ProfileError, Step};
 pub(crate) use relaxation::mean_decay;
-pub use relaxation::{Branch, Memory, Relaxation};
+pub use relaxation::{Branch, EQUATION_3_6, Memory, Relaxation};
 pub use response::{Form, Response};
 pub use scene::{Channel, Past, Scene};
 pub use segments::{Equilibrium, Segments};
+pub use widened::widened;

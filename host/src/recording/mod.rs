@@ -18,12 +18,14 @@
 mod clock;
 mod error;
 mod note;
+mod parts;
 mod reader;
 mod writer;
 
 pub use clock::{Clock, ClockFit};
 pub use error::Error;
 pub use note::{Gap, NOTE, Note, Opened};
+pub use parts::parts;
 pub use reader::{Entry, Reader};
 pub use writer::{ANCHOR_US, Writer};
 

@@ -36,7 +36,7 @@ pub use slide::{Ridges, Slide, SlideResult};
 pub use slip::{Slip, SlipResult};
 pub use spectrum::{Spectrum, spectrum};
 pub use tones::{Response, Tone, Tones, TonesResult};
-pub use touch::{HAPPENED, Stroke, Touch, feel};
+pub use touch::{Stroke, Touch, feel};
 
 use shared::wire::SettingsError;
 

@@ -7,7 +7,7 @@ use shared::adaptation::Relaxation;
 
 use super::SensorError;
 use crate::contact::Elastic;
-use crate::dissertation::EQUATION_3_6;
+use crate::model::EQUATION_3_6;
 
 /// Share of silicone, specific stiffness k_s (N/m²) and rate v1 (1/s): soft and hard silicone of Table 5.2.
 const SOFT: (f64, f64, f64) = (0.5, 3.497e4, 0.493);

@@ -10,7 +10,7 @@ use toml::Table;
 use super::fingertip::DEEPEST;
 use super::{Fingertip, Indenter, SensorError};
 use crate::model::{self, Memory};
-use crate::trace::{Control, DISPLACEMENT, FORCE, GAUGES as NAMES, Head, Shape, Trace};
+use crate::trace::{Control, DISPLACEMENT, FORCE, GAUGES as NAMES, HAPPENED, Head, Shape, Trace};
 
 /// What an indenter does; all vectors are of one length.
 #[derive(Clone, Debug, PartialEq)]
@@ -37,9 +37,6 @@ pub struct Touch {
     /// When the indenter left the fingertip for the first time, s; none if it never did.
     pub left_at_s: Option<f64>,
 }
-
-/// The key of a head's `[setup]` under which a simulation says what happened when.
-pub const HAPPENED: &str = "happened";
 
 impl Touch {
     /// Notes in the head that something happened at a time, s, so that what is found in the readings can be judged.

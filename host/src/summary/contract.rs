@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use crate::effects::contract::{Kept, Promise};
+use crate::promises::{Kept, Promise};
 use crate::model::StoredEffect;
 use crate::report::{Block, Column, Section, Table};
 

@@ -7,6 +7,7 @@ mod contract;
 mod creep;
 mod decomposition;
 mod dependence;
+mod device;
 mod diagnosis;
 mod discovery;
 mod dissertation;
@@ -44,6 +45,7 @@ pub use decomposition::{
     decomposed_trace, decomposition_json, decomposition_sections, part_panels, region_spans,
     region_table, shaded,
 };
+pub use device::{device_sections, self_test_sections, settings_blocks};
 pub use diagnosis::{DiagnosisSummary, NextCommand};
 pub use discovery::DiscoverySummary;
 pub use dissertation::{

@@ -74,6 +74,8 @@ pub const FORCE: &str = "force_N";
 pub const TEMPERATURE: &str = "temperature_C";
 /// Column of tangential force, N.
 pub const TANGENTIAL: &str = "tangential_N";
+/// The key of a head's `[setup]` under which a simulation says what happened when.
+pub const HAPPENED: &str = "happened";
 /// Columns of the four embedded gauges, microstrain.
 pub const GAUGES: [&str; 4] =
     ["gauge1_ustrain", "gauge2_ustrain", "gauge3_ustrain", "gauge4_ustrain"];

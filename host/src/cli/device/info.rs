@@ -6,6 +6,7 @@ use super::{At, failed};
 use crate::cli::Failure;
 use crate::cli::output::{print_json, print_sections};
 use crate::device::describe;
+use crate::summary::device_sections;
 
 /// Say who the device is, its settings, and what it lost.
 #[derive(clap::Args)]
@@ -37,5 +38,5 @@ pub fn run(args: &Args) -> Result<(), Failure> {
             "status": describe::status_json(&status),
         }));
     }
-    print_sections(&describe::info(identity, settings, &status))
+    print_sections(&device_sections(identity, settings, &status))
 }

@@ -8,6 +8,7 @@ use crate::cli::Failure;
 use crate::cli::output::{print_json, print_sections};
 use crate::device::self_test;
 use crate::device::session::LinkError;
+use crate::summary::self_test_sections;
 
 /// Test converter, bridges and rate.
 #[derive(clap::Args)]
@@ -36,7 +37,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     if args.json {
         print_json(&self_test::json(&test))?;
     } else {
-        print_sections(&self_test::sections(&test, session.settings().1))?;
+        print_sections(&self_test_sections(&test, session.settings().1))?;
     }
     match self_test::faults(&test).len() {
         0 => Ok(()),

@@ -15,6 +15,7 @@ use crate::device::change::{Change, Threshold, rate_note};
 use crate::device::describe;
 use crate::model::Model;
 use crate::report::Section;
+use crate::summary::settings_blocks;
 
 /// Set rate, gain, filter and thresholds.
 #[derive(clap::Args)]
@@ -105,7 +106,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
             "settings": describe::settings_json(now, clock_hz),
         }));
     }
-    let blocks = describe::settings(now, clock_hz);
+    let blocks = settings_blocks(now, clock_hz);
     print_sections(&[Section { title: "Settings".into(), blocks }])
 }
 

@@ -19,8 +19,9 @@ use super::pty::Pty;
 const CONVERTER_CLOCK_HZ: u32 = 8_000_000;
 /// Temperature, 2^-8 °C.
 const TEMPERATURE: i16 = 25 * 256;
-/// Bytes that may wait for the line; then the device keeps its own.
-const WAITING: usize = 2_048;
+/// Bytes that may wait for the line; then the device keeps its own. So many does Linux keep of a serial port whose program is
+/// held up: a computer that is busy for half a second costs no row.
+const WAITING: usize = 65_536;
 const TICK_US: u64 = 10_000;
 
 /// How to simulate.

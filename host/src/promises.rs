@@ -1,7 +1,7 @@
 //! What every law of the library promises, asked of a law of one's own: on a press with a hold and on four cycles.
 
-use super::units::powers;
-use super::{EffectError, applied};
+use crate::effects::units::powers;
+use crate::effects::{EffectError, applied};
 use crate::fit::data::{Data, DataError};
 use crate::fit::whole_motion::predict;
 use crate::model::{Chain, Stage, StoredEffect};
