@@ -1,59 +1,41 @@
 //! palpate: fit viscoelastic contact models to recordings of touch, see where they fail.
 //!
-//! The library behind the `palpate` command. Dependencies between its modules point one way,
-//! [`recording`] ← [`trace`] ← [`model`] ← [`effects`] ← [`fit`] ← [`analysis`], [`criticism`] ← [`discover`] ← [`summary`] ← [`cli`], and nothing
-//! below `cli` prints.
+//! The library behind the `palpate` command: what other programs depend on. Each room is a crate of its own, and dependencies
+//! between them point one way (`docs/architecture.md` draws them).
 //!
-//! - [`recording`]: what a device says, kept as it comes, and the relation of its clock to the host's.
-//! - [`trace`]: one recording and sets of them: read, write, import, find the phases.
-//! - [`model`]: base laws, the chain that runs them with effects over a motion, and the model file.
-//! - [`effects`]: the library of effects, one declaration each, and laws of one's own.
+//! - [`trace`]: one recording and sets of them: read, write, import, find the phases. [`recording`]: what a device says, kept as
+//!   it comes. [`files`]: results that are whole or not there.
+//! - [`model`]: base laws, the chain that runs them with effects over a motion, and the model file. [`effects`]: the library of
+//!   effects, one declaration each, and laws of one's own. [`latency`]: the latency law.
 //! - [`fit`]: exponential sums, whole motions, bounded least squares, uncertainty, noise made white.
-//! - [`analysis`]: regions, relaxation, creep, loading rates and strain rates of any recording.
-//! - [`criticism`]: where a model fails, which effect is missing, how sure that is.
-//! - [`discover`]: a formula for what no effect of the library explains.
-//! - [`contact`]: a round tip on an elastic body, and the stress below it.
-//! - [`events`]: touch, release and incipient slip, as a device finds them.
-//! - [`sensor`]: a simulated fingertip.
-//! - [`afm`]: force curves of a tip.
-//! - [`grasp`]: what a soft contact can hold before it slips.
-//! - [`robots`]: what a fingertip feels as topics for the tools of robots.
-//! - [`held`]: what a law foretells of a held press from the signal alone.
-//! - [`dissertation`]: the figures that the dissertation prints.
-//! - [`practice`]: data sets with a hidden effect.
-//! - [`serve`]: a local page over the same functions as the commands.
-//! - [`report`]: vector plots and self-contained HTML.
+//! - [`analysis`]: relaxation, creep, loading rates and strain rates of any recording; [`regions`] of a grasp, FA and SA
+//!   ([`decomposition`]), [`events`], the summary of a [`press`].
+//! - [`criticism`]: where a model fails, which effect is missing, how sure that is; [`discover`]: a formula for what no effect of
+//!   the library explains; [`practice`]: data sets with a hidden effect; [`promises`]: what every law is held to.
+//! - [`contact`]: a round tip on an elastic body; [`grasp`]: what a soft contact can hold; [`afm`]: force curves of a tip;
+//!   [`sensor`]: a simulated fingertip.
+//! - [`device`]: the line to a fingertip, and one without hardware; [`robots`]: what it feels as topics.
+//! - [`survey`]: one question, many groups of traces.
+//! - [`report`]: vector plots and self-contained HTML; [`summary`]: results in words, tables and plots; [`dissertation`]: the
+//!   figures that the dissertation prints.
+//! - [`serve`]: a local page over the same functions as the commands, [`held`]: what a law foretells of a held press.
 //! - [`cli`]: one file for each subcommand: parse, call, print.
 #![forbid(unsafe_code)]
 
-pub mod afm;
-pub mod analysis;
-mod caught;
-pub mod cli;
-pub mod contact;
-pub mod criticism;
-pub mod decomposition;
-pub mod device;
-pub mod discover;
-pub mod dissertation;
-pub mod effects;
-pub mod events;
-pub mod files;
-pub mod fit;
-pub mod grasp;
-pub mod held;
-pub mod latency;
-mod meant;
-pub mod model;
-pub mod practice;
-pub mod press;
-pub mod promises;
-pub mod recording;
-pub mod regions;
-pub mod report;
-pub mod robots;
-pub mod sensor;
-pub mod serve;
-pub mod summary;
-pub mod survey;
-pub mod trace;
+pub use palpate_analysis as analysis;
+pub use palpate_analysis::{decomposition, events, press, regions};
+pub use palpate_cli as cli;
+pub use palpate_contact as contact;
+pub use palpate_contact::{afm, grasp, sensor};
+pub use palpate_diagnose::{criticism, discover, practice, promises};
+pub use palpate_fit as fit;
+pub use palpate_link::{device, robots};
+pub use palpate_model as model;
+pub use palpate_model::{effects, latency};
+pub use palpate_present::{dissertation, summary};
+pub use palpate_report as report;
+pub use palpate_serve as serve;
+pub use palpate_serve::held;
+pub use palpate_survey as survey;
+pub use palpate_trace as trace;
+pub use palpate_trace::{files, recording};

@@ -1,0 +1,47 @@
+//! `palpate device self-test`.
+
+use miette::miette;
+use shared::wire::{Done, ToDevice};
+
+use super::{At, failed};
+use crate::Failure;
+use crate::output::{print_json, print_sections};
+use palpate_link::device::self_test;
+use palpate_link::device::session::LinkError;
+use palpate_present::summary::self_test_sections;
+
+/// Test converter, bridges and rate.
+#[derive(clap::Args)]
+#[command(after_help = "\
+Leave the fingertip alone while it is tested. Exit status 1 if something is wrong.
+
+Examples:
+  palpate device self-test
+  palpate device self-test --json")]
+pub struct Args {
+    #[command(flatten)]
+    at: At,
+    /// Print one JSON object instead of a table
+    #[arg(long)]
+    json: bool,
+}
+
+/// Tests and prints.
+pub fn run(args: &Args) -> Result<(), Failure> {
+    let (_, mut session) = args.at.open()?;
+    session.quiet().map_err(failed)?;
+    let test = match session.command(&ToDevice::SelfTest).map_err(failed)? {
+        Done::Tested(test) => test,
+        other => return Err(failed(LinkError::Unsuited(other))),
+    };
+    if args.json {
+        print_json(&self_test::json(&test))?;
+    } else {
+        print_sections(&self_test_sections(&test, session.settings().1))?;
+    }
+    match self_test::faults(&test).len() {
+        0 => Ok(()),
+        1 => Err(Failure::Work(miette!("the self-test found a fault"))),
+        faults => Err(Failure::Work(miette!("the self-test found {faults} faults"))),
+    }
+}

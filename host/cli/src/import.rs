@@ -1,0 +1,152 @@
+//! `palpate import`: a foreign recording becomes a trace.
+
+use std::path::{Path, PathBuf};
+
+use miette::{Report, miette};
+
+use super::Failure;
+use super::output::{Force, print};
+use palpate_trace::files::plan::{Plan, TRACE};
+use palpate_trace::{self as trace, Error, ImportError, Imported, Mapping};
+
+/// Samples that `--preview` shows.
+const SHOWN: usize = 5;
+
+/// Turn a foreign recording into a trace, by a mapping that says what is what
+///
+/// The mapping is a small TOML file that names the encoding, the delimiter, the table within the file,
+/// and for each column its name and unit in the trace. It can be used for any number of files, and its
+/// text is kept in the head of every trace made with it.
+#[derive(Clone, Debug, clap::Args)]
+#[command(after_help = "Examples:
+  palpate import pull.csv --suggest > pull.map.toml    a proposal to check and edit
+  palpate import pull.csv --map pull.map.toml --preview
+  palpate import pull.csv --map pull.map.toml          writes pull.trace.csv
+  palpate import long.csv --map pull.map.toml --every 10 -o long.trace.csv
+  palpate import book.xlsx --part \"Run 1\" --suggest    one sheet of a workbook
+  palpate import step_*.csv --map pull.map.toml -o all.trace.csv    one recording in many files")]
+pub struct Args {
+    /// The recording; several files are parts of one, put in the order of their times
+    #[arg(required = true, value_name = "FILE")]
+    pub files: Vec<PathBuf>,
+    /// The mapping file
+    #[arg(long, value_name = "MAP.toml", required_unless_present = "suggest")]
+    pub map: Option<PathBuf>,
+    /// The trace to write [default: the first FILE's name with .trace.csv, in the current folder]
+    #[arg(short, long, value_name = "TRACE")]
+    pub output: Option<PathBuf>,
+    /// The table of the file, where it has several: a sheet of a workbook, whatever the mapping says
+    #[arg(long, value_name = "NAME")]
+    pub part: Option<String>,
+    /// Keep every N-th sample, whatever the mapping says
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub every: Option<u32>,
+    /// Show what the mapping makes of the file and write nothing
+    #[arg(long)]
+    pub preview: bool,
+    /// Print a proposed mapping for the file, to be checked by you
+    #[arg(long, conflicts_with_all = ["map", "output", "every", "preview", "force"])]
+    pub suggest: bool,
+    /// Leave to write over files
+    #[command(flatten)]
+    pub over: Force,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// [`Failure::Input`] for a recording, a mapping or a name that will not do, [`Failure::Work`] if the
+/// trace cannot be written.
+pub fn run(args: &Args) -> Result<(), Failure> {
+    let Some(map) = args.map.as_ref().filter(|_| !args.suggest) else {
+        let suggested = trace::suggest(first(args), args.part.as_deref());
+        return print(&suggested.map_err(|error| input(&error))?);
+    };
+    let mut mapping = Mapping::read(map).map_err(|error| input(&error))?;
+    if args.part.is_some() {
+        mapping.table.part.clone_from(&args.part);
+    }
+    if let Some(every) = args.every {
+        mapping.every = Some(every as usize);
+    }
+    let output = args.output.clone().unwrap_or_else(|| default_output(first(args)));
+    if !args.preview {
+        let read = args.map.iter().chain(&args.files);
+        Plan::reading(read, args.over.into()).writes(&output, &TRACE)?;
+    }
+    let imported = trace::import_parts(&args.files, &mapping).map_err(|error| input(&error))?;
+    if args.preview {
+        return print(&preview(&imported));
+    }
+    trace::write(&output, &imported.trace).map_err(|error| Failure::Work(report(&error)))?;
+    eprintln!("{}", summary(&imported, &output));
+    Ok(())
+}
+
+/// The file that stands for the recording where one is enough.
+fn first(args: &Args) -> &Path {
+    args.files.first().map_or_else(|| Path::new(""), PathBuf::as_path)
+}
+
+/// `pull.csv` and `pull.csv.gz` become `pull.trace.csv` in the current folder.
+fn default_output(file: &Path) -> PathBuf {
+    let packed = trace::has_extension(file, "gz") || trace::has_extension(file, "zst");
+    let unpacked = if packed { Path::new(file.file_stem().unwrap_or_default()) } else { file };
+    let mut name = unpacked.file_stem().unwrap_or_default().to_os_string();
+    name.push(".trace.csv");
+    name.into()
+}
+
+/// What was made, in one or a few lines.
+fn summary(imported: &Imported, output: &Path) -> String {
+    let trace = &imported.trace;
+    let mut text = format!("{}: {} samples", output.display(), trace.len());
+    let mut add = |count: usize, what: &str| {
+        if count > 0 {
+            text += &format!(", {count} {what}");
+        }
+    };
+    add(imported.merged, "rows merged by their time stamp");
+    add(imported.uncovered, "samples left out where a column's own clock does not reach");
+    add(trace::gaps(&trace.time).len(), "gaps in time");
+    if !imported.dropped.is_empty() {
+        let names: Vec<&str> = imported.dropped.iter().map(|(name, _)| name.as_str()).collect();
+        text += &format!("; columns left out: {}", names.join(", "));
+    }
+    text
+}
+
+/// What the mapping makes of the file.
+fn preview(imported: &Imported) -> String {
+    let trace = &imported.trace;
+    let mut text = format!("{} rows, {} samples\n", imported.rows, trace.len());
+    for (from, name) in &imported.columns {
+        text += &format!("  {name}  from {from}\n");
+    }
+    for (name, reason) in &imported.dropped {
+        text += &format!("  left out: {name} ({reason})\n");
+    }
+    let names = trace.columns.iter().map(|column| column.name.as_str());
+    text += &std::iter::once(trace::TIME).chain(names).collect::<Vec<_>>().join(",");
+    text.push('\n');
+    for row in 0..SHOWN.min(trace.len()) {
+        let values = trace.columns.iter().map(|column| column.values[row]);
+        let cells: Vec<_> = std::iter::once(trace.time[row]).chain(values).collect();
+        let cells: Vec<_> = cells.iter().map(|value| trace::shortest(*value)).collect();
+        text += &cells.join(",");
+        text.push('\n');
+    }
+    text
+}
+
+fn input(error: &ImportError) -> Failure {
+    match error {
+        ImportError::File(error @ Error::Write { .. }) => Failure::Work(report(error)),
+        error => Failure::Input(report(error)),
+    }
+}
+
+/// The message is whole as it is; the source it was made from would only repeat it.
+fn report(error: &dyn std::error::Error) -> Report {
+    miette!("{error}")
+}

@@ -1,0 +1,172 @@
+//! What every survey needs: which traces, grouped by what, and where the results go.
+
+use std::io;
+use std::num::NonZeroUsize;
+use std::path::{Path, PathBuf};
+use std::thread;
+
+use serde_json::{Map, Value};
+
+use super::asking::Asking;
+use super::call;
+use super::report::Found;
+use crate::output::{Output, command_of};
+use crate::{Failure, progress};
+use palpate_fit::watch;
+use palpate_model::Model;
+use palpate_survey::results::{Plan, Results, ResultsError};
+use palpate_survey::run::{Question, run};
+use palpate_survey::{By, Group, Names, Row, Sources, Worked};
+
+/// Which traces, grouped by what, and where the results go.
+#[derive(clap::Args)]
+pub struct Fleet {
+    /// Traces, recordings, Parquet files with many traces, or folders of these, however deep
+    #[arg(required = true, value_name = "DATA")]
+    data: Vec<PathBuf>,
+    /// What traces are grouped by: keys, with commas between them
+    #[arg(long, required = true, value_name = "KEY,...", value_delimiter = ',')]
+    by: Vec<String>,
+    /// Keys in the names of files, counted from the end of the path: {finger} is one, * anything
+    #[arg(long, value_name = "PATTERN")]
+    names: Option<Names>,
+    /// The column of a Parquet file that says of which trace a row is
+    #[arg(long, value_name = "COLUMN", default_value = "trace_id")]
+    trace_id: String,
+    /// Folder of the results: a new one, or one of the same survey, which goes on
+    #[arg(short, long, required = true, value_name = "DIR")]
+    output: PathBuf,
+    /// Groups at a time [default: one for each processor]
+    #[arg(short, long, value_name = "N")]
+    jobs: Option<NonZeroUsize>,
+    #[command(flatten)]
+    result: Output,
+}
+
+/// A model file that is asked about.
+pub struct Given<'a> {
+    path: &'a Path,
+    contents: String,
+}
+
+impl<'a> Given<'a> {
+    /// A model and where it is.
+    pub fn new(path: &'a Path, model: &Model) -> Result<Self, Failure> {
+        let contents = model.to_toml();
+        let contents = contents.map_err(|why| Failure::Work(miette::miette!("{why}")))?;
+        Ok(Self { path, contents })
+    }
+}
+
+/// A question to every group.
+pub struct Survey<'a> {
+    fleet: &'a Fleet,
+    given: Option<Given<'a>>,
+    seeds: Map<String, Value>,
+    question: Asking<'a>,
+}
+
+impl<'a> Survey<'a> {
+    /// A question that depends on no model and no seed.
+    pub fn new(fleet: &'a Fleet, question: Asking<'a>) -> Self {
+        Self { fleet, given: None, seeds: Map::new(), question }
+    }
+
+    /// The same where rows depend on a model.
+    pub fn of(self, given: Option<Given<'a>>) -> Self {
+        Self { given, ..self }
+    }
+
+    /// The same where rows depend on seeds.
+    pub fn with(self, seeds: Map<String, Value>) -> Self {
+        Self { seeds, ..self }
+    }
+
+    /// Asks every group that has no row yet. `words` are those of the call, the name of the program apart.
+    pub fn ask(&self, words: &[String]) -> Result<(), Failure> {
+        let mut results = self.begin(words)?;
+        let missing = results.missing();
+        let wait = progress::bar(missing.len(), "groups");
+        watch::stage("groups", missing.len());
+        let watch = watch::current();
+        let mut failed = None;
+        let done = self.rows(missing.into_iter(), self.fleet.jobs(), |row, worked| {
+            wait.inc(1);
+            watch.iter().for_each(|watch| watch.done());
+            results.add(row, worked).map_err(|error| {
+                failed = Some(error);
+                io::Error::other("the results cannot be kept")
+            })
+        });
+        wait.finish_and_clear();
+        match failed {
+            Some(error) => Err(wrong(error)),
+            None => done.map_err(Failure::work),
+        }
+    }
+
+    /// Finds the groups, and begins the folder of the results or goes on with it.
+    pub fn begin(&self, words: &[String]) -> Result<Results, Failure> {
+        let Fleet { data, output, result, .. } = self.fleet;
+        let read = data.iter().map(PathBuf::as_path);
+        result.files(read.chain(self.given.iter().map(|given| given.path)))?;
+        let by = self.fleet.by();
+        let plan = Plan {
+            asked: self.question.asked(),
+            by: by.keys.clone(),
+            options: self.options(words)?,
+            command: command_of(words),
+            seeds: self.seeds.clone(),
+            sources: Sources::find(data, &by).map_err(Failure::input)?,
+        };
+        Results::begin(output, plan, result.over().allowed).map_err(wrong)
+    }
+
+    /// Every option that rows depend on, with its value.
+    pub fn options(&self, words: &[String]) -> Result<Map<String, Value>, Failure> {
+        let mut options = call::options(words)?;
+        if let Some(given) = &self.given {
+            options.insert("the model".into(), given.contents.clone().into());
+        }
+        Ok(options)
+    }
+
+    /// The rows of these groups, `jobs` of them at a time, each as soon as it is there.
+    pub fn rows(
+        &self,
+        groups: impl Iterator<Item = Group> + Send,
+        jobs: NonZeroUsize,
+        done: impl FnMut(Row, Worked) -> io::Result<()> + Send,
+    ) -> io::Result<()> {
+        let By { keys, id, .. } = self.fleet.by();
+        run(groups, keys.into_iter().chain([id]).collect(), &self.question, jobs, done)
+    }
+
+    /// What all rows say.
+    pub fn found(&self) -> Result<Found, Failure> {
+        Found::read(&self.fleet.output)
+    }
+
+    /// Tells what all rows say as the call wants it.
+    pub fn tell(&self) -> Result<(), Failure> {
+        self.fleet.result.show(&self.found()?)
+    }
+}
+
+impl Fleet {
+    fn by(&self) -> By {
+        By { keys: self.by.clone(), names: self.names.clone(), id: self.trace_id.clone() }
+    }
+
+    fn jobs(&self) -> NonZeroUsize {
+        self.jobs.unwrap_or_else(|| thread::available_parallelism().unwrap_or(NonZeroUsize::MIN))
+    }
+}
+
+/// What the file system refuses is no fault of the call.
+pub fn wrong(error: ResultsError) -> Failure {
+    match error {
+        ResultsError::Io { .. } => Failure::work(error),
+        _ => Failure::input(error),
+    }
+}

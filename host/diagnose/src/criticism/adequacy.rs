@@ -1,0 +1,185 @@
+//! Whether what a model leaves is noise: slow wandering of the residual against that of the signal at
+//! rest.
+//!
+//! The whitened residual is summed in blocks of several lengths. White noise gives block sums whose
+//! mean square is that of the samples; what a model lacks adds up within a block. What the whitening
+//! itself leaves in the noise is in the rest off the specimen as well, so the two are compared.
+
+use super::tail::log_tail;
+use statrs::distribution::{ContinuousCDF, FisherSnedecor};
+
+use palpate_fit::problem::Problem;
+use palpate_fit::whitening::Whitening;
+
+/// Lengths of the blocks, samples.
+const LENGTHS: [usize; 4] = [8, 24, 72, 216];
+/// Chance below which a residual is more than noise.
+pub const LEVEL: f64 = 1e-3;
+
+/// What the residual of a model looks like beside noise.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Adequacy {
+    /// Chance of block sums as large under noise alone, over all lengths.
+    pub p_value: f64,
+    /// Sum of squares, whitened, that noise does not account for: the largest over the lengths.
+    pub excess: f64,
+    /// Root mean square of the residual, not whitened.
+    pub rms: f64,
+    /// Lights: Ljung and Box's chance, Durbin and Watson's statistic, and the chance of the number of
+    /// runs of one sign.
+    pub lights: Lights,
+}
+
+/// Well-known figures of a whitened residual: to look at, not to judge by.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Lights {
+    /// Ljung and Box: mean over their number of the squared correlations at distances 1 to 20; 1 for noise.
+    pub ljung_box: f64,
+    /// Durbin and Watson: 2 for noise, less where neighbours agree.
+    pub durbin_watson: f64,
+    /// Runs of one sign over their expected number; 1 for noise.
+    pub runs: f64,
+}
+
+/// Sum of squares of block sums, per sample, and the number of blocks.
+#[derive(Clone, Copy, Debug, Default)]
+struct Sums {
+    squares: f64,
+    count: f64,
+}
+
+/// Tests the residual of a problem at a point.
+#[must_use]
+pub fn adequacy(problem: &Problem, point: &[f64], whitening: &Whitening) -> Adequacy {
+    let mut touched = [Sums::default(); LENGTHS.len()];
+    let mut quiet = [Sums::default(); LENGTHS.len()];
+    let mut counts = Counts::default();
+    let mut strongest = Strongest::default();
+    let (mut square, mut samples): (f64, f64) = (0.0, 0.0);
+    problem.each_piece(&[point.to_vec()], |piece, forces| {
+        let mut residual: Vec<f64> =
+            piece.measured.iter().zip(&forces[0]).map(|(y, f)| y - f).collect();
+        square += residual.iter().map(|r| r * r).sum::<f64>();
+        samples += residual.len() as f64;
+        whitening.apply(&mut residual);
+        let x = &piece.motion.displacement;
+        for (place, &length) in LENGTHS.iter().enumerate() {
+            for (block, x) in residual.chunks_exact(length).zip(x.chunks_exact(length)) {
+                let sums = if x.iter().all(|&x| x <= 0.0) { &mut quiet } else { &mut touched };
+                sums[place].squares += block.iter().sum::<f64>().powi(2) / length as f64;
+                sums[place].count += 1.0;
+            }
+        }
+        counts.add(&residual);
+        strongest.add(&residual, x);
+    });
+    let mut p_value: f64 = 1.0;
+    let mut excess: f64 = 0.0;
+    for (touched, quiet) in touched.iter().zip(&quiet) {
+        if touched.count < 2.0 {
+            continue;
+        }
+        let mean = touched.squares / touched.count;
+        // Few quiet blocks say little of what noise does; then noise counts as white.
+        let (floor, degrees) = if quiet.count >= 8.0 {
+            ((quiet.squares / quiet.count).max(1.0), quiet.count)
+        } else {
+            (1.0, 200.0)
+        };
+        excess = excess.max((mean - floor) * touched.count);
+        if let Ok(fisher) = FisherSnedecor::new(touched.count, degrees) {
+            p_value = p_value.min(fisher.sf((mean / floor).max(0.0)));
+        }
+    }
+    let p_value = (p_value * LENGTHS.len() as f64).min(1.0).min(strongest.p_value());
+    Adequacy { p_value, excess, rms: (square / samples.max(1.0)).sqrt(), lights: counts.lights() }
+}
+
+/// Lengths of the windows in which a short disturbance is looked for, samples.
+const WINDOWS: [usize; 6] = [1, 3, 6, 12, 25, 50];
+
+/// The strongest short disturbance: the largest sum over a window beside what noise sums to.
+#[derive(Debug, Default)]
+struct Strongest {
+    /// Largest squared sum of each length over the length, in contact.
+    largest: [f64; WINDOWS.len()],
+    /// The same off the specimen, where nothing but noise can be.
+    quiet: [f64; WINDOWS.len()],
+    /// Number of windows that do not overlap, in contact.
+    windows: [f64; WINDOWS.len()],
+}
+
+impl Strongest {
+    fn add(&mut self, whitened: &[f64], x: &[f64]) {
+        for (place, &length) in WINDOWS.iter().enumerate() {
+            if whitened.len() < length {
+                continue;
+            }
+            let mut sum: f64 = whitened[..length].iter().sum();
+            for begin in 0..=whitened.len() - length {
+                if begin > 0 {
+                    sum += whitened[begin + length - 1] - whitened[begin - 1];
+                }
+                let square = sum * sum / length as f64;
+                let off = x[begin..begin + length].iter().all(|&x| x <= 0.0);
+                let largest = if off { &mut self.quiet } else { &mut self.largest };
+                largest[place] = largest[place].max(square);
+            }
+            self.windows[place] += (whitened.len() / length) as f64;
+        }
+    }
+
+    /// Chance of a disturbance as strong under noise alone, over all windows. Noise with heavy tails
+    /// shows some off the specimen too: only what exceeds the strongest there counts.
+    fn p_value(&self) -> f64 {
+        let of_length = |place: usize| {
+            if self.largest[place] <= self.quiet[place] {
+                return 1.0;
+            }
+            // Windows overlap: about four of each length's places are independent.
+            4.0 * self.windows[place] * log_tail(self.largest[place], 1, false).exp()
+        };
+        let least = (0..WINDOWS.len()).map(of_length).fold(1.0, f64::min);
+        (WINDOWS.len() as f64 * least).min(1.0)
+    }
+}
+
+/// Distances at which neighbours are compared.
+const DISTANCES: usize = 20;
+
+/// What the lights are counted from.
+#[derive(Default)]
+struct Counts {
+    products: [f64; DISTANCES + 1],
+    differences: f64,
+    runs: f64,
+    expected: f64,
+    samples: f64,
+}
+
+impl Counts {
+    /// Counts one whitened stretch.
+    fn add(&mut self, stretch: &[f64]) {
+        for (distance, product) in self.products.iter_mut().enumerate() {
+            let later = stretch.get(distance..).unwrap_or_default();
+            *product += stretch.iter().zip(later).map(|(a, b)| a * b).sum::<f64>();
+        }
+        self.differences += stretch.windows(2).map(|pair| (pair[1] - pair[0]).powi(2)).sum::<f64>();
+        let changes = stretch.windows(2).filter(|pair| (pair[0] > 0.0) != (pair[1] > 0.0)).count();
+        self.runs += changes as f64 + 1.0;
+        let above = stretch.iter().filter(|value| **value > 0.0).count() as f64;
+        let count = stretch.len() as f64;
+        self.expected += 1.0 + 2.0 * above * (count - above) / count.max(1.0);
+        self.samples += count;
+    }
+
+    fn lights(&self) -> Lights {
+        let square = self.products[0].max(f64::MIN_POSITIVE);
+        let squared = self.products[1..].iter().map(|product| (product / square).powi(2));
+        Lights {
+            ljung_box: self.samples * squared.sum::<f64>() / DISTANCES as f64,
+            durbin_watson: self.differences / square,
+            runs: self.runs / self.expected.max(1.0),
+        }
+    }
+}

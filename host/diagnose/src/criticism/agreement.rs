@@ -1,0 +1,96 @@
+//! Whether the parts of the data agree about an effect, whatever the law leaves.
+//!
+//! Under the noise alone a score is easily significant where the law is inexact. Here each part of the
+//! data (a trace, or a piece of one where there are few) votes with its own score, and the signs of
+//! whole parts are flipped: a wild cluster bootstrap of the score test, the largest vote over the
+//! library under the same flips as its null distribution (Cameron, Gelbach and Miller 2008).
+
+use nalgebra::{DMatrix, DVector};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
+
+use super::screen::{ABSORBED, Direction, Screen};
+use super::tail::log_tail;
+use palpate_model::effects::Candidate;
+
+/// Most parts whose flips are all gone through.
+const ALL_FLIPS: usize = 12;
+/// Flips drawn where there are more parts.
+const DRAWS: usize = 4000;
+/// Seed of the flips.
+pub const SEED: u64 = 17;
+/// Most strengths of a law that parts can vote on: more belong to single traces.
+const MOST_STRENGTHS: usize = 3;
+
+/// A direction that parts vote on.
+struct Vote<'a> {
+    direction: &'a Direction,
+    /// Parts × strengths.
+    scores: DMatrix<f64>,
+    /// Inverse of the sum over parts of their squared scores: flips do not change it.
+    inverse: DMatrix<f64>,
+    positive: bool,
+}
+
+impl Vote<'_> {
+    /// Logarithm of the nominal chance of the total under these signs.
+    fn log_chance(&self, signs: &DVector<f64>) -> f64 {
+        let total = self.scores.tr_mul(signs);
+        if self.positive && total[0] <= 0.0 {
+            return 0.0;
+        }
+        log_tail(total.dot(&(&self.inverse * &total)), total.len(), self.positive)
+    }
+}
+
+/// Chance that parts which know nothing of any effect agree as much about one of the library, for each
+/// candidate; 1 where parts cannot vote on it.
+#[must_use]
+pub fn chances(screen: &Screen, candidates: &[Candidate]) -> Vec<f64> {
+    let parts = screen.scores.nrows();
+    let votes: Vec<Vote> =
+        screen.directions.iter().filter_map(|d| vote(screen, d, candidates)).collect();
+    let log_chances =
+        |signs: &DVector<f64>| votes.iter().map(|vote| vote.log_chance(signs)).collect::<Vec<_>>();
+    let mut own = vec![0.0f64; candidates.len()];
+    for (vote, log_chance) in votes.iter().zip(log_chances(&DVector::from_element(parts, 1.0))) {
+        let candidate = vote.direction.candidate;
+        own[candidate] = own[candidate].min(log_chance);
+    }
+    let least = |signs: &DVector<f64>| log_chances(signs).into_iter().fold(0.0, f64::min);
+    let null: Vec<f64> = flips(parts).par_iter().map(least).collect();
+    let chance = |&own: &f64| {
+        let as_extreme = null.iter().filter(|&&drawn| drawn <= own + 1e-9).count();
+        if own < 0.0 { as_extreme.max(1) as f64 / null.len() as f64 } else { 1.0 }
+    };
+    own.iter().map(chance).collect()
+}
+
+fn vote<'a>(
+    screen: &Screen,
+    direction: &'a Direction,
+    candidates: &[Candidate],
+) -> Option<Vote<'a>> {
+    let count = direction.columns.len();
+    if direction.left < ABSORBED || count > MOST_STRENGTHS || count >= screen.scores.nrows() {
+        return None;
+    }
+    let scores = screen.scores.columns(direction.columns.start, count).into_owned();
+    let inverse = (scores.transpose() * &scores).pseudo_inverse(1e-300).ok()?;
+    let positive = candidates[direction.candidate].forms[direction.form].positive && count == 1;
+    Some(Vote { direction, scores, inverse, positive })
+}
+
+/// Signs of the parts: all there are, the unchanged ones first, or a draw that begins with those.
+fn flips(parts: usize) -> Vec<DVector<f64>> {
+    let sign = |minus: bool| if minus { -1.0 } else { 1.0 };
+    if parts <= ALL_FLIPS {
+        let all = 0..1usize << parts;
+        return all.map(|k| DVector::from_fn(parts, |i, _| sign(k >> i & 1 == 1))).collect();
+    }
+    let mut random = ChaCha8Rng::seed_from_u64(SEED);
+    let mut drawn = vec![DVector::from_element(parts, 1.0)];
+    drawn.extend((1..DRAWS).map(|_| DVector::from_fn(parts, |_, _| sign(random.random_bool(0.5)))));
+    drawn
+}

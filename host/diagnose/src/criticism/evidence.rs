@@ -1,0 +1,126 @@
+//! Whether an effect that fits better is also borne out: by the traces left out, by its own parameters,
+//! and by the rest.
+
+use super::fitted::Fitted;
+use super::held_out::{Gain, HeldOut, held_out, over_sections};
+use super::rest::Rest;
+use palpate_fit::problem::Problem;
+
+/// An effect that was tried and refused.
+#[derive(Clone, Debug)]
+pub struct Refused {
+    /// Name of the effect.
+    pub effect: String,
+    /// Name of its law.
+    pub law: String,
+    /// What speaks against it.
+    pub reason: Refusal,
+    /// Root mean square error of the fit without and with it, in the unit of the signal.
+    pub rms: (f64, f64),
+    /// The same on traces left out; none for a single trace.
+    pub held_out: Option<(f64, f64)>,
+}
+
+/// What speaks against an effect.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Refusal {
+    /// The error of the fit does not fall.
+    FittedError,
+    /// The error of the fit falls by no more than chance explains where neighbours in the residual
+    /// agree.
+    FitUncertain,
+    /// The error on traces left out does not fall.
+    HeldOutError,
+    /// The error on sections left out of a single trace does not fall.
+    SectionError,
+    /// The error on traces left out falls by less than its uncertainty over the traces.
+    HeldOutUncertain(Gain),
+    /// The parts of the data do not agree about it: the chance that parts which know nothing of it agree
+    /// as much.
+    Disagreement(f64),
+    /// A parameter runs to the bound beyond which the law is no longer this effect.
+    AtBound {
+        /// Name of the parameter.
+        parameter: String,
+        /// The bound, in its unit.
+        value: f64,
+        /// Its unit.
+        unit: String,
+    },
+    /// The signal off the specimen denies it: root mean square error there without and with it.
+    Rest {
+        /// Without it, in the unit of the signal.
+        without: f64,
+        /// With it.
+        with: f64,
+    },
+}
+
+/// What a model is judged by beside its fit.
+#[derive(Clone, Debug)]
+pub struct Evidence {
+    /// Errors on traces left out; none for a single trace.
+    pub held_out: Option<HeldOut>,
+    /// Errors on sections left out of a single trace; none for several traces.
+    pub sections: Option<HeldOut>,
+    /// Errors off the specimen.
+    pub rest: Rest,
+}
+
+impl Evidence {
+    /// Gathers the evidence for a fitted model.
+    #[must_use]
+    pub fn of(problem: &Problem, fitted: &Fitted) -> Self {
+        let held_out = held_out(problem, fitted);
+        let sections = held_out.is_none().then(|| over_sections(problem, fitted));
+        Self { held_out, sections, rest: Rest::of(problem, fitted) }
+    }
+
+    /// Errors on what the model was not fitted to: traces, or sections of a single one.
+    #[must_use]
+    pub fn left_out(&self) -> Option<&HeldOut> {
+        self.held_out.as_ref().or(self.sections.as_ref())
+    }
+}
+
+/// A fitted model with the evidence for it.
+#[derive(Clone, Copy, Debug)]
+pub struct Judged<'a> {
+    /// The model.
+    pub fitted: &'a Fitted,
+    /// Its evidence.
+    pub evidence: &'a Evidence,
+}
+
+/// Weighs a model with one more effect, its last, against the one without. `exact` says that what it
+/// leaves is noise: then the likelihood of the noise tells how sure the gain is, and traces left out
+/// need only agree. Otherwise the gain must exceed its uncertainty over the traces.
+///
+/// # Errors
+/// What speaks against the effect.
+pub fn weigh(without: Judged, with: Judged, exact: bool) -> Result<(), Refusal> {
+    if with.fitted.rms() >= without.fitted.rms() {
+        return Err(Refusal::FittedError);
+    }
+    if let Some((parameter, value)) = with.fitted.last_effect_at_bound() {
+        let (parameter, unit) = (parameter.name.to_string(), parameter.unit.to_string());
+        return Err(Refusal::AtBound { parameter, value, unit });
+    }
+    if with.evidence.rest.denies(&without.evidence.rest) {
+        let (without, with) = (without.evidence.rest.rms(), with.evidence.rest.rms());
+        return Err(Refusal::Rest { without, with });
+    }
+    let (Some(before), Some(after)) = (&without.evidence.held_out, &with.evidence.held_out) else {
+        let error = |judged: Judged| judged.evidence.left_out().map_or(0.0, |errors| errors.rms);
+        let falls = exact || error(with) < error(without);
+        return if falls { Ok(()) } else { Err(Refusal::SectionError) };
+    };
+    let gain = if exact { after.gain_in_noise(before) } else { after.gain(before) };
+    if after.rms >= before.rms || gain.mean <= 0.0 {
+        return Err(Refusal::HeldOutError);
+    }
+    if !exact && !gain.exceeds(1.0) {
+        return Err(Refusal::HeldOutUncertain(gain));
+    }
+    Ok(())
+}

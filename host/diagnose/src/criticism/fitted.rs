@@ -1,0 +1,229 @@
+//! A model refitted to whitened data, with what is needed to weigh it against others without fitting
+//! again: the normal equations of every block of the data.
+
+use nalgebra::{DMatrix, DVector};
+
+use palpate_fit::least_squares::{Effort, LeastSquares, Normal, minimise_with};
+use palpate_fit::levels::LevelSums;
+use palpate_fit::problem::{Block, Problem};
+use palpate_fit::uncertainty;
+use palpate_fit::whole_motion::declared_uncertainty;
+use palpate_model::{Chain, Parameter};
+
+/// A chain fitted to a data set.
+#[derive(Clone, Debug)]
+pub struct Fitted {
+    /// The chain.
+    pub chain: Chain,
+    /// The coordinates of the search.
+    pub point: Vec<f64>,
+    /// The parameters.
+    pub values: Vec<f64>,
+    /// Blocks of the data.
+    pub blocks: Vec<Block>,
+    /// Sum of squares of the whitened residual.
+    pub cost: f64,
+    /// Number of samples.
+    pub samples: usize,
+    /// Number of rows and root mean square error over all of them, where the data are their means.
+    rows: Option<(usize, f64)>,
+    /// Which coordinates were fitted and are not on a bound.
+    free: Vec<bool>,
+    /// Part of the samples that are independent, from how neighbours in the whitened residual agree.
+    independent: f64,
+    /// Which coordinates the data push against a bound.
+    at_bound: Vec<bool>,
+    /// Number of parameters that were fitted.
+    parameters: usize,
+}
+
+impl Fitted {
+    /// Refits the problem's chain from a point.
+    #[must_use]
+    pub fn new(problem: &Problem, from: &[f64], effort: Effort) -> Self {
+        let found = minimise_with(problem, from, effort);
+        let bounds = problem.bounds();
+        let given = |j: usize| bounds[j].0 >= bounds[j].1;
+        let blocks = problem.blocks(&found.point);
+        Self {
+            chain: problem.chain.clone(),
+            values: problem.declared(&found.point),
+            cost: found.normal.cost,
+            samples: blocks.iter().map(|block| block.samples).sum(),
+            rows: None,
+            independent: independent(&blocks),
+            free: (0..found.point.len()).map(|j| !found.at_bound[j] && !given(j)).collect(),
+            at_bound: (0..found.point.len()).map(|j| found.at_bound[j] && !given(j)).collect(),
+            parameters: (0..found.point.len()).filter(|&j| !given(j)).count(),
+            point: found.point,
+            blocks,
+        }
+    }
+
+    /// Takes the error over all rows, where the data that it was fitted to are their means.
+    pub fn score(&mut self, rows: &Problem) {
+        let problem = rows.with_chain(&self.chain);
+        let squares = problem.trace_squares(&problem.point(&self.values));
+        let (sum, count) = squares
+            .iter()
+            .fold((0.0, 0), |(sum, count), (square, samples)| (sum + square, count + samples));
+        self.rows = Some((count, (sum / count as f64).sqrt()));
+    }
+
+    /// Number of rows of the recordings.
+    #[must_use]
+    pub fn rows(&self) -> usize {
+        self.rows.map_or(self.samples, |(rows, _)| rows)
+    }
+
+    /// Root mean square of the residual as it is.
+    #[must_use]
+    pub fn rms(&self) -> f64 {
+        if let Some((_, rms)) = self.rows {
+            return rms;
+        }
+        let squares: f64 = self.blocks.iter().map(|block| block.raw.cost).sum();
+        (squares / self.samples as f64).sqrt()
+    }
+
+    /// Bayesian information criterion on the whitened residuals.
+    #[must_use]
+    pub fn bic(&self) -> f64 {
+        self.criterion(self.cost, self.samples as f64)
+    }
+
+    /// Whether this model is better than another by so much of the information criterion where
+    /// neighbours in the residual agree: samples count as often as they are independent in what this
+    /// one leaves.
+    #[must_use]
+    pub fn beats_inexact(&self, other: &Self, by: f64) -> bool {
+        let samples = self.samples as f64 * self.independent;
+        let criterion = |fitted: &Self| {
+            samples * (fitted.cost / fitted.samples as f64).ln()
+                + fitted.parameters as f64 * samples.max(1.0).ln()
+        };
+        criterion(other) - criterion(self) > by
+    }
+
+    /// The parameter of the last effect that the data push against a bound; none where there is none.
+    #[must_use]
+    pub fn last_effect_at_bound(&self) -> Option<(&Parameter, f64)> {
+        let index = self.chain.effects.len().checked_sub(1)?;
+        let range = self.chain.range(index);
+        let mut pairs = self.chain.effects[index].parameters.iter().zip(range);
+        pairs
+            .find(|(p, k)| self.at_bound[*k] && !p.bounded)
+            .map(|(parameter, k)| (parameter, self.values[k]))
+    }
+
+    fn criterion(&self, cost: f64, samples: f64) -> f64 {
+        samples * (cost / samples).ln() + self.parameters as f64 * samples.ln()
+    }
+
+    /// The normal equations of the blocks, each counted so many times, without what slow noise explains.
+    #[must_use]
+    pub fn total(&self, problem: &Problem, weight: impl Fn(&Block) -> f64) -> Normal {
+        let weights: Vec<f64> = self.blocks.iter().map(weight).collect();
+        self.weighted(problem, &weights)
+    }
+
+    /// The same with a weight for each block.
+    pub(super) fn weighted(&self, problem: &Problem, weights: &[f64]) -> Normal {
+        let mut total = Normal::zeros(self.point.len());
+        let mut sums: Option<LevelSums> = None;
+        for (block, &weight) in self.blocks.iter().zip(weights) {
+            total.cost += weight * block.white.cost;
+            total.gradient += &block.white.gradient * weight;
+            total.curvature += &block.white.curvature * weight;
+            if let Some(own) = &block.levels {
+                let zeros = || LevelSums::zeros(self.point.len(), own.unit.len());
+                sums.get_or_insert_with(zeros).add_weighted(own, weight);
+            }
+        }
+        problem.marginalise(sums.as_ref(), &mut total);
+        total
+    }
+
+    /// The criterion where every block counts this many times: the model refitted to them in one step.
+    #[must_use]
+    pub fn weighted_bic(&self, problem: &Problem, weights: &[f64]) -> f64 {
+        let total = self.weighted(problem, weights);
+        let blocks = self.blocks.iter().zip(weights);
+        let samples = blocks.map(|(block, weight)| weight * block.samples as f64).sum();
+        let step = self.step(&total, &[]);
+        let gained = -(2.0 * total.gradient.dot(&step) + step.dot(&(&total.curvature * &step)));
+        self.criterion((total.cost - gained.max(0.0)).max(f64::MIN_POSITIVE), samples)
+    }
+
+    /// The Gauss–Newton step of the coordinates that are free, without those that are `fixed`.
+    #[must_use]
+    pub fn step(&self, normal: &Normal, fixed: &[usize]) -> DVector<f64> {
+        let dimension = self.point.len();
+        let moves =
+            |&j: &usize| self.free[j] && normal.curvature[(j, j)] > 0.0 && !fixed.contains(&j);
+        let free: Vec<usize> = (0..dimension).filter(moves).collect();
+        let mut step = DVector::zeros(dimension);
+        let scale: Vec<f64> = free.iter().map(|&j| normal.curvature[(j, j)].sqrt()).collect();
+        let matrix = DMatrix::from_fn(free.len(), free.len(), |a, b| {
+            let value = normal.curvature[(free[a], free[b])] / (scale[a] * scale[b]);
+            if a == b { value + 1e-9 } else { value }
+        });
+        let right = DVector::from_fn(free.len(), |a, _| -normal.gradient[free[a]] / scale[a]);
+        if let Some(factor) = matrix.cholesky() {
+            let found = factor.solve(&right);
+            for (a, &j) in free.iter().enumerate() {
+                step[j] = found[a] / scale[a];
+            }
+        }
+        step
+    }
+
+    /// Standard errors of the parameters, with the variance that the whitened residuals show; where the
+    /// law is `inexact`, by the delete-one jackknife over the parts of the data, which allows for what
+    /// the law leaves.
+    #[must_use]
+    pub fn standard_errors(&self, problem: &Problem, inexact: bool) -> Vec<Option<f64>> {
+        let total = self.total(problem, |_| 1.0);
+        let held: Vec<bool> = self.free.iter().map(|free| !free).collect();
+        let variance = (self.cost / (self.samples as f64 - self.parameters as f64)).max(1e-300);
+        let mut known = uncertainty(&total.curvature, &held, variance);
+        if inexact {
+            known.covariance = self.jackknife(problem);
+        }
+        declared_uncertainty(problem, &self.point, &known).0
+    }
+
+    /// Covariance of the coordinates from refits in one step to all parts but one: traces, or pieces of
+    /// them where there are few.
+    fn jackknife(&self, problem: &Problem) -> DMatrix<f64> {
+        let traces = self.blocks.iter().map(|block| block.trace + 1).max().unwrap_or(0);
+        let part = |index: usize| {
+            if traces >= FEWEST_TRACES { self.blocks[index].trace } else { index }
+        };
+        let parts = if traces >= FEWEST_TRACES { traces } else { self.blocks.len() };
+        let refit = |left_out: usize| {
+            let weights: Vec<f64> =
+                (0..self.blocks.len()).map(|k| f64::from(u8::from(part(k) != left_out))).collect();
+            self.step(&self.weighted(problem, &weights), &[])
+        };
+        let steps: Vec<DVector<f64>> = (0..parts).map(refit).collect();
+        let count = parts.max(1) as f64;
+        let mean =
+            steps.iter().fold(DVector::zeros(self.point.len()), |sum, step| sum + step) / count;
+        let spread = steps.iter().map(|step| step - &mean);
+        spread.fold(DMatrix::zeros(self.point.len(), self.point.len()), |sum, off| {
+            sum + &off * off.transpose()
+        }) * ((count - 1.0) / count)
+    }
+}
+
+/// Fewest traces that count as the parts of the data; of fewer, their pieces do.
+const FEWEST_TRACES: usize = 8;
+
+/// Part of the samples that are independent: the mean square of a whitened sample over that of block
+/// sums per sample, at most one.
+fn independent(blocks: &[Block]) -> f64 {
+    let sums: f64 = blocks.iter().map(|block| block.slow).sum();
+    let squares: f64 = blocks.iter().map(|block| block.white.cost).sum();
+    if sums > 0.0 { (squares / sums).clamp(1e-4, 1.0) } else { 1.0 }
+}

@@ -1,0 +1,229 @@
+//! Errors on traces left out of the fit.
+//!
+//! Every trace in turn is predicted by a fit to the others. One Gauss–Newton step from the fit to all
+//! leads there where the model is nearly straight over that step; where the sum of squares over the
+//! other traces is not what the step foretells, they are refitted in earnest. What a trace has of its
+//! own (its zero, the phase of a hum) is taken from what it shows before its touch, as a user would.
+
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+use super::fitted::Fitted;
+use palpate_fit::least_squares::{Effort, LeastSquares, Normal, minimise_with};
+use palpate_fit::problem::{Problem, StretchResidual};
+
+/// Errors of a model on traces that it was not fitted to.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HeldOut {
+    /// Root mean square error over all samples, in the unit of the signal.
+    pub rms: f64,
+    /// Mean square error of each trace, in the squared unit of the signal.
+    pub squares: Vec<f64>,
+    /// Sum of squares of each trace's whitened residual, in variances of the noise.
+    pub whitened: Vec<f64>,
+}
+
+/// What a model gains over another on traces left out.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gain {
+    /// Mean over the traces.
+    pub mean: f64,
+    /// Its standard error over the traces.
+    pub standard_error: f64,
+}
+
+impl HeldOut {
+    /// What this model gains over another in squares of the whitened residual: for data that a law
+    /// describes to the noise.
+    #[must_use]
+    pub fn gain_in_noise(&self, other: &Self) -> Gain {
+        Gain::of(&other.whitened, &self.whitened)
+    }
+
+    /// What this model gains over another in mean squares of the error of each trace.
+    #[must_use]
+    pub fn gain(&self, other: &Self) -> Gain {
+        Gain::of(&other.squares, &self.squares)
+    }
+}
+
+impl Gain {
+    fn of(before: &[f64], after: &[f64]) -> Self {
+        let gains: Vec<f64> =
+            before.iter().zip(after).map(|(before, after)| before - after).collect();
+        let count = gains.len() as f64;
+        let mean = gains.iter().sum::<f64>() / count;
+        let squares = gains.iter().map(|gain| (gain - mean).powi(2)).sum::<f64>();
+        Self { mean, standard_error: (squares / (count - 1.0) / count).sqrt() }
+    }
+
+    /// Whether the gain is larger than this many of its standard errors.
+    #[must_use]
+    pub fn exceeds(&self, standard_errors: f64) -> bool {
+        self.mean > standard_errors * self.standard_error
+    }
+}
+
+/// Excess over the foretold sum of squares, in variances of the residual, up to which one step counts
+/// as a refit.
+const SAME: f64 = 1.0;
+
+/// Errors of a fitted model on every trace when it is left out, refitted to the others in earnest where
+/// one step does not do; none for a single trace.
+#[must_use]
+pub fn held_out(problem: &Problem, fitted: &Fitted) -> Option<HeldOut> {
+    held_out_with(problem, fitted, true, None)
+}
+
+/// The same over all `rows` of the recordings, where the data that the model is fitted to are their means.
+#[must_use]
+pub fn held_out_on(problem: &Problem, fitted: &Fitted, rows: &Problem) -> Option<HeldOut> {
+    held_out_with(problem, fitted, true, Some(rows))
+}
+
+/// The same with one step in place of every refit.
+#[must_use]
+pub fn held_out_in_one_step(problem: &Problem, fitted: &Fitted) -> Option<HeldOut> {
+    held_out_with(problem, fitted, false, None)
+}
+
+/// Errors on sections of the data, each left out of the fit in turn, in one step from the fit to all and
+/// as the straight line of that step foretells: for a single trace, whose sections share what the specimen
+/// remembers.
+#[must_use]
+pub fn over_sections(problem: &Problem, fitted: &Fitted) -> HeldOut {
+    let squares_without = |left_out: usize| -> (f64, f64) {
+        let weights: Vec<f64> =
+            (0..fitted.blocks.len()).map(|block| f64::from(u8::from(block != left_out))).collect();
+        let step = fitted.step(&fitted.weighted(problem, &weights), &[]);
+        let foretold = |normal: &Normal| {
+            let moved = 2.0 * normal.gradient.dot(&step) + step.dot(&(&normal.curvature * &step));
+            (normal.cost + moved).max(0.0)
+        };
+        let block = &fitted.blocks[left_out];
+        (foretold(&block.raw), foretold(&block.white))
+    };
+    let sums: Vec<(f64, f64)> = (0..fitted.blocks.len()).map(squares_without).collect();
+    let count = |block: usize| (fitted.blocks[block].samples as f64).max(1.0);
+    let total: f64 = sums.iter().map(|(raw, _)| raw).sum();
+    HeldOut {
+        rms: (total / (fitted.samples as f64).max(1.0)).sqrt(),
+        squares: sums.iter().enumerate().map(|(block, (raw, _))| raw / count(block)).collect(),
+        whitened: sums.into_iter().map(|(_, white)| white).collect(),
+    }
+}
+
+fn held_out_with(
+    problem: &Problem,
+    fitted: &Fitted,
+    in_earnest: bool,
+    rows: Option<&Problem>,
+) -> Option<HeldOut> {
+    let traces = 1 + fitted.blocks.iter().map(|block| block.trace).max()?;
+    if traces < 2 {
+        return None;
+    }
+    let problem = problem.with_chain(&fitted.chain);
+    let rows = rows.map(|rows| rows.with_chain(&fitted.chain));
+    let errors: Vec<TraceError> = (0..traces)
+        .into_par_iter()
+        .map(|trace| left_out(&problem, fitted, trace, in_earnest, rows.as_ref()))
+        .collect();
+    let total: f64 = errors.iter().map(|error| error.square).sum();
+    let samples: f64 = errors.iter().map(|error| error.samples).sum();
+    Some(HeldOut {
+        rms: (total / samples.max(1.0)).sqrt(),
+        squares: errors.iter().map(|error| error.square / error.samples.max(1.0)).collect(),
+        whitened: errors.iter().map(|error| error.whitened).collect(),
+    })
+}
+
+/// Sums over one trace.
+#[derive(Clone, Copy, Debug, Default)]
+struct TraceError {
+    square: f64,
+    whitened: f64,
+    samples: f64,
+}
+
+/// The error on one trace of a fit to the others.
+fn left_out(
+    problem: &Problem,
+    fitted: &Fitted,
+    trace: usize,
+    in_earnest: bool,
+    rows: Option<&Problem>,
+) -> TraceError {
+    let others = problem.leaving_out(trace);
+    let own = fitted.chain.own_of_trace(trace);
+    let rest = fitted.total(&others, |block| f64::from(u8::from(block.trace != trace)));
+    let step = fitted.step(&rest, &own);
+    let foretold =
+        rest.cost + 2.0 * rest.gradient.dot(&step) + step.dot(&(&rest.curvature * &step));
+    let mut point: Vec<f64> = fitted
+        .point
+        .iter()
+        .zip(step.iter())
+        .zip(others.bounds())
+        .map(|((x, step), (lower, upper))| (x + step).clamp(*lower, *upper))
+        .collect();
+    for &j in &own {
+        point[j] = 0.0;
+    }
+    let (mut cost, mut residuals) = others.apart(&point, trace);
+    let variance = rest.cost / (fitted.samples as f64).max(1.0);
+    if in_earnest && (cost.is_nan() || cost > foretold.max(0.0) + SAME * variance) {
+        point = minimise_with(&others, &point, Effort::QUICK).point;
+        (cost, residuals) = others.apart(&point, trace);
+    }
+    if !cost.is_finite() {
+        return TraceError { square: f64::INFINITY, whitened: f64::INFINITY, samples: 1.0 };
+    }
+    if !own.is_empty() {
+        own_from_before(&others, &mut point, &own, trace, &residuals);
+        residuals = others.apart(&point, trace).1;
+    }
+    if let Some(rows) = rows {
+        residuals = rows.apart(&rows.point(&others.declared(&point)), trace).1;
+    }
+    let mut error = TraceError::default();
+    let mut residuals: Vec<Vec<f64>> = residuals.into_iter().map(|s| s.residual).collect();
+    for residual in &residuals {
+        error.samples += residual.len() as f64;
+        error.square += residual.iter().map(|r| r * r).sum::<f64>();
+    }
+    error.whitened = problem.whitened_square(trace, &mut residuals);
+    error
+}
+
+/// Sets what a trace has of its own by least squares over its samples before the touch; it stays at
+/// zero where there are none.
+fn own_from_before(
+    problem: &Problem,
+    point: &mut [f64],
+    own: &[usize],
+    trace: usize,
+    at_zero: &[StretchResidual],
+) {
+    let before = |stretches: &[StretchResidual]| -> Vec<f64> {
+        stretches.iter().flat_map(|s| s.residual[..s.touch].iter().copied()).collect()
+    };
+    let residual = before(at_zero);
+    if residual.len() < 2 * own.len() {
+        return;
+    }
+    let columns: Vec<f64> = own
+        .iter()
+        .flat_map(|&j| {
+            let mut moved = point.to_vec();
+            moved[j] = 1.0;
+            let moved = before(&problem.apart(&moved, trace).1);
+            moved.iter().zip(&residual).map(|(moved, at)| moved - at).collect::<Vec<_>>()
+        })
+        .collect();
+    let columns = DMatrix::from_vec(residual.len(), own.len(), columns);
+    let found = columns.svd(true, true).solve(&DVector::from_vec(residual), 1e-9);
+    for (&j, value) in own.iter().zip(found.iter().flat_map(|found| found.iter())) {
+        point[j] = -value;
+    }
+}

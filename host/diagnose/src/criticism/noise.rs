@@ -1,0 +1,302 @@
+//! The noise of a data set, from where the specimen is not touched: never from the misfit.
+
+use super::hum::{centred, without_hum};
+use palpate_fit::data::Data;
+use palpate_fit::whitening::Whitening;
+use palpate_trace::{Noise, Source, Trace, pooled_noise};
+
+/// What is known of the noise.
+#[derive(Clone, Debug)]
+pub struct NoiseModel {
+    /// The filter that makes it white.
+    pub whitening: Whitening,
+    /// Where it was seen.
+    pub seen: Seen,
+    /// Number of samples it was estimated from.
+    pub samples: usize,
+    /// Standard deviation of one sample, in the unit of the signal.
+    pub level: f64,
+}
+
+impl NoiseModel {
+    /// Its size, and the correlation of neighbours, as other parts of the program take it.
+    #[must_use]
+    pub fn in_short(&self) -> Noise {
+        Noise {
+            standard_deviation: self.level,
+            lag1: self.whitening.coefficients().first().copied(),
+            samples: self.samples,
+            source: Source::BeforeTouch,
+        }
+    }
+}
+
+/// Where noise was seen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Seen {
+    /// At rest off the specimen, before and after the touch.
+    OffTheSpecimen,
+    /// In the residual of the model, for want of rest: what the model lacks is in it.
+    Residual,
+}
+
+/// Samples of rest that are enough to see noise in.
+const ENOUGH: usize = 60;
+/// Samples of rest before the touch that are enough by themselves.
+const PLENTY: usize = 300;
+/// Variance after the touch over that before it above which the rest after it is not quiet.
+const LOUDER: f64 = 1.4;
+/// The same where there are few samples before the touch: their own scatter explains no such ratio.
+const FAR_LOUDER: f64 = 25.0;
+/// Largest correlation of neighbours that a residual may lend to the noise.
+const MOST_CORRELATED: f64 = 0.9;
+/// A stretch of rest has at least this many samples.
+const SHORTEST: usize = 16;
+/// Highest order of the autoregression.
+const ORDER: usize = 3;
+/// Time after the touch that still counts as recovery, s.
+const RECOVERY: f64 = 0.3;
+/// The noise, from rest off the specimen; none where the recordings have too little of it.
+#[must_use]
+pub fn noise_model(data: &Data) -> Option<NoiseModel> {
+    let [before, after] = quiet(data);
+    let count = |stretches: &[Vec<f64>]| stretches.iter().map(Vec::len).sum::<usize>();
+    // What the touch has set swinging, or has not recovered yet, is no noise.
+    let louder = match count(&before) {
+        PLENTY.. => LOUDER,
+        ENOUGH.. => FAR_LOUDER,
+        _ => f64::INFINITY,
+    };
+    // A signal that stands still to its last digit shows no noise.
+    let still = spread(&before) == 0.0;
+    let alone = !still && spread(&after) > louder * spread(&before);
+    let quiet = if alone { before } else { [before, after].concat() };
+    let samples = count(&quiet);
+    if samples < ENOUGH {
+        return None;
+    }
+    let longest = data.pieces.iter().map(|piece| piece.measured.len()).max().unwrap_or(0);
+    let whitening = estimate(&without_hum(quiet, data.shortest_interval()), longest);
+    let level = whitening.standard_deviation();
+    let interval = data.shortest_interval();
+    let middles: Vec<f64> = data.middles().into_iter().map(|time| time / interval).collect();
+    let whitening = whitening.through_pauses(&middles);
+    (level > 0.0).then_some(NoiseModel { level, whitening, seen: Seen::OffTheSpecimen, samples })
+}
+
+/// The noise of a data set as every answer tells it: from rest off the specimen, or where the recordings
+/// have too little of it as [`pooled_noise`] finds it. None where they do not tell.
+#[must_use]
+pub fn noise_of(data: &Data, traces: &[Trace]) -> Option<Noise> {
+    told(noise_model(data).as_ref(), traces, &data.signal)
+}
+
+/// The same where the model of the noise is known.
+pub(super) fn told(seen: Option<&NoiseModel>, traces: &[Trace], signal: &str) -> Option<Noise> {
+    seen.map(NoiseModel::in_short).or_else(|| pooled_noise(traces, signal))
+}
+
+/// Number of samples at rest off the specimen, in stretches that are long enough to see noise in.
+#[must_use]
+pub fn samples_at_rest(data: &Data) -> usize {
+    quiet(data).iter().flatten().map(Vec::len).sum()
+}
+
+/// The noise for want of rest: its size from second differences where they tell, and the correlation of
+/// neighbours from the residuals of a model, stretch by stretch. What the model lacks is in those, so
+/// no more than a correlation is taken from them, and of means over unequal blocks, whose neighbours are
+/// ever farther apart, not even that.
+#[must_use]
+pub fn residual_noise(residuals: &[Vec<f64>], seen: Option<Noise>, means: bool) -> NoiseModel {
+    let samples = residuals.iter().map(Vec::len).sum();
+    let (mut squares, mut products) = (0.0, 0.0);
+    for residual in residuals {
+        squares += residual.iter().map(|r| r * r).sum::<f64>();
+        products += residual.windows(2).map(|pair| pair[0] * pair[1]).sum::<f64>();
+    }
+    let size = (squares / (samples as f64).max(1.0)).sqrt().max(f64::MIN_POSITIVE);
+    let most = if means { 0.0 } else { MOST_CORRELATED };
+    let correlation = (products / squares.max(f64::MIN_POSITIVE)).clamp(0.0, most);
+    NoiseModel {
+        whitening: Whitening::new(size, &[correlation], 0.0, 0).guess(),
+        seen: Seen::Residual,
+        samples,
+        level: seen.map_or(size, |noise| noise.standard_deviation),
+    }
+}
+
+/// Variance within stretches.
+fn spread(stretches: &[Vec<f64>]) -> f64 {
+    let (mut squares, mut count) = (0.0, 0.0);
+    for stretch in stretches {
+        let centred = centred(stretch.clone());
+        squares += centred.iter().map(|value| value * value).sum::<f64>();
+        count += stretch.len() as f64 - 1.0;
+    }
+    if count > 0.0 { squares / count } else { 0.0 }
+}
+
+/// The signal at rest off the specimen, stretch by stretch: before the first touch of each recording,
+/// and after a touch.
+fn quiet(data: &Data) -> [Vec<Vec<f64>>; 2] {
+    let mut found = [Vec::new(), Vec::new()];
+    for piece in &data.pieces {
+        let scene = data.scene(piece);
+        let (time, x) = (&piece.motion.time, &piece.motion.displacement);
+        let fastest = scene.velocity.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
+        let mut released = f64::NEG_INFINITY;
+        let mut stretch = Vec::new();
+        for k in 0..time.len() {
+            if x[k] > 0.0 {
+                released = time[k];
+            }
+            let rests = x[k] <= 0.0 && scene.velocity[k].abs() <= 1e-3 * fastest;
+            if rests && time[k] >= released + RECOVERY {
+                stretch.push(piece.measured[k]);
+            } else if !stretch.is_empty() {
+                let touched = usize::from(released.is_finite());
+                found[touched].push(std::mem::take(&mut stretch));
+            }
+        }
+        found[usize::from(released.is_finite())].push(stretch);
+    }
+    for stretches in &mut found {
+        stretches.retain(|stretch: &Vec<f64>| stretch.len() >= SHORTEST);
+    }
+    found
+}
+
+fn estimate(stretches: &[Vec<f64>], longest: usize) -> Whitening {
+    with_flicker(stretches, longest).unwrap_or_else(|| autoregression(stretches))
+}
+
+/// The autoregression of up to third order with the least Bayesian information criterion.
+fn autoregression(stretches: &[Vec<f64>]) -> Whitening {
+    let samples: usize = stretches.iter().map(Vec::len).sum();
+    let mut best: Option<(f64, Whitening)> = None;
+    let mut point: Vec<f64> = Vec::new();
+    for order in 0..=ORDER {
+        if order > 0 {
+            point.push(0.0);
+            point = search(&point, |point| {
+                deviance(stretches, |s| Whitening::new(s, &partial(point), 0.0, 0)).0
+            });
+        }
+        let (deviance, size) = deviance(stretches, |s| Whitening::new(s, &partial(&point), 0.0, 0));
+        let criterion = deviance + order as f64 * (samples as f64).ln();
+        if best.as_ref().is_none_or(|(least, _)| criterion < *least) {
+            best = Some((criterion, Whitening::new(size, &partial(&point), 0.0, 0)));
+        }
+    }
+    best.map_or_else(Whitening::none, |(_, noise)| noise)
+}
+
+/// Noise with flicker where that is likelier by far.
+fn with_flicker(stretches: &[Vec<f64>], longest: usize) -> Option<Whitening> {
+    let here = stretches.iter().map(Vec::len).max().unwrap_or(0);
+    let make = |s: f64, point: &[f64], length| {
+        let (flicker, rest) = (point[0].exp(), &point[1..]);
+        Whitening::new(s, &partial(rest), s * flicker, length)
+    };
+    let cost = |point: &[f64]| deviance(stretches, |s| make(s, point, here)).0;
+    let point = search(&[-1.0, 0.3], cost);
+    let (with, size) = deviance(stretches, |s| make(s, &point, here));
+    let plain = deviance(stretches, |s| {
+        let noise = autoregression(stretches);
+        noise.scaled(s / noise.standard_deviation())
+    });
+    (with + 10.0 < plain.0).then(|| make(size, &point, longest))
+}
+
+/// Partial correlations from coordinates without bounds.
+fn partial(point: &[f64]) -> Vec<f64> {
+    point.iter().map(|value| value.tanh()).collect()
+}
+
+/// Minus twice the logarithm of the likelihood at the likeliest size, and that size.
+fn deviance(stretches: &[Vec<f64>], noise: impl Fn(f64) -> Whitening) -> (f64, f64) {
+    let unit = noise(1.0);
+    let (mut squares, mut logarithms, mut count) = (0.0, 0.0, 0.0);
+    for stretch in stretches {
+        let parts = unit.likelihood(stretch);
+        squares += parts.squares;
+        logarithms += parts.logarithms;
+        count += stretch.len() as f64 - 1.0;
+    }
+    let variance = (squares / count).max(f64::MIN_POSITIVE);
+    (count * variance.ln() + logarithms, variance.sqrt())
+}
+
+/// A minimum near `start`, coordinate by coordinate with steps that shrink.
+fn search(start: &[f64], cost: impl Fn(&[f64]) -> f64) -> Vec<f64> {
+    let mut point = start.to_vec();
+    let mut least = cost(&point);
+    let mut step = 0.4;
+    while step > 0.01 {
+        let mut moved = false;
+        for j in 0..point.len() {
+            for sign in [1.0, -1.0] {
+                let mut trial = point.clone();
+                trial[j] += sign * step;
+                let value = cost(&trial);
+                if value < least {
+                    (point, least, moved) = (trial, value, true);
+                    break;
+                }
+            }
+        }
+        if !moved {
+            step *= 0.5;
+        }
+    }
+    point
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::TAU;
+
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, StandardNormal};
+
+    fn stretches(a: f64, sd: f64, offset: bool) -> Vec<Vec<f64>> {
+        let mut random = ChaCha8Rng::seed_from_u64(5);
+        let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
+        (0..20)
+            .map(|number| {
+                let mut value = sd * normal();
+                let level = if offset { 10.0 * f64::from(number) } else { 0.0 };
+                let mut next = || {
+                    value = a * value + sd * (1.0 - a * a).sqrt() * normal();
+                    value + level
+                };
+                (0..200).map(|_| next()).collect()
+            })
+            .collect()
+    }
+
+    #[test]
+    fn an_autoregression_is_found_whatever_the_level() {
+        for offset in [false, true] {
+            let noise = estimate(&stretches(0.7, 0.02, offset), 1000);
+            assert_eq!(noise.flicker(), 0.0);
+            assert!((noise.standard_deviation() / 0.02 - 1.0).abs() < 0.05, "{noise:?}");
+            assert!((noise.coefficients()[0] - 0.7).abs() < 0.04, "{noise:?}");
+        }
+    }
+
+    #[test]
+    fn hum_is_not_noise() {
+        let mut with_hum = stretches(0.5, 0.02, false);
+        for (number, stretch) in with_hum.iter_mut().enumerate() {
+            for (k, value) in stretch.iter_mut().enumerate() {
+                *value += 0.05 * (TAU * 49.9 * 0.005 * k as f64 + number as f64).sin();
+            }
+        }
+        let noise = estimate(&without_hum(with_hum, 0.005), 1000);
+        assert!((noise.standard_deviation() / 0.02 - 1.0).abs() < 0.06, "{noise:?}");
+        assert!((noise.coefficients()[0] - 0.5).abs() < 0.06, "{noise:?}");
+    }
+}

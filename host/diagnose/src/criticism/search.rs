@@ -1,0 +1,816 @@
+//! The search for what is missing: screen, refit the best few, keep the one that the evidence names,
+//! go on; then ask of every one kept whether another would do better in its place.
+
+use std::cmp::Ordering;
+
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
+
+use super::adequacy::{LEVEL, adequacy};
+use super::agreement;
+use super::evidence::{Evidence, Judged, Refusal, Refused, weigh};
+use super::fitted::Fitted;
+use super::held_out::{held_out_in_one_step, held_out_on, over_sections};
+use super::screen::{Direction, Screen, screen};
+use palpate_fit::data::Data;
+use palpate_fit::least_squares::{Effort, LeastSquares, Solution, minimise_with};
+use palpate_fit::problem::Problem;
+use palpate_fit::watch;
+use palpate_fit::whitening::Whitening;
+use palpate_model::Chain;
+use palpate_model::effects::Candidate;
+
+/// Chance of naming anything where nothing is missing, over all steps.
+pub const FALSE_ALARMS: f64 = 0.01;
+/// Fall of the information criterion that decides between models.
+pub const DECISIVE: f64 = 10.0;
+/// Most effects added.
+const MOST_STEPS: usize = 3;
+/// Chance of as much agreement between the parts of the data above which they do not agree.
+const DISAGREEMENT: f64 = 0.1;
+/// Rivals that are refitted without each trace in earnest: those that one step speaks for most.
+const IN_EARNEST: usize = 4;
+/// Likeliest rivals that are refitted without each trace in earnest whatever one step says.
+const LIKELIEST: usize = 2;
+/// Part of all that was explained so far that a further effect must explain: less is how a law's form
+/// differs from the specimen's.
+const MINOR: f64 = 0.04;
+/// Which laws are refitted in a step.
+struct Breadth {
+    /// Most laws.
+    refits: usize,
+    /// Most laws of one effect.
+    laws: usize,
+    /// A law whose predicted gain is below this part of the best is not refitted.
+    worth: f64,
+    /// A law whose gain after a few steps is below this part of the best is given up, but not among
+    /// the first few.
+    close: f64,
+}
+/// Where the likelihood of the noise ranks.
+const NARROW: Breadth = Breadth { refits: 12, laws: 12, worth: 0.25, close: 0.5 };
+/// Where traces left out rank, and a law that fits less may predict more.
+const BROAD: Breadth = Breadth { refits: 16, laws: 2, worth: 0.1, close: 0.2 };
+/// One effect is tried in the place of several where a few steps with it alone explain this part of what
+/// they do.
+const ALONE: f64 = 0.7;
+/// Effects that are always refitted.
+const FEWEST: usize = 3;
+/// Most replacements of effects already found.
+const MOST_ROUNDS: usize = 5;
+/// Resamplings of the blocks.
+pub const RESAMPLES: usize = 200;
+/// Seed of the resamplings.
+pub const SEED: u64 = 13;
+/// Part of the resamplings that a single name must win.
+const WON: f64 = 0.9;
+/// Part of the resamplings that a credible set must hold.
+const COVERED: f64 = 0.975;
+
+/// One effect of a model and what speaks for it.
+#[derive(Clone, Debug)]
+pub struct Step {
+    /// Name of the effect.
+    pub effect: String,
+    /// Chance under noise alone of a score as large, over the whole library.
+    pub p_value: f64,
+    /// Every effect that was refitted in its place, best first.
+    pub rivals: Vec<Rival>,
+    /// Names that the data do not tell apart, the effect first.
+    pub credible: Vec<String>,
+    /// Whether the rivals were refitted beside the other effects of the model.
+    fresh: bool,
+}
+
+/// An effect refitted beside the others of a model.
+#[derive(Clone, Debug)]
+pub struct Rival {
+    /// Which candidate.
+    pub candidate: usize,
+    /// Name of the effect.
+    pub effect: String,
+    /// The model with it.
+    pub fitted: Fitted,
+    /// Part of the resamplings of the data in which it is best.
+    pub won: f64,
+}
+
+impl Rival {
+    /// Its own law: other effects may stand beside it in the model.
+    #[must_use]
+    pub fn law(&self) -> Option<&str> {
+        let mut effects = self.fitted.chain.effects.iter();
+        effects.find(|effect| effect.name == self.effect).map(|effect| effect.law.as_str())
+    }
+}
+
+/// What a search found.
+#[derive(Clone, Debug)]
+pub struct Found {
+    /// The model without effects of the search.
+    pub base: Fitted,
+    /// The effects found.
+    pub steps: Vec<Step>,
+    /// The model after each.
+    pub models: Vec<Fitted>,
+    /// The last screen: what could still be missing.
+    pub last: Screen,
+    /// The screen of the base.
+    pub first: Screen,
+    /// Whether what the last model leaves need not be noise: names were chosen by the traces left out,
+    /// and p values are those of the agreement between parts of the data.
+    pub inexact: bool,
+    /// The evidence beside the fit for the base and for the model after each step.
+    pub evidence: Vec<Evidence>,
+    /// What was tried and refused.
+    pub refused: Vec<Refused>,
+}
+
+impl Found {
+    /// The model with all effects found.
+    #[must_use]
+    pub fn model(&self) -> &Fitted {
+        self.models.last().unwrap_or(&self.base)
+    }
+
+    /// Error of the last model on traces, or on sections of a single one, left out.
+    #[must_use]
+    pub fn held_out_rms(&self) -> Option<f64> {
+        Some(self.evidence.last()?.left_out()?.rms)
+    }
+
+    /// Takes the errors of every rung over all rows, where the data of the search are their means, and
+    /// goes back to the rung before the first at which one of them rises.
+    pub fn score(&mut self, problem: &Problem, rows: &Problem) {
+        let rungs = std::iter::once(&mut self.base).chain(&mut self.models);
+        for (fitted, evidence) in rungs.zip(&mut self.evidence) {
+            fitted.score(rows);
+            evidence.held_out = held_out_on(problem, fitted, rows);
+        }
+        let denied = (0..self.steps.len()).find_map(|index| {
+            let (without, with) = (self.judged(index), self.judged(index + 1));
+            let reason = rises(without, with)?;
+            Some((index, refused(&self.steps[index].effect, without, with, reason)))
+        });
+        if let Some((index, denied)) = denied {
+            self.steps.truncate(index);
+            self.models.truncate(index);
+            self.evidence.truncate(index + 1);
+            self.refuse([denied]);
+        }
+    }
+
+    /// Takes down what was refused, the latest trial of each effect.
+    pub fn refuse(&mut self, refused: impl IntoIterator<Item = Refused>) {
+        for refused in refused {
+            self.refused.retain(|earlier| earlier.effect != refused.effect);
+            self.refused.push(refused);
+        }
+    }
+
+    /// Whether an effect is among the steps.
+    #[must_use]
+    pub fn names(&self, effect: &str) -> bool {
+        self.steps.iter().any(|step| step.effect == effect)
+    }
+
+    /// The model after so many steps, with its evidence.
+    fn judged(&self, steps: usize) -> Judged<'_> {
+        let fitted = steps.checked_sub(1).map_or(&self.base, |last| &self.models[last]);
+        Judged { fitted, evidence: &self.evidence[steps] }
+    }
+}
+
+/// A search over a data set.
+pub struct Search<'a> {
+    /// The data.
+    pub data: &'a Data<'a>,
+    /// What can be tried.
+    pub candidates: &'a [Candidate],
+    /// The filter that makes the noise white.
+    pub whitening: &'a Whitening,
+    /// The problem whose scenes are shared.
+    pub problem: &'a Problem<'a>,
+}
+
+impl Search<'_> {
+    /// Adds effects to the base for as long as noise alone would not show as much.
+    #[must_use]
+    pub fn run(&self, base: Fitted) -> Found {
+        let mut found = self.begin(base);
+        let mut budget = 0.5 * FALSE_ALARMS;
+        loop {
+            while found.steps.len() < MOST_STEPS && self.advance(&mut found, budget) {
+                budget *= 0.5;
+            }
+            if !self.polish(&mut found) {
+                break;
+            }
+        }
+        for step in &mut found.steps {
+            resample(self.problem, &mut step.rivals);
+            step.credible = credible(&step.effect, &step.rivals);
+        }
+        found
+    }
+
+    /// A search that has found nothing yet.
+    fn begin(&self, base: Fitted) -> Found {
+        let first = self.screen(&base);
+        Found {
+            base,
+            steps: Vec::new(),
+            models: Vec::new(),
+            last: first.clone(),
+            first,
+            inexact: false,
+            evidence: Vec::new(),
+            refused: Vec::new(),
+        }
+    }
+
+    /// Gathers the evidence beside the fit for every rung, and says what speaks against the first one
+    /// that is not borne out.
+    pub fn examine(&self, found: &mut Found, exact: bool) -> Option<Refused> {
+        found.evidence = vec![self.evidence(&found.base)];
+        for index in 0..found.steps.len() {
+            found.evidence.push(self.evidence(&found.models[index]));
+            let refusal = weigh(found.judged(index), found.judged(index + 1), exact).err();
+            if let Some(reason) = refusal {
+                let (without, with) = (found.judged(index), found.judged(index + 1));
+                return Some(refused(&found.steps[index].effect, without, with, reason));
+            }
+        }
+        None
+    }
+
+    fn evidence(&self, fitted: &Fitted) -> Evidence {
+        Evidence::of(self.problem, fitted)
+    }
+
+    /// Adds effects to the base for as long as they are borne out: by the error on traces left out, by
+    /// their parameters and by the rest. For data that no law describes to the noise, where the
+    /// likelihood of the noise says nothing about names.
+    #[must_use]
+    pub fn climb(&self, base: Fitted) -> Found {
+        self.climb_until(base, |_| false)
+    }
+
+    /// The same, and no further than to the first model that leaves only noise.
+    #[must_use]
+    pub fn climb_to_the_noise(&self, base: Fitted) -> Found {
+        self.climb_until(base, |fitted| self.leaves_noise(fitted))
+    }
+
+    fn climb_until(&self, base: Fitted, enough: impl Fn(&Fitted) -> bool) -> Found {
+        let mut found = Found { inexact: true, ..self.begin(base) };
+        found.evidence.push(self.evidence(&found.base));
+        let climbing = |found: &Found| {
+            found.steps.len() < MOST_STEPS && found.models.last().is_none_or(|it| !enough(it))
+        };
+        while climbing(&found) && self.step_up(&mut found) {}
+        found
+    }
+
+    /// The steps that are borne out on the data of a search by likelihood: its own effects in another
+    /// order or those that predict traces left out best one by one, whichever ends lower there.
+    #[must_use]
+    pub fn borne_out(&self, likeliest: &Found) -> Found {
+        let climbed = self.climb(likeliest.base.clone());
+        match self.reordered(likeliest) {
+            Some(reordered) if reordered.held_out_rms() < climbed.held_out_rms() => reordered,
+            _ => climbed,
+        }
+    }
+
+    /// The same effects as those of another search in the order, and as many of them, in which every one
+    /// is borne out: an effect may predict only beside another. The one that predicts traces left out
+    /// best; none where no order begins with an effect that is borne out.
+    #[must_use]
+    pub fn reordered(&self, other: &Found) -> Option<Found> {
+        let mut best: Option<Found> = None;
+        for first in 0..other.steps.len() {
+            let mut found = Found { inexact: true, ..self.begin(other.base.clone()) };
+            found.evidence.push(self.evidence(&found.base));
+            let mut left: Vec<usize> = (0..other.steps.len()).collect();
+            left.rotate_left(first);
+            for index in left {
+                self.try_on(&mut found, other, index);
+            }
+            let error = |found: &Found| found.held_out_rms().unwrap_or(f64::INFINITY);
+            if !found.steps.is_empty()
+                && best.as_ref().is_none_or(|best| error(&found) < error(best))
+            {
+                best = Some(found);
+            }
+        }
+        best
+    }
+
+    /// Adds an effect of another search, as it stands at its end, if it is borne out.
+    fn try_on(&self, found: &mut Found, other: &Found, index: usize) {
+        let end = other.model();
+        let place = other.base.chain.effects.len() + index;
+        let chain = found.model().chain.with(end.chain.effects[place].clone());
+        let point = [&found.model().point[..], &end.point[end.chain.range(place)]].concat();
+        let problem = self.problem.with_chain(&chain);
+        let fitted = Fitted::new(&problem, &point, Effort::LONG);
+        let evidence = self.evidence(&fitted);
+        let effect = other.steps[index].effect.clone();
+        let (without, with) =
+            (found.judged(found.steps.len()), Judged { fitted: &fitted, evidence: &evidence });
+        let candidate = self.candidates.iter().position(|candidate| candidate.name == effect);
+        let Some(candidate) = candidate else { return };
+        let p_value = agreement::chances(&found.last, self.candidates)[candidate];
+        let exact = self.leaves_noise(&fitted);
+        if let Err(reason) = weigh_where(exact, without, with, p_value) {
+            let refused = refused(&effect, without, with, reason);
+            found.refuse([refused]);
+            return;
+        }
+        let credible = other.steps[index].credible.clone();
+        let rival = Rival { candidate, effect: effect.clone(), fitted: fitted.clone(), won: 1.0 };
+        found.models.push(fitted);
+        found.evidence.push(evidence);
+        found.steps.push(Step { effect, p_value, rivals: vec![rival], credible, fresh: true });
+        found.last = self.screen(found.model());
+    }
+
+    /// Adds the effect that lowers the error on traces left out most, if one is borne out.
+    fn step_up(&self, found: &mut Found) -> bool {
+        let least = found.last.chance.iter().copied().fold(1.0, f64::min);
+        if least > 0.5 * FALSE_ALARMS {
+            return false;
+        }
+        let mut rivals = self.refit(found.model(), &found.last, &BROAD);
+        resample(self.problem, &mut rivals);
+        // Where the law is inexact, noise alone is no measure of chance: the parts of the data vote.
+        let agreement = agreement::chances(&found.last, self.candidates);
+        self.most_promising(&mut rivals);
+        let evidence: Vec<Evidence> =
+            rivals.iter().map(|rival| self.evidence(&rival.fitted)).collect();
+        let exact: Vec<bool> =
+            rivals.iter().map(|rival| self.leaves_noise(&rival.fitted)).collect();
+        let without = found.judged(found.steps.len());
+        let mut borne_out: Vec<usize> = Vec::new();
+        let mut refusals: Vec<Refused> = Vec::new();
+        for (index, (rival, evidence)) in rivals.iter().zip(&evidence).enumerate() {
+            let with = Judged { fitted: &rival.fitted, evidence };
+            if found.last.chance[rival.candidate] > 0.5 * FALSE_ALARMS {
+                continue;
+            }
+            match weigh_where(exact[index], without, with, agreement[rival.candidate]) {
+                Ok(()) => borne_out.push(index),
+                Err(reason) => refusals.push(refused(&rival.effect, without, with, reason)),
+            }
+        }
+        let error = |index: usize| evidence[index].left_out().map_or(f64::INFINITY, |it| it.rms);
+        borne_out.sort_by(|&a, &b| error(a).total_cmp(&error(b)));
+        found.refuse(refusals);
+        let Some(&best) = borne_out.first() else { return false };
+        let as_good =
+            |&&index: &&usize| match (evidence[best].left_out(), evidence[index].left_out()) {
+                (Some(best), Some(other)) => !best.gain(other).exceeds(1.0),
+                _ => false,
+            };
+        let mut names: Vec<String> =
+            borne_out.iter().filter(as_good).map(|&index| rivals[index].effect.clone()).collect();
+        let effect = rivals[best].effect.clone();
+        names.retain(|name| *name != effect);
+        names.insert(0, effect.clone());
+        let candidate = rivals[best].candidate;
+        let p_value = if exact[best] { found.last.chance[candidate] } else { agreement[candidate] };
+        found.models.push(rivals[best].fitted.clone());
+        found.evidence.push(evidence[best].clone());
+        rivals.swap(0, best);
+        rivals[1..].sort_by(by_criterion);
+        found.refused.retain(|refused| refused.effect != effect);
+        found.steps.push(Step { effect, p_value, rivals, credible: names, fresh: true });
+        found.last = self.screen(found.model());
+        true
+    }
+
+    /// Keeps the rivals that traces left out, each in one step from the fit to all, and the likelihood
+    /// speak for most: a refit to the others in earnest is for these.
+    fn most_promising(&self, rivals: &mut Vec<Rival>) {
+        let error = |rival: &Rival| {
+            let left_out = held_out_in_one_step(self.problem, &rival.fitted);
+            left_out.unwrap_or_else(|| over_sections(self.problem, &rival.fitted)).rms
+        };
+        let mut errors: Vec<(f64, usize)> =
+            rivals.iter().map(error).enumerate().map(|(index, error)| (error, index)).collect();
+        errors.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut kept: Vec<usize> =
+            errors.iter().take(IN_EARNEST).map(|(_, index)| *index).collect();
+        kept.extend((0..rivals.len()).take(LIKELIEST));
+        let mut index = 0;
+        rivals.retain(|_| {
+            index += 1;
+            kept.contains(&(index - 1))
+        });
+    }
+
+    /// Whether what a model leaves is noise.
+    #[must_use]
+    pub fn leaves_noise(&self, fitted: &Fitted) -> bool {
+        let problem = self.problem.with_chain(&fitted.chain);
+        let found = adequacy(&problem, &fitted.point, self.whitening);
+        found.p_value >= LEVEL && !self.whitening.is_guess()
+    }
+
+    /// Adds the effect that is missed most, if one is missed beyond the chance of `budget`.
+    fn advance(&self, found: &mut Found, budget: f64) -> bool {
+        let least = found.last.chance.iter().copied().fold(1.0, f64::min);
+        if least > budget {
+            return false;
+        }
+        let current = found.model();
+        let rivals = self.refit(current, &found.last, &NARROW);
+        let Some(winner) = rivals.first() else { return false };
+        let fell = current.bic() - winner.fitted.bic();
+        let explained = found.base.cost - current.cost;
+        let minor =
+            !found.steps.is_empty() && current.cost - winner.fitted.cost < MINOR * explained;
+        if minor || fell < DECISIVE {
+            return false;
+        }
+        for step in &mut found.steps {
+            step.fresh = false;
+        }
+        let (model, effect) = (winner.fitted.clone(), winner.effect.clone());
+        let p_value = found.last.chance[winner.candidate];
+        found.models.push(model);
+        found.steps.push(Step { effect, p_value, rivals, credible: Vec::new(), fresh: true });
+        found.last = self.screen(found.model());
+        true
+    }
+
+    fn screen(&self, fitted: &Fitted) -> Screen {
+        let problem = self.problem.with_chain(&fitted.chain);
+        screen(&problem, self.data, &fitted.point, self.whitening, self.candidates)
+    }
+
+    /// Refits the laws that the screen foretells the most for, and names their effects, best first.
+    fn refit(&self, from: &Fitted, screen: &Screen, breadth: &Breadth) -> Vec<Rival> {
+        let present = |direction: &&Direction| {
+            let name = &self.candidates[direction.candidate].name;
+            from.chain.effects.iter().all(|effect| effect.name != *name)
+        };
+        let mut directions: Vec<&Direction> =
+            screen.directions.iter().filter(|d| d.gain > 0.0).filter(present).collect();
+        directions.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+        let most = directions.first().map_or(0.0, |d| d.gain);
+        let mut chosen: Vec<&Direction> = Vec::new();
+        for direction in directions {
+            let same =
+                |d: &&&Direction| (d.candidate, d.form) == (direction.candidate, direction.form);
+            let of_effect = chosen.iter().filter(|d| d.candidate == direction.candidate).count();
+            let wanted = direction.gain >= breadth.worth * most && of_effect < breadth.laws;
+            if wanted && !chosen.iter().any(|d| same(&d)) && chosen.len() < breadth.refits {
+                chosen.push(direction);
+            }
+        }
+        for direction in &chosen {
+            tracing::debug!(
+                "worth a try: {} ({}), shapes {:?}, foretold gain {:.1}, strengths {:?}, left {:.3}",
+                self.candidates[direction.candidate].name,
+                self.candidates[direction.candidate].forms[direction.form].applied.law,
+                direction.shapes,
+                direction.gain,
+                direction.strengths,
+                direction.left
+            );
+        }
+        // A few steps for all tell which are worth going on with.
+        watch::stage("laws tried", chosen.len());
+        let mut tried: Vec<(&Direction, Chain, Solution)> = chosen
+            .par_iter()
+            .map(|direction| {
+                let (chain, found) = self.try_out(from, direction);
+                watch::done();
+                (*direction, chain, found)
+            })
+            .collect();
+        tried.retain(|(.., found)| found.normal.cost.is_finite());
+        tried.sort_by(|a, b| a.2.normal.cost.total_cmp(&b.2.normal.cost));
+        let gain = |found: &Solution| from.cost - found.normal.cost;
+        for (direction, _, found) in &tried {
+            tracing::debug!(
+                "tried: {} ({}): gain {:.1}, {}",
+                self.candidates[direction.candidate].name,
+                self.candidates[direction.candidate].forms[direction.form].applied.law,
+                gain(found),
+                found.stop
+            );
+        }
+        let most = tried.first().map_or(0.0, |(.., found)| gain(found));
+        let mut names: Vec<usize> = Vec::new();
+        tried.retain(|(direction, _, found)| {
+            let new = !names.contains(&direction.candidate);
+            let kept = gain(found) >= breadth.close * most || (new && names.len() < FEWEST);
+            if kept && new {
+                names.push(direction.candidate);
+            }
+            kept
+        });
+        self.refitted(from, tried, Effort::QUICK)
+    }
+
+    /// Fits each to its end, from where it was tried; the best law of each effect, best effect first.
+    fn refitted(
+        &self,
+        from: &Fitted,
+        tried: Vec<(&Direction, Chain, Solution)>,
+        effort: Effort,
+    ) -> Vec<Rival> {
+        watch::stage("laws refitted", tried.len());
+        let fits: Vec<(usize, Fitted)> = tried
+            .into_par_iter()
+            .map(|(direction, chain, trial)| {
+                let problem = self.problem.with_chain(&chain);
+                let fitted = Fitted::new(&problem, &trial.point, effort);
+                watch::done();
+                (direction.candidate, fitted)
+            })
+            .collect();
+        self.by_effect(fits, from)
+    }
+
+    /// The best law of each effect, best effect first.
+    fn by_effect(&self, fits: Vec<(usize, Fitted)>, from: &Fitted) -> Vec<Rival> {
+        let mut rivals: Vec<Rival> = Vec::new();
+        for (candidate, fitted) in fits {
+            if !fitted.bic().is_finite() || !fitted.rms().is_finite() {
+                continue;
+            }
+            match rivals.iter_mut().find(|rival| rival.candidate == candidate) {
+                Some(rival) if stands_better(&fitted, &rival.fitted, from) => {
+                    rival.fitted = fitted;
+                }
+                Some(_) => {}
+                None => {
+                    let effect = self.candidates[candidate].name.clone();
+                    rivals.push(Rival { candidate, effect, fitted, won: 0.0 });
+                }
+            }
+        }
+        rivals.sort_by(by_criterion);
+        rivals
+    }
+
+    /// A few steps with one more law, from what the screen foretells.
+    #[must_use]
+    pub fn try_out(&self, from: &Fitted, direction: &Direction) -> (Chain, Solution) {
+        let form = &self.candidates[direction.candidate].forms[direction.form];
+        let chain = from.chain.with(form.applied.clone());
+        let problem = self.problem.with_chain(&chain);
+        // A forecast beyond the reach of its straight line would start worse than half of it.
+        let part = |part: f64| -> Vec<f64> {
+            let model = from.point.iter().zip(&direction.shift).map(|(x, step)| x + part * step);
+            let strengths = direction.strengths.iter().map(|strength| part * strength);
+            let point = model.chain(strengths).chain(direction.shapes.iter().copied());
+            point.zip(problem.bounds()).map(|(x, (lower, upper))| x.clamp(*lower, *upper)).collect()
+        };
+        let (whole, half) = (part(1.0), part(0.5));
+        let start = if problem.cost(&whole) <= problem.cost(&half) { whole } else { half };
+        let found = minimise_with(&problem, &start, Effort::TRIAL);
+        (chain, found)
+    }
+
+    /// Asks of every effect whether another would do better in its place, and whether it is still
+    /// needed; true if the model has changed.
+    fn polish(&self, found: &mut Found) -> bool {
+        let mut changed = self.collapse(found);
+        let mut rounds = 0;
+        while let Some(index) = found.steps.iter().rposition(|step| !step.fresh) {
+            rounds += 1;
+            let (without, screen) = self.without(found, index);
+            if without.bic() - found.model().bic() < DECISIVE {
+                found.steps.remove(index);
+                self.rebuild(found, without);
+                changed = true;
+                continue;
+            }
+            let mut rivals = self.refit(&without, &screen, &NARROW);
+            let effect = found.steps[index].effect.clone();
+            let better = |best: &Rival| best.fitted.bic() + 1e-3 < found.model().bic();
+            match rivals.first() {
+                Some(best) if better(best) && rounds <= MOST_ROUNDS => {
+                    let other = best.effect != effect;
+                    let (fitted, effect) = (best.fitted.clone(), best.effect.clone());
+                    let p_value = screen.chance[best.candidate];
+                    found.steps.remove(index);
+                    found.steps.push(Step {
+                        effect,
+                        p_value,
+                        rivals,
+                        credible: Vec::new(),
+                        fresh: true,
+                    });
+                    self.rebuild(found, fitted);
+                    if other {
+                        changed = true;
+                        let last = found.steps.len() - 1;
+                        found.steps[..last].iter_mut().for_each(|step| step.fresh = false);
+                    }
+                }
+                _ => {
+                    // The model at hand may be the better fit with the same effect.
+                    if let Some(own) = rivals.iter_mut().find(|rival| rival.effect == effect) {
+                        own.fitted = found.model().clone();
+                    }
+                    rivals.sort_by(by_criterion);
+                    found.steps[index].rivals = rivals;
+                    found.steps[index].fresh = true;
+                }
+            }
+        }
+        if changed {
+            found.last = self.screen(found.model());
+        }
+        changed && rounds <= MOST_ROUNDS
+    }
+
+    /// Puts one effect in the place of several where it alone does as well: a first step that was wrong
+    /// can hide in what came after it.
+    fn collapse(&self, found: &mut Found) -> bool {
+        if found.steps.len() < 2 || found.steps.iter().all(|step| step.fresh) {
+            return false;
+        }
+        let names: Vec<&str> = found.steps.iter().map(|step| step.effect.as_str()).collect();
+        let named = |direction: &&Direction| {
+            names.contains(&self.candidates[direction.candidate].name.as_str())
+        };
+        let directions: Vec<&Direction> = found.first.directions.iter().filter(named).collect();
+        let mut tried: Vec<(&Direction, Chain, Solution)> = directions
+            .par_iter()
+            .map(|direction| {
+                let (chain, trial) = self.try_out(&found.base, direction);
+                (*direction, chain, trial)
+            })
+            .collect();
+        tried.sort_by(|a, b| a.2.normal.cost.total_cmp(&b.2.normal.cost));
+        let explained = found.base.cost - found.model().cost;
+        tried.retain(|(.., trial)| found.base.cost - trial.normal.cost > ALONE * explained);
+        tried.truncate(2);
+        let rivals = self.refitted(&found.base, tried, Effort::LONG);
+        let Some(best) = rivals.first() else { return false };
+        if best.fitted.bic() > found.model().bic() + DECISIVE {
+            return false;
+        }
+        let effect = best.effect.clone();
+        let p_value = found.first.chance[best.candidate];
+        found.models = vec![best.fitted.clone()];
+        found.steps = vec![Step { effect, p_value, rivals, credible: Vec::new(), fresh: true }];
+        found.last = self.screen(found.model());
+        true
+    }
+
+    /// The model without one of its effects, refitted and screened.
+    fn without(&self, found: &Found, index: usize) -> (Fitted, Screen) {
+        let model = found.model();
+        let place = found.base.chain.effects.len() + index;
+        let range = model.chain.range(place);
+        let chain = model.chain.without(place);
+        let mut start = model.point.clone();
+        start.drain(range);
+        let problem = self.problem.with_chain(&chain);
+        let fitted = Fitted::new(&problem, &start, Effort::QUICK);
+        let screen = self.screen(&fitted);
+        (fitted, screen)
+    }
+
+    /// Refits the models on the way to the last, one effect more in each.
+    fn rebuild(&self, found: &mut Found, last: Fitted) {
+        let first = found.base.chain.effects.len();
+        let count = last.chain.effects.len() - first;
+        found.models = vec![last; count];
+        for step in (0..count.saturating_sub(1)).rev() {
+            let next = &found.models[step + 1];
+            let range = next.chain.range(first + step + 1);
+            let chain = next.chain.without(first + step + 1);
+            let mut start = next.point.clone();
+            start.drain(range);
+            let problem = self.problem.with_chain(&chain);
+            found.models[step] = Fitted::new(&problem, &start, Effort::QUICK);
+        }
+    }
+}
+
+/// Weighs a model with one more effect by whether what it leaves is noise.
+fn weigh_where(exact: bool, without: Judged, with: Judged, agreement: f64) -> Result<(), Refusal> {
+    if exact { weigh(without, with, true) } else { weigh_inexact(without, with, agreement) }
+}
+
+/// Weighs a rival where what it leaves need not be noise: the fit must gain by the samples that are
+/// independent in it, whatever the number of all.
+fn weigh_inexact(without: Judged, with: Judged, agreement: f64) -> Result<(), Refusal> {
+    weigh(without, with, false)?;
+    if !with.fitted.beats_inexact(without.fitted, DECISIVE) {
+        return Err(Refusal::FitUncertain);
+    }
+    if agreement > DISAGREEMENT { Err(Refusal::Disagreement(agreement)) } else { Ok(()) }
+}
+
+/// The error of the fit or on traces left out where one more effect makes it rise.
+fn rises(without: Judged, with: Judged) -> Option<Refusal> {
+    if with.fitted.rms() >= without.fitted.rms() {
+        return Some(Refusal::FittedError);
+    }
+    let (before, after) =
+        without.evidence.held_out.as_ref().zip(with.evidence.held_out.as_ref())?;
+    (after.rms >= before.rms).then_some(Refusal::HeldOutError)
+}
+
+/// What is told of a model that was refused.
+fn refused(effect: &str, without: Judged, with: Judged, reason: Refusal) -> Refused {
+    let held_out = |judged: Judged| judged.evidence.held_out.as_ref().map(|held_out| held_out.rms);
+    Refused {
+        effect: effect.to_owned(),
+        law: with
+            .fitted
+            .chain
+            .effects
+            .last()
+            .map(|effect| effect.law.to_string())
+            .unwrap_or_default(),
+        reason,
+        rms: (without.fitted.rms(), with.fitted.rms()),
+        held_out: held_out(without).zip(held_out(with)),
+    }
+}
+
+fn by_criterion(a: &Rival, b: &Rival) -> Ordering {
+    a.fitted.bic().total_cmp(&b.fitted.bic())
+}
+
+/// Part of the gain of a law on its bound with which another law of the same effect, inside its bounds,
+/// stands for it.
+const INSIDE: f64 = 0.5;
+
+/// Whether one law of an effect stands better for it than another, both added to the same model.
+fn stands_better(law: &Fitted, other: &Fitted, from: &Fitted) -> bool {
+    let inside = |fitted: &Fitted| fitted.last_effect_at_bound().is_none();
+    let gain = |fitted: &Fitted| from.bic() - fitted.bic();
+    match (inside(law), inside(other)) {
+        (true, false) => gain(law) > INSIDE * gain(other),
+        (false, true) => gain(other) <= INSIDE * gain(law),
+        _ => law.bic() < other.bic(),
+    }
+}
+
+/// How often each rival is best when the blocks of the data are drawn anew.
+fn resample(problem: &Problem, rivals: &mut [Rival]) {
+    let Some(first) = rivals.first() else { return };
+    let blocks = first.fitted.blocks.len();
+    let mut random = ChaCha8Rng::seed_from_u64(SEED);
+    let draws: Vec<Vec<f64>> = (0..RESAMPLES)
+        .map(|_| {
+            let mut weights = vec![0.0; blocks];
+            for _ in 0..blocks {
+                weights[random.random_range(0..blocks)] += 1.0;
+            }
+            weights
+        })
+        .collect();
+    let best = |weights: &Vec<f64>| {
+        let criteria: Vec<f64> =
+            rivals.iter().map(|rival| rival.fitted.weighted_bic(problem, weights)).collect();
+        (0..criteria.len()).min_by(|&a, &b| criteria[a].total_cmp(&criteria[b])).unwrap_or(0)
+    };
+    let winners: Vec<usize> = draws.par_iter().map(best).collect();
+    for (index, rival) in rivals.iter_mut().enumerate() {
+        let wins = winners.iter().filter(|&&winner| winner == index).count();
+        rival.won = wins as f64 / RESAMPLES as f64;
+    }
+}
+
+/// The names that the data do not tell apart: one alone if it wins nearly always and by far.
+fn credible(effect: &str, rivals: &[Rival]) -> Vec<String> {
+    let Some(best) = rivals.first() else { return vec![effect.to_owned()] };
+    let close = |rival: &&Rival| rival.fitted.bic() - best.fitted.bic() < DECISIVE;
+    let near = rivals.iter().filter(close).count();
+    let mut by_wins: Vec<&Rival> = rivals.iter().collect();
+    by_wins.sort_by(|a, b| b.won.total_cmp(&a.won));
+    let mut set: Vec<String> = vec![effect.to_owned()];
+    set.extend(rivals.iter().filter(close).map(|rival| rival.effect.clone()));
+    let own = rivals.iter().find(|rival| rival.effect == effect).map_or(0.0, |rival| rival.won);
+    if near > 1 || own < WON {
+        let mut covered = 0.0;
+        for rival in by_wins {
+            if covered >= COVERED {
+                break;
+            }
+            covered += rival.won;
+            set.push(rival.effect.clone());
+        }
+    }
+    let mut unique: Vec<String> = Vec::new();
+    for name in set {
+        if !unique.contains(&name) {
+            unique.push(name);
+        }
+    }
+    unique
+}

@@ -1,0 +1,178 @@
+//! A formula for what no effect of the library explains.
+//!
+//! - [`reach`]: the quantities that a term may depend on.
+//! - [`grammar`]: how, and where in the chain.
+//! - [`formula`]: a term that was found, with the evidence for it.
+//! - [`surface`]: what the residual depends on without any law: one quantity, or two together.
+//! - [`causes`]: what such a term can come from.
+
+pub mod causes;
+pub mod formula;
+pub mod grammar;
+pub mod reach;
+pub mod surface;
+
+use self::formula::{Formula, formulas};
+use self::grammar::{Term, terms};
+use self::reach::{QUANTITIES, Reach};
+use self::surface::{Surface, surfaces};
+use crate::criticism::dependence::{Dependence, dependences};
+use crate::criticism::diagnose::{DiagnoseError, Diagnosis, Verdict, diagnose};
+use crate::criticism::evidence::Refused;
+use crate::criticism::explore::explored;
+use crate::criticism::fitted::Fitted;
+use crate::criticism::residuals::{Stretch, stretches};
+use crate::criticism::search::{Found, Search};
+use palpate_fit::data::Data;
+use palpate_fit::problem::Problem;
+use palpate_model::effects::Candidate;
+use palpate_model::{Model, Rung};
+use palpate_trace::{Trace, block_means};
+
+/// What was looked for, and what came of it.
+#[derive(Clone, Debug)]
+pub struct Discovery {
+    /// What the library says.
+    pub diagnosis: Diagnosis,
+    /// What came of it.
+    pub outcome: Outcome,
+    /// How the residual of the model without formula depends on each quantity, the strongest first.
+    pub dependences: Vec<Dependence>,
+    /// How it depends on pairs of them, those that predict traces left out best first.
+    pub surfaces: Vec<Surface>,
+    /// The model without formula, and with each formula: names, errors of the fit and on traces left out.
+    pub ladder: Vec<Rung>,
+    /// The model with all formulas.
+    pub model: Fitted,
+    /// Standard errors of its parameters.
+    pub standard_errors: Vec<Option<f64>>,
+    /// What was tried last and refused.
+    pub refused: Vec<Refused>,
+    /// Terms of the grammar that these traces can show.
+    pub terms: usize,
+    /// Whether the formulas stand beside effects of the library that the diagnosis kept.
+    pub beside_library: bool,
+}
+
+/// What came of a search for a formula.
+#[derive(Clone, Debug)]
+pub enum Outcome {
+    /// Only noise is left: there is nothing to find a formula for.
+    Adequate,
+    /// The library explains it.
+    Library,
+    /// Formulas, the strongest first.
+    Formulas(Vec<Formula>),
+    /// No term of the grammar predicts traces left out.
+    Nothing,
+}
+
+/// Looks for formulas of what a model lacks on a data set and the library does not explain.
+///
+/// # Errors
+/// When the model or the traces are not usable.
+pub fn discover(
+    model: &Model,
+    traces: &[Trace],
+    signal_unit: &str,
+) -> Result<Discovery, DiagnoseError> {
+    let diagnosis = diagnose(model, traces)?;
+    let means = block_means(traces);
+    let data = Data::of_model(model, means.as_deref().unwrap_or(traces))?;
+    let base = diagnosis.found.base.clone();
+    let whitening = diagnosis.noise.whitening.clone();
+    let chain = base.chain.clone();
+    let problem = Problem::new(&chain, &data, &whitening, None);
+    let left = stretches(&chain, &base.values, &data);
+    let (dependences, surfaces) = (dependences(&left), surfaces(&left));
+    let mut discovery = Discovery {
+        outcome: match diagnosis.verdict {
+            Verdict::Adequate => Outcome::Adequate,
+            Verdict::Named | Verdict::Ambiguous => Outcome::Library,
+            Verdict::Unknown => Outcome::Nothing,
+        },
+        dependences,
+        surfaces,
+        ladder: Vec::new(),
+        standard_errors: diagnosis.standard_errors.clone(),
+        model: diagnosis.found.model().clone(),
+        refused: Vec::new(),
+        terms: 0,
+        beside_library: false,
+        diagnosis,
+    };
+    if discovery.diagnosis.verdict != Verdict::Unknown {
+        return Ok(discovery);
+    }
+    let predicted: Vec<Vec<f64>> = left.iter().map(|stretch| stretch.predicted.clone()).collect();
+    let residuals: Vec<Vec<f64>> = left.iter().map(Stretch::residual).collect();
+    let reach = |quantity| Reach::of(quantity, &data, &predicted, &residuals);
+    let reaches: Vec<Option<Reach>> = QUANTITIES.iter().map(reach).collect();
+    let terms = terms(&reaches, signal_unit);
+    let candidates: Vec<Candidate> = terms.iter().map(|term| term.candidate.clone()).collect();
+    let search =
+        Search { data: &data, candidates: &candidates, whitening: &whitening, problem: &problem };
+    let found = best_climb(&search, &discovery.diagnosis.found);
+    discovery.take(&found, &terms, &problem, &data);
+    Ok(discovery)
+}
+
+/// The climb from the model without effects; or from what the library explains of it, where that predicts traces left out better by
+/// more than its uncertainty over the traces: an effect of the library that was named for want of a better one is no part of a formula.
+fn best_climb(search: &Search, library: &Found) -> Found {
+    let alone = search.climb_to_the_noise(library.base.clone());
+    if library.steps.is_empty() || search.leaves_noise(alone.model()) {
+        return alone;
+    }
+    let beside = search.climb_to_the_noise(library.model().clone());
+    let left_out = |found: &Found| found.evidence.last().and_then(|it| it.left_out().cloned());
+    let better = match (left_out(&beside), left_out(&alone)) {
+        (Some(beside), Some(alone)) => beside.gain(&alone).exceeds(1.0),
+        _ => false,
+    };
+    if !beside.steps.is_empty() && (alone.steps.is_empty() || better) { beside } else { alone }
+}
+
+impl Discovery {
+    /// The model with the formulas as candidates, and with the effects of the library beside which they stand.
+    #[must_use]
+    pub fn with_candidates(&self, model: &Model, data: &Data, unit: &str) -> Model {
+        let Outcome::Formulas(formulas) = &self.outcome else { return model.clone() };
+        let mut with = match self.beside_library {
+            true => explored(model, &self.diagnosis, data, unit),
+            false => model.clone(),
+        };
+        for Formula { law, .. } in formulas {
+            with.candidates.retain(|candidate| candidate.name != law.name);
+            with.candidates.push(law.clone());
+        }
+        with
+    }
+
+    fn take(&mut self, found: &Found, terms: &[Term], problem: &Problem, data: &Data) {
+        self.terms = terms.len();
+        let given = self.diagnosis.found.base.chain.effects.len();
+        self.beside_library = found.base.chain.effects.len() > given;
+        self.refused.clone_from(&found.refused);
+        let held_out = |index: usize| found.evidence.get(index)?.left_out().map(|it| it.rms);
+        let rung = |add: &str, index: usize, fitted: &Fitted| Rung {
+            add: add.into(),
+            fitted_rms: fitted.rms(),
+            heldout_rms: held_out(index),
+        };
+        let base = &found.base;
+        let own = base.chain.effects.last().map_or(base.chain.base.name(), |effect| &effect.name);
+        self.ladder = vec![rung(own, 0, base)];
+        if found.steps.is_empty() {
+            return;
+        }
+        let formulas = formulas(found, terms, problem, data, &self.diagnosis);
+        for (index, (formula, fitted)) in formulas.iter().zip(&found.models).enumerate() {
+            self.ladder.push(rung(&formula.name, index + 1, fitted));
+        }
+        self.model = found.model().clone();
+        let last = problem.with_chain(&self.model.chain);
+        self.standard_errors = self.model.standard_errors(&last, true);
+        self.outcome = Outcome::Formulas(formulas);
+    }
+}

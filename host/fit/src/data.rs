@@ -1,0 +1,493 @@
+//! Measurements as a fit takes them: motions with the signal that answered.
+
+use palpate_model::effects::{Scales, Setting};
+use palpate_model::{Channel, Gauge, GaugeError, Model, Motion, MotionError, Past, Scene, Span};
+use palpate_trace::{FORCE, GAUGES, SignalError, TANGENTIAL, TEMPERATURE, Trace, runs};
+
+use super::line::line_near;
+use super::slope::{acceleration, slope, velocity};
+
+/// One stretch of recording without a gap, with its motion.
+#[derive(Clone, Debug)]
+pub struct Piece<'a> {
+    /// Which trace of the set it is from.
+    pub trace: usize,
+    /// What was done.
+    pub motion: Motion<'a>,
+    /// What was measured at each sample.
+    pub measured: &'a [f64],
+    /// Time of the trace's first sample, s.
+    first: f64,
+    /// When the trace began since the data set began, s.
+    begin: f64,
+    /// What the specimen has been through before.
+    past: Past,
+    /// Temperature at each sample, °C.
+    temperature: Option<&'a [f64]>,
+    /// The other channels at each sample.
+    channels: Vec<Channel<'a>>,
+}
+
+impl Piece<'_> {
+    /// The same stretch with other samples of its motion and its signal, and nothing else recorded.
+    pub(super) fn with_samples<'b>(&self, motion: Motion<'b>, measured: &'b [f64]) -> Piece<'b> {
+        let Self { trace, first, begin, past, .. } = *self;
+        Piece { trace, motion, measured, first, begin, past, temperature: None, channels: vec![] }
+    }
+}
+
+/// A data set: traces of one specimen in one set-up, in order of recording.
+#[derive(Clone, Debug)]
+pub struct Data<'a> {
+    /// The column that is fitted.
+    pub signal: String,
+    /// Name of each trace.
+    pub labels: Vec<String>,
+    /// The stretches, in order of recording.
+    pub pieces: Vec<Piece<'a>>,
+    /// Stretches that were left out, in words.
+    pub left_out: Vec<String>,
+    /// Temperature from which effects count it, °C: the mean of the set; none where a trace has no
+    /// temperature.
+    pub reference_temperature: Option<f64>,
+    /// Columns of the other channels that every trace has: what could leak into the signal.
+    pub channels: Vec<&'static str>,
+}
+
+/// A value this many times what nine of ten are below stands far out.
+const FAR_OUT: f64 = 100.0;
+
+/// Samples in which a hum is looked for.
+const HEARD: usize = 200_000;
+
+/// A trace on its way into a data set.
+struct Part<'a> {
+    index: usize,
+    trace: &'a Trace,
+    measured: &'a [f64],
+    begin: f64,
+}
+
+/// Why traces cannot be fitted.
+#[derive(Debug, thiserror::Error)]
+#[allow(missing_docs)]
+pub enum DataError {
+    #[error(transparent)]
+    Motion(#[from] MotionError),
+    #[error(transparent)]
+    Signal(#[from] SignalError),
+    #[error(transparent)]
+    Gauge(#[from] GaugeError),
+    #[error("no trace reaches the specimen: displacement stays at or below 0")]
+    NoContact,
+    #[error(
+        "{signal} is negative while the specimen is pressed (mean {mean:.3e}): compression counts as positive; turn the sign with `negate = true` in `palpate import`"
+    )]
+    Negative { signal: String, mean: f64 },
+    #[error("the fit of {law} ends in numbers that are not finite{hint}")]
+    NotFinite { law: String, hint: String },
+    #[error("{samples} samples for {parameters} parameters: record more, or fit fewer terms")]
+    TooFew { samples: usize, parameters: usize },
+    #[error(
+        "nothing left to fit: every stretch begins in contact after a gap, so what the specimen remembers is unknown"
+    )]
+    NothingLeft,
+}
+
+impl<'a> Data<'a> {
+    /// Takes `signal` and the motion from the traces of a set, in order of recording.
+    ///
+    /// Nothing is interpolated across a gap: the stretch after it is taken as a recording of its own
+    /// where it begins off the specimen, and left out where it begins in contact.
+    ///
+    /// # Errors
+    /// When a trace lacks the signal or a motion or is constant, when no trace reaches the specimen, or
+    /// the signal is negative in compression.
+    pub fn of(traces: &'a [Trace], signal: &str) -> Result<Self, DataError> {
+        let data = Self::gather(traces, signal, |trace| trace.changing(signal))?;
+        data.check_contact(signal)?;
+        Ok(data)
+    }
+
+    /// Takes the motions alone, for a prediction of `signal`; what is measured is the displacement.
+    ///
+    /// # Errors
+    /// When a trace lacks a motion.
+    pub fn of_motions(traces: &'a [Trace], signal: &str) -> Result<Self, DataError> {
+        Self::gather(traces, signal, |trace| Ok(trace.displacement().unwrap_or_default()))
+    }
+
+    fn gather(
+        traces: &'a [Trace],
+        signal: &str,
+        measured: impl Fn(&'a Trace) -> Result<&'a [f64], SignalError>,
+    ) -> Result<Self, DataError> {
+        let motions = Motion::of_set(traces)?;
+        let begins = begins(traces);
+        let mut data = Self {
+            signal: signal.into(),
+            labels: traces.iter().map(Trace::label).collect(),
+            pieces: Vec::new(),
+            left_out: Vec::new(),
+            reference_temperature: mean_temperature(traces),
+            channels: others(traces, signal),
+        };
+        let mut past = Past::default();
+        for (index, (trace, motion)) in traces.iter().zip(&motions).enumerate() {
+            let part = Part { index, trace, measured: measured(trace)?, begin: begins[index] };
+            data.add(&part, motion, &mut past);
+        }
+        if data.pieces.is_empty() {
+            return Err(DataError::NothingLeft);
+        }
+        Ok(data)
+    }
+
+    /// The specimen is pressed somewhere, and pushes back.
+    fn check_contact(&self, signal: &str) -> Result<(), DataError> {
+        let (mut sum, mut count) = (0.0, 0.0);
+        for piece in &self.pieces {
+            for (&x, &value) in piece.motion.displacement.iter().zip(piece.measured) {
+                if x > 0.0 {
+                    sum += value;
+                    count += 1.0;
+                }
+            }
+        }
+        if count == 0.0 {
+            Err(DataError::NoContact)
+        } else if sum < 0.0 {
+            Err(DataError::Negative { signal: signal.into(), mean: sum / count })
+        } else {
+            Ok(())
+        }
+    }
+
+    fn add(&mut self, part: &Part<'a>, motion: &Motion<'a>, past: &mut Past) {
+        let Part { index, trace, measured, begin } = *part;
+        let displacement = trace.displacement().unwrap_or_default();
+        let temperature = self.reference_temperature.and_then(|_| trace.column(TEMPERATURE));
+        for (number, run) in runs(&trace.time).into_iter().enumerate() {
+            if number > 0 && displacement[run.start] > 0.0 {
+                self.left_out.push(format!(
+                    "{}: from {:.3} s on, {} samples after a gap begin in contact, so what the specimen remembers is unknown; they are left out",
+                    trace.label(),
+                    trace.time[run.start],
+                    run.len(),
+                ));
+                continue;
+            }
+            let motion = Motion {
+                time: trace.time[run.clone()].into(),
+                displacement: displacement[run.clone()].into(),
+                rest_before: if number == 0 { motion.rest_before } else { None },
+            };
+            let before = *past;
+            let _ = past.follow(&motion);
+            let channel = |name: &&str| {
+                let values = &trace.column(name)?[run.clone()];
+                Some(Channel { values, slope: slope(&trace.time[run.clone()], values) })
+            };
+            self.pieces.push(Piece {
+                trace: index,
+                motion,
+                measured: &measured[run.clone()],
+                first: trace.time[0],
+                begin,
+                past: before,
+                temperature: temperature.map(|values| &values[run.clone()]),
+                channels: self.channels.iter().filter_map(channel).collect(),
+            });
+        }
+    }
+
+    /// The traces of a data set as a model sees them: its signal, its reference temperature.
+    ///
+    /// # Errors
+    /// When a trace lacks the signal or a motion, or is of a specimen of another gauge than the model's.
+    pub fn of_model(model: &Model, traces: &'a [Trace]) -> Result<Self, DataError> {
+        if let (Some(length_mm), Some(deformation)) =
+            (model.base.gauge_length_mm, model.base.deformation)
+        {
+            Gauge { length_mm, deformation }.check("the model", traces)?;
+        }
+        Ok(Self::of(traces, &model.base.signal)?.with_reference(model.reference_temperature))
+    }
+
+    /// This data set with the temperature counted from this one, °C, where it is given.
+    #[must_use]
+    pub fn with_reference(mut self, temperature: Option<f64>) -> Self {
+        if self.reference_temperature.is_some() && temperature.is_some() {
+            self.reference_temperature = temperature;
+        }
+        self
+    }
+
+    /// What effects need to know of this data set.
+    #[must_use]
+    pub fn setting(&self) -> Setting {
+        let (traces, channels) = (self.labels.clone(), self.channels.clone());
+        let mut scales = self.scales();
+        let lines = [50.0, 60.0].map(|mains| (mains, line_near(&self.heard(), mains)));
+        if lines.iter().any(|(_, line)| line.is_some()) {
+            scales.mains = Some(lines.map(|(mains, line)| line.unwrap_or(mains)));
+        }
+        let channel_ranges = (0..channels.len()).map(|place| self.channel_range(place)).collect();
+        Setting { scales, traces, channels, channel_ranges }
+    }
+
+    /// Largest less smallest value of another channel, in its unit.
+    fn channel_range(&self, place: usize) -> f64 {
+        let channels = self.pieces.iter().filter_map(|piece| piece.channels.get(place));
+        let values = channels.flat_map(|channel| channel.values.iter().copied());
+        let (least, most) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), v| {
+            (least.min(v), most.max(v))
+        });
+        (most - least).max(0.0)
+    }
+
+    /// Interval between samples that nine of ten do not exceed, s.
+    fn common_interval(&self) -> f64 {
+        let times = self.pieces.iter().map(|piece| &piece.motion.time);
+        let mut intervals: Vec<f64> =
+            times.flat_map(|time| time.windows(2).map(|pair| pair[1] - pair[0])).collect();
+        let place = intervals.len() * 9 / 10;
+        if intervals.is_empty() {
+            return 0.0;
+        }
+        let last = intervals.len() - 1;
+        *intervals.select_nth_unstable_by(place.min(last), f64::total_cmp).1
+    }
+
+    /// Time since the data set began, s, and the signal, as much as it takes to find a hum.
+    fn heard(&self) -> Vec<(Vec<f64>, &[f64])> {
+        let mut samples = 0;
+        let enough = |piece: &&Piece| {
+            samples += piece.measured.len();
+            samples <= HEARD.max(piece.measured.len())
+        };
+        let timed = |piece: &Piece<'a>| {
+            let time = piece.motion.time.iter().map(|t| piece.begin + t - piece.first).collect();
+            (time, piece.measured)
+        };
+        self.pieces.iter().take_while(enough).map(timed).collect()
+    }
+
+    /// Everything that is known at every sample of a stretch without a model.
+    #[must_use]
+    pub fn scene<'b>(&self, piece: &'b Piece<'a>) -> Scene<'b> {
+        let mut past = piece.past;
+        let (loadings, largest) = past.follow(&piece.motion);
+        let velocity = velocity(&piece.motion);
+        let reference = self.reference_temperature.unwrap_or_default();
+        let warmth = |values: &[f64]| values.iter().map(|value| value - reference).collect();
+        Scene {
+            trace: piece.trace,
+            motion: &piece.motion,
+            since: piece.motion.time.iter().map(|time| time - piece.first).collect(),
+            begin: piece.begin,
+            acceleration: acceleration(&piece.motion, &velocity),
+            velocity,
+            loadings,
+            largest,
+            warmth: piece.temperature.map(warmth),
+            channels: &piece.channels,
+        }
+    }
+
+    /// The sizes of what happens in this data set, from which effects take theirs.
+    #[must_use]
+    pub fn scales(&self) -> Scales {
+        let mut scales = Scales {
+            has_temperature: self.reference_temperature.is_some(),
+            compression: self.largest_compression(),
+            duration: self.longest(),
+            interval: self.shortest_interval(),
+            common_interval: self.common_interval(),
+            ..Scales::default()
+        };
+        let mut end = f64::NEG_INFINITY;
+        for piece in &self.pieces {
+            let scene = self.scene(piece);
+            let most = |values: &[f64]| values.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
+            scales.force = scales.force.max(most(piece.measured));
+            let least = piece.motion.displacement.iter().copied().fold(0.0, f64::min);
+            scales.parting = scales.parting.max(-least);
+            scales.speed = scales.speed.max(most(&scene.velocity));
+            scales.acceleration = scales.acceleration.max(most(&scene.acceleration));
+            scales.loadings = scales.loadings.max(most(&scene.loadings));
+            scales.warmth = scales.warmth.max(scene.warmth.as_deref().map_or(0.0, most));
+            end = end.max(scene.set_time(scene.len() - 1));
+        }
+        scales.set_duration = end.max(scales.duration);
+        scales
+    }
+
+    /// Time from the beginning of the data set to the middle of each trace, s.
+    #[must_use]
+    pub fn middles(&self) -> Vec<f64> {
+        let middle = |trace: usize| {
+            let own = self.pieces.iter().filter(|piece| piece.trace == trace);
+            let ends = own.flat_map(|piece| {
+                let time = &piece.motion.time;
+                let since = |time: &f64| piece.begin + time - piece.first;
+                time.first().into_iter().chain(time.last()).map(since).collect::<Vec<_>>()
+            });
+            let (least, most) = ends
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), t| {
+                    (least.min(t), most.max(t))
+                });
+            if least <= most { 0.5 * (least + most) } else { 0.0 }
+        };
+        (0..self.labels.len()).map(middle).collect()
+    }
+
+    /// The largest value in words where it stands far out of all others.
+    #[must_use]
+    pub fn outlier(&self) -> Option<String> {
+        let mut sizes: Vec<f64> =
+            self.pieces.iter().flat_map(|piece| piece.measured).map(|value| value.abs()).collect();
+        sizes.sort_by(f64::total_cmp);
+        let usual = *sizes.get(sizes.len() * 9 / 10)?;
+        let largest = *sizes.last()?;
+        if largest < FAR_OUT * usual {
+            return None;
+        }
+        self.pieces.iter().find_map(|piece| {
+            let place = piece.measured.iter().position(|value| value.abs() == largest)?;
+            Some(format!(
+                ": {} has {} = {:.3e} at {:.3} s, where nine of ten values are below {usual:.3e}: correct that row or take it out",
+                self.labels[piece.trace],
+                self.signal,
+                piece.measured[place],
+                piece.motion.time[place],
+            ))
+        })
+    }
+
+    /// Times, s, over which what the specimen remembers counts.
+    #[must_use]
+    pub fn span(&self) -> Span {
+        let end =
+            |piece: &Piece| piece.begin + piece.motion.time.last().unwrap_or(&0.0) - piece.first;
+        let end = self.pieces.iter().map(end).fold(0.0, f64::max);
+        Span::of(self.shortest_interval(), end.max(self.longest()))
+    }
+
+    /// Number of samples.
+    #[must_use]
+    pub fn samples(&self) -> usize {
+        self.pieces.iter().map(|piece| piece.measured.len()).sum()
+    }
+
+    /// Largest compression of the set, mm.
+    #[must_use]
+    pub fn largest_compression(&self) -> f64 {
+        self.pieces.iter().map(|piece| piece.motion.largest_compression()).fold(0.0, f64::max)
+    }
+
+    /// Longest stretch, s.
+    #[must_use]
+    pub fn longest(&self) -> f64 {
+        let duration = |piece: &Piece| {
+            let time = &piece.motion.time;
+            time.last().zip(time.first()).map_or(0.0, |(last, first)| last - first)
+        };
+        self.pieces.iter().map(duration).fold(0.0, f64::max)
+    }
+
+    /// Shortest interval between samples, s.
+    #[must_use]
+    pub fn shortest_interval(&self) -> f64 {
+        let intervals = |piece: &Piece| {
+            piece.motion.time.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min)
+        };
+        self.pieces.iter().map(intervals).fold(f64::INFINITY, f64::min)
+    }
+}
+
+/// When each trace began since the first, s: as the heads say, else one after the other.
+fn begins(traces: &[Trace]) -> Vec<f64> {
+    let told: Option<Vec<f64>> = traces.iter().map(|trace| trace.head.setup.start_s).collect();
+    told.unwrap_or_else(|| {
+        let ends = traces.iter().scan(0.0, |end, trace| {
+            let begin = *end;
+            *end += trace.duration();
+            Some(begin)
+        });
+        ends.collect()
+    })
+}
+
+/// Mean temperature over all samples of a set, °C; none where a trace has none.
+fn mean_temperature(traces: &[Trace]) -> Option<f64> {
+    let columns: Vec<&[f64]> =
+        traces.iter().map(|trace| trace.column(TEMPERATURE)).collect::<Option<_>>()?;
+    let count: usize = columns.iter().map(|values| values.len()).sum();
+    let sum: f64 = columns.iter().map(|values| values.iter().sum::<f64>()).sum();
+    (count > 0).then(|| sum / count as f64)
+}
+
+/// Channels beside the signal that every trace has: gauges beside a gauge, the tangential force beside
+/// the force.
+fn others(traces: &[Trace], signal: &str) -> Vec<&'static str> {
+    let candidates: &[&'static str] = match signal {
+        FORCE => &[TANGENTIAL],
+        gauge if GAUGES.contains(&gauge) => &GAUGES,
+        _ => &[],
+    };
+    let everywhere =
+        |name: &&&str| **name != signal && traces.iter().all(|trace| trace.changing(name).is_ok());
+    candidates.iter().filter(everywhere).copied().collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use palpate_trace::{Column, DISPLACEMENT, FORCE};
+
+    /// A trace over whole seconds.
+    fn trace(time: &[f64], displacement: &[f64], force: &[f64]) -> Trace {
+        let column =
+            |name: &str, values: &[f64]| Column { name: name.into(), values: values.into() };
+        Trace {
+            time: time.into(),
+            columns: vec![column(DISPLACEMENT, displacement), column(FORCE, force)],
+            ..Trace::default()
+        }
+    }
+
+    const TIMES: [f64; 9] = [0.0, 1.0, 2.0, 3.0, 4.0, 50.0, 51.0, 52.0, 53.0];
+
+    #[test]
+    fn a_stretch_after_a_gap_counts_where_it_begins_off_the_specimen() {
+        let press = [0.0, 1.0, 2.0, 1.0, 0.0, 0.0, 1.0, 2.0, 1.0];
+        let traces = [trace(&TIMES, &press, &press)];
+        let data = Data::of(&traces, FORCE).unwrap();
+        assert_eq!((data.pieces.len(), data.samples()), (2, 9));
+        assert!(data.left_out.is_empty());
+        let held = [0.0, 1.0, 2.0, 2.0, 2.0, 2.0, 2.0, 1.0, 0.0];
+        let traces = [trace(&TIMES, &held, &held)];
+        let data = Data::of(&traces, FORCE).unwrap();
+        assert_eq!((data.pieces.len(), data.samples()), (1, 5));
+        assert!(data.left_out[0].contains("4 samples after a gap"), "{:?}", data.left_out);
+    }
+
+    #[test]
+    fn a_stroke_without_contact_is_welcome_beside_others_but_not_alone() {
+        let (time, press) = (&TIMES[..5], [0.0, 1.0, 2.0, 1.0, 0.0]);
+        let stroke = trace(time, &[-3.0, -2.0, -1.0, -2.0, -3.0], &[0.0, 0.1, 0.0, 0.0, 0.1]);
+        let pressed = trace(time, &press, &press);
+        assert!(Data::of(&[stroke.clone(), pressed], FORCE).is_ok());
+        assert!(matches!(Data::of(&[stroke], FORCE), Err(DataError::NoContact)));
+    }
+
+    #[test]
+    fn a_force_of_the_wrong_sign_is_told_not_fitted() {
+        let press = [0.0, 1.0, 2.0, 1.0, 0.0];
+        let pull = press.map(|force| -force);
+        let traces = [trace(&TIMES[..5], &press, &pull)];
+        let found = Data::of(&traces, FORCE);
+        assert!(matches!(found, Err(DataError::Negative { .. })));
+    }
+}

@@ -1,0 +1,39 @@
+//! Exponential sums, bounded least squares, uncertainty.
+//!
+//! - [`exponentials`]: sums of decaying exponentials, without starting values.
+//! - [`hold`]: relaxation and creep during the holds of a recording.
+//! - [`relaxation_form`]: sums of exponentials, power law and stretched exponential compared.
+//! - [`consistency`]: whether repeats differ by more than their standard errors.
+//! - [`whole_motion`]: a law over loading, holds and unloading of every trace together.
+#![forbid(unsafe_code)]
+
+pub mod by_differences;
+mod carried;
+pub mod choice;
+mod compression;
+pub mod consistency;
+pub mod coordinates;
+pub mod data;
+pub mod elastic_law;
+pub mod exponentials;
+pub mod hold;
+pub mod least_squares;
+pub mod levels;
+pub mod line;
+mod log_blocks;
+pub mod power_law;
+pub mod problem;
+pub mod ranking;
+pub mod ranks;
+pub mod relaxation_form;
+pub mod slope;
+mod spare;
+mod start;
+mod uncertainty;
+pub mod warning;
+pub mod watch;
+pub mod welch;
+pub mod whitening;
+pub mod whole_motion;
+
+pub use uncertainty::{Uncertainty, uncertainty};

@@ -1,0 +1,816 @@
+//! A chain over a data set as a problem of least squares.
+//!
+//! The search runs over the simulated force, never over differentiated measurements, in the coordinates
+//! of the base law ([`super::coordinates`]) and the parameters of the effects as they are. Derivatives by
+//! the coordinates of a linear base law are carried along (`carried.rs`); all others are differences,
+//! so that a law is one plain function.
+
+use std::borrow::Cow;
+use std::mem::take;
+use std::ops::Range;
+use std::sync::Arc;
+
+use nalgebra::{DMatrix, DMatrixView};
+
+use super::carried::{Carried, Memory, Stretch, logarithms};
+use super::compression::Compressed;
+use super::coordinates::{Coordinate, Coordinates};
+use super::data::{Data, Piece};
+use super::least_squares::{LeastSquares, Normal};
+use super::levels::LevelSums;
+use super::spare::Spare;
+use super::whitening::Whitening;
+use palpate_model::{Act, Chain, Elasticity, History, Scene, Stage};
+
+/// Residuals of a chain over a data set.
+pub struct Problem<'a> {
+    /// The chain.
+    pub chain: &'a Chain,
+    data: &'a Data<'a>,
+    /// What is known at every sample; made anew for every run where it is not kept.
+    scenes: Arc<Vec<Scene<'a>>>,
+    /// ln(x/X) of the commanded compression at every sample, kept under the same limit.
+    logarithms: Arc<Vec<Vec<f64>>>,
+    spare: Arc<Spare>,
+    whitening: &'a Whitening,
+    /// By what each sample of a stretch is multiplied; by one where there is no such stretch.
+    roots: Vec<&'a [f64]>,
+    /// Sum of squares that no point changes.
+    constant: f64,
+    /// A trace that is predicted but not fitted.
+    left_out: Option<usize>,
+    coordinates: Coordinates,
+    bounds: Vec<(f64, f64)>,
+}
+
+/// Samples whose products are taken at a time.
+const AT_A_TIME: usize = 1024;
+/// Samples up to which scenes are kept: some 100 MB.
+const KEPT: usize = 1_500_000;
+/// Step of a derivative, relative to the coordinate and to its range.
+const STEP: (f64, f64) = (1e-6, 1e-8);
+
+impl<'a> Problem<'a> {
+    /// The residuals of `chain`, whitened, on every trace but the one left out.
+    #[must_use]
+    pub fn new(
+        chain: &'a Chain,
+        data: &'a Data<'a>,
+        whitening: &'a Whitening,
+        left_out: Option<usize>,
+    ) -> Self {
+        let mut problem = Self::alone(chain, data, whitening, left_out);
+        if problem.scenes.is_empty() && data.samples() <= KEPT {
+            problem.scenes = scenes(data);
+        }
+        problem
+    }
+
+    /// The same for a chain that stays as it is: where its derivatives are carried along and no effect
+    /// looks at a scene, none is made.
+    #[must_use]
+    pub fn alone(
+        chain: &'a Chain,
+        data: &'a Data<'a>,
+        whitening: &'a Whitening,
+        left_out: Option<usize>,
+    ) -> Self {
+        let coordinates = Coordinates::new(chain.base, data.largest_compression());
+        let bare = chain.effects.is_empty() && Carried::is_possible(chain, &coordinates);
+        let keep = data.samples() <= KEPT;
+        let logarithms_of = |piece: &Piece| {
+            let mut values = Vec::new();
+            logarithms(&piece.motion.displacement, coordinates.reference(), &mut values);
+            values
+        };
+        let logarithms =
+            if keep { data.pieces.iter().map(logarithms_of).collect() } else { Vec::new() };
+        Self {
+            chain,
+            data,
+            scenes: if keep && !bare { scenes(data) } else { Arc::default() },
+            logarithms: Arc::new(logarithms),
+            spare: Arc::default(),
+            whitening,
+            roots: Vec::new(),
+            constant: 0.0,
+            left_out,
+            bounds: bounds(&coordinates, chain, data),
+            coordinates,
+        }
+    }
+
+    /// The same chain on the block means of its data, in the same coordinates within the same bounds.
+    #[must_use]
+    pub fn on_means<'b>(&self, compressed: &'b Compressed, means: &'b Data<'b>) -> Problem<'b>
+    where
+        'a: 'b,
+    {
+        let mut problem = Problem::alone(self.chain, means, self.whitening, self.left_out);
+        let reference = self.coordinates.reference();
+        for (kept, piece) in Arc::make_mut(&mut problem.logarithms).iter_mut().zip(&means.pieces) {
+            logarithms(&piece.motion.displacement, reference, kept);
+        }
+        Problem {
+            coordinates: self.coordinates.clone(),
+            bounds: self.bounds.clone(),
+            roots: compressed.roots(),
+            constant: compressed.within,
+            ..problem
+        }
+    }
+
+    /// The same without the residuals of one trace.
+    #[must_use]
+    pub fn leaving_out(&self, trace: usize) -> Self {
+        Self {
+            left_out: Some(trace),
+            coordinates: self.coordinates.clone(),
+            bounds: self.bounds.clone(),
+            ..self.with_chain(self.chain)
+        }
+    }
+
+    /// The same data with another chain.
+    #[must_use]
+    pub fn with_chain<'b>(&self, chain: &'b Chain) -> Problem<'b>
+    where
+        'a: 'b,
+    {
+        let coordinates = self.coordinates.of(chain.base);
+        Problem {
+            chain,
+            data: self.data,
+            scenes: self.scenes.clone(),
+            logarithms: self.logarithms.clone(),
+            spare: self.spare.clone(),
+            whitening: self.whitening,
+            roots: self.roots.clone(),
+            constant: self.constant,
+            left_out: self.left_out,
+            bounds: bounds(&coordinates, chain, self.data),
+            coordinates,
+        }
+    }
+
+    /// Whitens the residual of a stretch.
+    pub fn whiten(&self, residual: &mut [f64]) {
+        self.whitening.apply(residual);
+    }
+
+    /// The whitened sum of squares over the traces that are fitted, and the residuals (predicted minus
+    /// measured) of the stretches of `trace`.
+    #[must_use]
+    pub fn apart(&self, point: &[f64], trace: usize) -> (f64, Vec<StretchResidual>) {
+        let mut apart = Vec::new();
+        let cost = self.fitted_cost(point, |piece, residual| {
+            if piece.trace == trace {
+                let touch = piece.motion.displacement.iter().position(|&x| x > 0.0);
+                let residual = residual.to_vec();
+                apart.push(StretchResidual { residual, touch: touch.unwrap_or(0) });
+            }
+        });
+        (cost, apart)
+    }
+
+    /// The whitened sum of squares over the traces that are fitted; `seen` gets the residual of every
+    /// stretch (predicted minus measured).
+    fn fitted_cost(&self, point: &[f64], mut seen: impl FnMut(&Piece, &[f64])) -> f64 {
+        let mut normal = Normal::zeros(0);
+        normal.cost = self.constant;
+        let mut sums = self.level_sums(0);
+        let (mut run, mut elasticity) = (self.run_at(point), Elasticity::default());
+        let mut residual = self.spare.take();
+        for (index, piece) in self.data.pieces.iter().enumerate() {
+            self.advance(&mut run, index, &mut elasticity, &mut residual);
+            for (force, measured) in residual.iter_mut().zip(piece.measured) {
+                *force -= measured;
+            }
+            seen(piece, &residual);
+            if self.fitted(piece) {
+                self.whiten_at(index, &mut residual);
+                if let Some(sums) = &mut sums {
+                    sums.add(piece.trace, &self.unit_level(residual.len()), &[], &residual, 0);
+                }
+                normal.cost += residual.iter().map(|r| r * r).sum::<f64>();
+            }
+        }
+        self.spare.give([residual]);
+        self.marginalise(sums.as_ref(), &mut normal);
+        normal.cost
+    }
+
+    /// The coordinates of the base law.
+    #[must_use]
+    pub fn coordinates(&self) -> &Coordinates {
+        &self.coordinates
+    }
+
+    /// The chain's parameters from coordinates.
+    #[must_use]
+    pub fn declared(&self, point: &[f64]) -> Vec<f64> {
+        let (base, effects) = point.split_at(self.coordinates.count());
+        let mut declared = self.coordinates.declared(base);
+        declared.extend_from_slice(effects);
+        declared
+    }
+
+    /// Coordinates of these parameters.
+    #[must_use]
+    pub fn point(&self, declared: &[f64]) -> Vec<f64> {
+        let (base, effects) = declared.split_at(self.coordinates.count());
+        let mut point = self.coordinates.point(base);
+        point.extend_from_slice(effects);
+        point
+    }
+
+    fn scene(&self, index: usize) -> Cow<'_, Scene<'a>> {
+        match self.scenes.get(index) {
+            Some(scene) => Cow::Borrowed(scene),
+            None => Cow::Owned(self.data.scene(&self.data.pieces[index])),
+        }
+    }
+
+    /// What effects see of a stretch; none where there are none to see it.
+    fn seen(&self, index: usize) -> Option<Cow<'_, Scene<'a>>> {
+        (!self.chain.effects.is_empty()).then(|| self.scene(index))
+    }
+
+    /// A run at a point, before the first stretch.
+    fn run_at(&self, point: &[f64]) -> Run {
+        Run {
+            parameters: self.declared(point),
+            carried: Carried::new(self.chain, &self.coordinates, point),
+            memory: Memory::default(),
+            history: History::default(),
+        }
+    }
+
+    /// Takes a run over the stretch with this index, the next in order: what it predicts goes to `force`.
+    fn advance(
+        &self,
+        run: &mut Run,
+        index: usize,
+        elasticity: &mut Elasticity,
+        force: &mut Vec<f64>,
+    ) {
+        if run.carried.is_some() {
+            self.relax(run, index, force, &[], &mut []);
+            self.sense(run, index, force);
+        } else {
+            let scene = self.scene(index);
+            self.chain.run(&run.parameters, &scene, &mut run.history, elasticity, force);
+        }
+    }
+
+    /// Takes a run whose base law is carried up to the force of that law, with the derivatives `wanted`.
+    fn relax(
+        &self,
+        run: &mut Run,
+        index: usize,
+        force: &mut Vec<f64>,
+        wanted: &[Coordinate],
+        columns: &mut [Vec<f64>],
+    ) {
+        let Some(carried) = &run.carried else { return };
+        let motion = &self.data.pieces[index].motion;
+        let scene = self.seen(index);
+        let x = match &scene {
+            Some(scene) => self.chain.upstream(&run.parameters, scene, &mut run.history),
+            None => Cow::Borrowed(&motion.displacement[..]),
+        };
+        let mut own = self.spare.take();
+        let known = self.logarithms.get(index).filter(|_| matches!(x, Cow::Borrowed(_)));
+        let logarithm = known.unwrap_or_else(|| {
+            logarithms(&x, self.coordinates.reference(), &mut own);
+            &own
+        });
+        let (time, rest) = (&motion.time[..], motion.rest_before);
+        let stretch = Stretch { time, x: &x, logarithm, rest };
+        carried.run(stretch, &mut run.memory, force, wanted, columns);
+        self.spare.give([own]);
+    }
+
+    /// From the force of a carried base law to the signal.
+    fn sense(&self, run: &mut Run, index: usize, force: &mut [f64]) {
+        if let Some(scene) = self.seen(index) {
+            self.chain.downstream(&run.parameters, &scene, &mut run.history, force);
+        }
+    }
+
+    /// Whether the effect that this coordinate is of acts on the force that the base law makes.
+    fn acts_after(&self, coordinate: usize) -> bool {
+        let owner = (0..self.chain.effects.len())
+            .find(|&index| self.chain.range(index).contains(&coordinate));
+        owner.is_some_and(|index| {
+            let effect = &self.chain.effects[index];
+            match effect.act {
+                Act::Force(_) => true,
+                Act::Own(_) => matches!(effect.stage, Stage::Contact | Stage::Sensor),
+                _ => false,
+            }
+        })
+    }
+
+    /// Runs the chain at several points over every stretch and hands over, stretch by stretch, what
+    /// each predicts. The runs are over all stretches in order: what is remembered stays right.
+    pub fn each_piece(&self, points: &[Vec<f64>], mut sink: impl FnMut(&Piece, &[Vec<f64>])) {
+        let mut runs: Vec<Run> = points.iter().map(|point| self.run_at(point)).collect();
+        let mut forces: Vec<Vec<f64>> = points.iter().map(|_| self.spare.take()).collect();
+        let mut elasticity = Elasticity::default();
+        for (index, piece) in self.data.pieces.iter().enumerate() {
+            for (run, force) in runs.iter_mut().zip(&mut forces) {
+                self.advance(run, index, &mut elasticity, force);
+            }
+            sink(piece, &forces);
+        }
+        self.spare.give(forces);
+    }
+
+    /// Predicted signal of every stretch.
+    #[must_use]
+    pub fn predict(&self, point: &[f64]) -> Vec<Vec<f64>> {
+        let mut found = Vec::new();
+        self.each_piece(&[point.to_vec()], |_, forces| found.push(forces[0].clone()));
+        found
+    }
+
+    /// Residuals (measured minus predicted) of every stretch.
+    #[must_use]
+    pub fn residuals(&self, point: &[f64]) -> Vec<Vec<f64>> {
+        let mut found = Vec::new();
+        self.each_piece(&[point.to_vec()], |piece, forces| {
+            found.push(piece.measured.iter().zip(&forces[0]).map(|(y, f)| y - f).collect());
+        });
+        found
+    }
+
+    /// Steps of the derivatives at a point, within the bounds.
+    fn steps(&self, point: &[f64]) -> Vec<f64> {
+        let step = |(&value, &(lower, upper)): (&f64, &(f64, f64))| {
+            let range = upper - lower;
+            let range = if range.is_finite() { range } else { 1.0 };
+            let step = STEP.0 * value.abs() + STEP.1 * range;
+            if value + step > upper { -step } else { step }
+        };
+        point.iter().zip(&self.bounds).map(step).collect()
+    }
+
+    /// Hands over, stretch by stretch, the residual (predicted minus measured) and its derivatives, not
+    /// whitened: a column for each coordinate that the stretch depends on. The others have none.
+    pub fn derivatives(&self, point: &[f64], mut sink: impl FnMut(&Piece, Vec<f64>, Columns)) {
+        self.slopes(point, |piece, residual, columns| sink(piece, take(residual), take(columns)));
+    }
+
+    /// The same lent, not given away.
+    fn slopes(&self, point: &[f64], mut sink: impl FnMut(&Piece, &mut Vec<f64>, &mut Columns)) {
+        let steps = self.steps(point);
+        let moved = |j: usize| {
+            let mut moved = point.to_vec();
+            moved[j] += steps[j];
+            moved
+        };
+        let owned: Vec<Vec<usize>> =
+            (0..self.data.labels.len()).map(|trace| self.chain.own_of_trace(trace)).collect();
+        let moves = |&j: &usize| self.bounds[j].0 < self.bounds[j].1;
+        let mut run = self.run_at(point);
+        // Derivatives that come with the run itself, and those by a run that is moved.
+        let along = if run.carried.is_some() { self.coordinates.count() } else { 0 };
+        let carried: Vec<usize> = (0..along).filter(moves).collect();
+        let wanted: Vec<Coordinate> = carried.iter().map(|&j| self.coordinates.list()[j]).collect();
+        let mut histories = vec![History::default(); carried.len()];
+        let mut others: Vec<(usize, Run)> = (along..point.len())
+            .filter(moves)
+            .filter(|j| owned.iter().all(|own| !own.contains(j)))
+            .map(|j| (j, self.run_at(&moved(j))))
+            .collect();
+        let changes = (self.coordinates.count()..point.len()).any(|j| self.acts_after(j));
+        let mut elasticity = Elasticity::default();
+        for (index, piece) in self.data.pieces.iter().enumerate() {
+            let own: Vec<usize> = owned[piece.trace].iter().copied().filter(moves).collect();
+            let before = (!own.is_empty()).then(|| run.clone());
+            let (mut base, mut relaxed) = (self.spare.take(), self.spare.take());
+            let mut columns = Columns::with_capacity(carried.len() + others.len() + own.len());
+            if run.carried.is_some() {
+                let mut slopes: Vec<Vec<f64>> = carried.iter().map(|_| self.spare.take()).collect();
+                self.relax(&mut run, index, &mut base, &wanted, &mut slopes);
+                if changes {
+                    relaxed.extend_from_slice(&base);
+                    self.sense(&mut run, index, &mut base);
+                    for ((&j, slope), history) in
+                        carried.iter().zip(&mut slopes).zip(&mut histories)
+                    {
+                        self.sensed(&run, index, history, (&relaxed, &base), steps[j], slope);
+                    }
+                }
+                columns.extend(carried.iter().copied().zip(slopes));
+            } else {
+                self.advance(&mut run, index, &mut elasticity, &mut base);
+            }
+            let mut difference = |j: usize, run: &mut Run| {
+                let mut force = self.spare.take();
+                if run.carried.is_some() && self.acts_after(j) {
+                    force.extend_from_slice(&relaxed);
+                    self.sense(run, index, &mut force);
+                } else {
+                    self.advance(run, index, &mut elasticity, &mut force);
+                }
+                for (force, base) in force.iter_mut().zip(&base) {
+                    *force = (*force - base) / steps[j];
+                }
+                columns.push((j, force));
+            };
+            for (j, run) in &mut others {
+                difference(*j, run);
+            }
+            // What belongs to this trace alone begins where the others have left it.
+            for (j, before) in own.into_iter().zip(before.iter().cycle()) {
+                let mut run = Run { parameters: self.declared(&moved(j)), ..before.clone() };
+                difference(j, &mut run);
+            }
+            for (force, measured) in base.iter_mut().zip(piece.measured) {
+                *force -= measured;
+            }
+            sink(piece, &mut base, &mut columns);
+            self.spare.give(columns.drain(..).map(|(_, column)| column).chain([base, relaxed]));
+        }
+    }
+
+    /// Takes a derivative of the base law's force, in place, through the effects that act on that force:
+    /// `relaxed` becomes `base` by them.
+    fn sensed(
+        &self,
+        run: &Run,
+        index: usize,
+        history: &mut History,
+        (relaxed, base): (&[f64], &[f64]),
+        step: f64,
+        slope: &mut [f64],
+    ) {
+        let Some(scene) = self.seen(index) else { return };
+        for (slope, relaxed) in slope.iter_mut().zip(relaxed) {
+            *slope = relaxed + step * *slope;
+        }
+        self.chain.downstream(&run.parameters, &scene, history, slope);
+        for (slope, base) in slope.iter_mut().zip(base) {
+            *slope = (*slope - base) / step;
+        }
+    }
+
+    /// The normal equations of every trace by itself, as it is.
+    #[must_use]
+    pub fn by_trace(&self, point: &[f64]) -> Vec<(Normal, usize)> {
+        let mut found = vec![(Normal::zeros(point.len()), 0); self.data.labels.len()];
+        self.slopes(point, |piece, residual, columns| {
+            let (normal, samples) = &mut found[piece.trace];
+            normal.add(columns, residual, 0..residual.len());
+            *samples += residual.len();
+        });
+        found
+    }
+
+    /// The normal equations of every block of the data, whitened and as they are. A block is a trace,
+    /// or a part of one where there are few.
+    #[must_use]
+    pub fn blocks(&self, point: &[f64]) -> Vec<Block> {
+        let parts = FEWEST_BLOCKS.div_ceil(self.data.pieces.len().max(1));
+        let mut blocks = Vec::new();
+        self.slopes(point, |piece, residual, columns| {
+            let count = residual.len();
+            let size = count.div_ceil(parts).max(1);
+            let first = blocks.len();
+            for begin in (0..count).step_by(size) {
+                let mut block = Block::new(piece.trace, point.len());
+                block.levels = self.level_sums(point.len());
+                let range = begin..(begin + size).min(count);
+                block.samples = range.len();
+                block.raw.add(columns, residual, range.clone());
+                blocks.push(block);
+            }
+            let unit = self.unit_level(count);
+            self.whitening.apply(residual);
+            for (_, column) in columns.iter_mut() {
+                self.whitening.apply(column);
+            }
+            for (block, begin) in blocks[first..].iter_mut().zip((0..count).step_by(size)) {
+                let range = begin..(begin + size).min(count);
+                block.slow = sums_of_neighbours(&residual[range.clone()]);
+                if let Some(sums) = &mut block.levels {
+                    sums.add(piece.trace, &unit[range.clone()], columns, residual, range.start);
+                }
+                block.white.add(columns, residual, range);
+            }
+        });
+        blocks
+    }
+
+    /// Sum of squares and number of samples of every trace, not whitened.
+    #[must_use]
+    pub fn trace_squares(&self, point: &[f64]) -> Vec<(f64, usize)> {
+        let mut sums = vec![(0.0, 0); self.data.labels.len()];
+        self.each_piece(&[point.to_vec()], |piece, forces| {
+            let (sum, count) = &mut sums[piece.trace];
+            *sum += forces[0].iter().zip(piece.measured).map(|(f, y)| (f - y).powi(2)).sum::<f64>();
+            *count += piece.measured.len();
+        });
+        sums
+    }
+
+    /// Sum of products of neighbouring residuals over the sum of squares, not whitened.
+    #[must_use]
+    pub fn autocorrelation(&self, point: &[f64]) -> f64 {
+        let (mut product, mut square) = (0.0, 0.0);
+        self.each_piece(&[point.to_vec()], |piece, forces| {
+            let residual: Vec<f64> =
+                forces[0].iter().zip(piece.measured).map(|(f, y)| f - y).collect();
+            product += residual.windows(2).map(|pair| pair[0] * pair[1]).sum::<f64>();
+            square += residual.iter().map(|r| r * r).sum::<f64>();
+        });
+        if square > 0.0 { product / square } else { 0.0 }
+    }
+
+    /// Sums over no samples, where slow noise moves the levels of the traces.
+    fn level_sums(&self, coordinates: usize) -> Option<LevelSums> {
+        self.whitening.levels().map(|levels| LevelSums::zeros(coordinates, levels.traces()))
+    }
+
+    /// The whitened unit level of a stretch; empty where nothing moves the levels.
+    fn unit_level(&self, samples: usize) -> Vec<f64> {
+        self.whitening.levels().map_or(Vec::new(), |_| self.whitening.unit_level(samples))
+    }
+
+    /// Takes out of normal equations what the levels of the traces could explain.
+    pub fn marginalise(&self, sums: Option<&LevelSums>, normal: &mut Normal) {
+        if let (Some(levels), Some(sums)) = (self.whitening.levels(), sums) {
+            levels.marginalise(sums, normal);
+        }
+    }
+
+    /// Sum of squares of the whitened residual of one trace, from that of its stretches, without what
+    /// its level could explain.
+    #[must_use]
+    pub fn whitened_square(&self, trace: usize, stretches: &mut [Vec<f64>]) -> f64 {
+        let (mut square, mut along, mut of_unit) = (0.0, 0.0, 0.0);
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        for residual in stretches {
+            let unit = self.unit_level(residual.len());
+            self.whitening.apply(residual);
+            square += dot(residual, residual);
+            along += dot(&unit, residual);
+            of_unit += dot(&unit, &unit);
+        }
+        match self.whitening.levels() {
+            Some(levels) => levels.of_one(trace, square, along, of_unit),
+            None => square,
+        }
+    }
+
+    /// Makes the noise of a residual, or of a derivative, of the stretch with this index white.
+    fn whiten_at(&self, index: usize, values: &mut [f64]) {
+        self.whitening.apply(values);
+        for (value, root) in
+            values.iter_mut().zip(self.roots.get(index).copied().unwrap_or_default())
+        {
+            *value *= root;
+        }
+    }
+
+    fn fitted(&self, piece: &Piece) -> bool {
+        self.left_out != Some(piece.trace)
+    }
+}
+
+/// The residual of one stretch.
+#[derive(Clone, Debug)]
+pub struct StretchResidual {
+    /// Predicted minus measured.
+    pub residual: Vec<f64>,
+    /// Number of samples before the touch; 0 where it is not touched.
+    pub touch: usize,
+}
+
+/// A run of a chain at one point over the stretches of a data set, in order.
+#[derive(Clone)]
+struct Run {
+    parameters: Vec<f64>,
+    /// The base law where its derivatives can be carried along.
+    carried: Option<Carried>,
+    memory: Memory,
+    history: History,
+}
+
+/// Derivatives of one stretch: coordinates and their columns.
+pub type Columns = Vec<(usize, Vec<f64>)>;
+
+/// Fewest blocks that data are taken apart into.
+const FEWEST_BLOCKS: usize = 8;
+
+/// The normal equations of one part of the data.
+#[derive(Clone, Debug)]
+pub struct Block {
+    /// The trace it is of.
+    pub trace: usize,
+    /// Number of samples.
+    pub samples: usize,
+    /// Whitened.
+    pub white: Normal,
+    /// As they are.
+    pub raw: Normal,
+    /// Sum over runs of neighbours of the squared sum of their whitened residuals, over their number:
+    /// the sum of squares times the number of samples that count as one.
+    pub slow: f64,
+    /// What the levels of the traces have in common with it, where slow noise moves them.
+    pub levels: Option<LevelSums>,
+}
+
+/// Least and largest number of neighbours whose residuals are summed.
+const NEIGHBOURS: (usize, usize) = (8, 216);
+
+fn sums_of_neighbours(residual: &[f64]) -> f64 {
+    let length = (residual.len() / 16).clamp(NEIGHBOURS.0, NEIGHBOURS.1);
+    let run = |run: &[f64]| run.iter().sum::<f64>().powi(2) / run.len() as f64;
+    residual.chunks(length).map(run).sum()
+}
+
+impl Block {
+    fn new(trace: usize, dimension: usize) -> Self {
+        let zeros = || Normal::zeros(dimension);
+        Self { trace, samples: 0, white: zeros(), raw: zeros(), slow: 0.0, levels: None }
+    }
+}
+
+/// What is known at every sample of a data set.
+fn scenes<'a>(data: &'a Data<'a>) -> Arc<Vec<Scene<'a>>> {
+    Arc::new(data.pieces.iter().map(|piece| data.scene(piece)).collect())
+}
+
+/// Bounds of every coordinate.
+fn bounds(coordinates: &Coordinates, chain: &Chain, data: &Data) -> Vec<(f64, f64)> {
+    let mut bounds = coordinates.bounds(data);
+    bounds.extend(chain.parameters()[chain.base.count()..].iter().map(|p| (p.lower, p.upper)));
+    bounds
+}
+
+impl Normal {
+    /// Adds a range of samples: derivatives column by column, and residuals.
+    pub fn add(&mut self, columns: &Columns, residual: &[f64], range: Range<usize>) {
+        // The residual counts as one more column: one product of few rows at a time, at hand in the cache,
+        // gives all.
+        let width = columns.len() + 1;
+        let mut products = DMatrix::zeros(width, width);
+        let mut entries = Vec::with_capacity(AT_A_TIME.min(range.len()) * width);
+        for begin in range.clone().step_by(AT_A_TIME) {
+            let part = begin..(begin + AT_A_TIME).min(range.end);
+            let rows = part.len();
+            entries.clear();
+            for (_, column) in columns {
+                entries.extend_from_slice(&column[part.clone()]);
+            }
+            entries.extend_from_slice(&residual[part]);
+            let down = DMatrixView::from_slice(&entries, rows, width);
+            products.gemm(1.0, &down.transpose(), &down, 1.0);
+        }
+        self.cost += products[(width - 1, width - 1)];
+        for (a, (i, _)) in columns.iter().enumerate() {
+            self.gradient[*i] += products[(a, width - 1)];
+            for (b, (j, _)) in columns.iter().enumerate() {
+                self.curvature[(*i, *j)] += products[(a, b)];
+            }
+        }
+    }
+}
+
+impl LeastSquares for Problem<'_> {
+    fn bounds(&self) -> &[(f64, f64)] {
+        &self.bounds
+    }
+
+    fn cost(&self, point: &[f64]) -> f64 {
+        self.fitted_cost(point, |_, _| {})
+    }
+
+    fn normal(&self, point: &[f64]) -> Normal {
+        let mut normal = Normal::zeros(point.len());
+        normal.cost = self.constant;
+        let mut sums = self.level_sums(point.len());
+        let mut index = 0;
+        self.slopes(point, |piece, residual, columns| {
+            if self.fitted(piece) {
+                self.whiten_at(index, residual);
+                for (_, column) in columns.iter_mut() {
+                    self.whiten_at(index, column);
+                }
+                if let Some(sums) = &mut sums {
+                    let unit = self.unit_level(residual.len());
+                    sums.add(piece.trace, &unit, columns, residual, 0);
+                }
+                normal.add(columns, residual, 0..residual.len());
+            }
+            index += 1;
+        });
+        self.marginalise(sums.as_ref(), &mut normal);
+        normal
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::whole_motion::predict;
+    use palpate_model::effects::candidates;
+    use palpate_model::{BaseLaw, Separation};
+    use palpate_trace::{Column, DISPLACEMENT, FORCE, Trace};
+
+    /// Two presses with holds, one after the other.
+    fn traces() -> Vec<Trace> {
+        [3.0, 2.0]
+            .into_iter()
+            .enumerate()
+            .map(|(trace, deep)| {
+                let time: Vec<f64> = (0..240).map(|k| 0.025 * f64::from(k)).collect();
+                let course = |t: &f64| (4.0 * t - 1.0).min(deep).min(20.0 - 4.0 * t);
+                let x: Vec<f64> = time.iter().map(course).collect();
+                let force = x.iter().map(|x: &f64| 0.3 * x.max(0.0).powf(1.5)).collect();
+                let mut trace_of = Trace {
+                    time,
+                    columns: vec![
+                        Column { name: DISPLACEMENT.into(), values: x },
+                        Column { name: FORCE.into(), values: force },
+                    ],
+                    ..Trace::default()
+                };
+                trace_of.head.setup.start_s = Some(9.0 * trace as f64);
+                trace_of
+            })
+            .collect()
+    }
+
+    #[test]
+    fn derivatives_beside_any_effect_are_those_of_the_whole_chain() {
+        let traces = traces();
+        let data = Data::of(&traces, FORCE).unwrap();
+        let white = Whitening::none();
+        let base = Chain::new(BaseLaw::fung(2, Separation::Clamp));
+        let mut carried = 0;
+        for candidate in candidates(&data.setting(), &[]).unwrap() {
+            for form in candidate.forms.iter().filter(|_| candidate.missing.is_none()) {
+                let chain = base.with(form.applied.clone());
+                let problem = Problem::new(&chain, &data, &white, None);
+                let strengths = std::iter::repeat_n(form.typical, form.applied.strengths);
+                let shapes = form.grid[0].iter().copied();
+                let point: Vec<f64> = [0.4, 0.3, 0.2, 0.6, 1.2, -0.7]
+                    .into_iter()
+                    .chain(strengths)
+                    .chain(shapes)
+                    .collect();
+                carried += usize::from(problem.run_at(&point).carried.is_some());
+                let at = |j: usize, step: f64| {
+                    let mut moved = point.clone();
+                    moved[j] += step;
+                    predict(&chain, &problem.declared(&moved), &data)
+                };
+                let steps = problem.steps(&point);
+                let mut found: Vec<Vec<Vec<f64>>> = Vec::new();
+                problem.derivatives(&point, |piece, residual, columns| {
+                    let index = found.len();
+                    let force: Vec<f64> =
+                        residual.iter().zip(piece.measured).map(|(r, y)| r + y).collect();
+                    let expected = &at(0, 0.0)[index];
+                    assert!(distance(&force, expected) < 1e-11, "{}", form.applied.law);
+                    let mut all = vec![Vec::new(); point.len()];
+                    for (j, column) in columns {
+                        all[j] = column;
+                    }
+                    found.push(all);
+                });
+                for j in 0..point.len() {
+                    let (here, there) = (at(j, 0.0), at(j, steps[j]));
+                    for (piece, columns) in found.iter().enumerate() {
+                        // What belongs to another trace alone has no column.
+                        if columns[j].is_empty() {
+                            continue;
+                        }
+                        let slope: Vec<f64> = here[piece]
+                            .iter()
+                            .zip(&there[piece])
+                            .map(|(a, b)| (b - a) / steps[j])
+                            .collect();
+                        let off = distance(&columns[j], &slope);
+                        let size = slope.iter().map(|s| s * s).sum::<f64>().sqrt();
+                        assert!(
+                            off < 1e-3 * size + 1e-5,
+                            "{} ({}) coordinate {j}: off by {off:.1e} of {size:.1e}",
+                            candidate.name,
+                            form.applied.law
+                        );
+                    }
+                }
+            }
+        }
+        assert!(carried > 20, "{carried}");
+    }
+
+    fn distance(a: &[f64], b: &[f64]) -> f64 {
+        a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
+    }
+}

@@ -1,0 +1,199 @@
+//! What a user should know before trusting the parameters of a fit.
+
+use std::fmt;
+
+use super::data::Data;
+use super::least_squares::Stop;
+use super::whole_motion::MotionFit;
+use palpate_trace::{Noise, units};
+
+/// A reason to be careful with a fit.
+#[derive(Clone, Debug, PartialEq)]
+#[allow(missing_docs)]
+pub enum Warning {
+    /// The search ended before a minimum.
+    NotConverged { iterations: usize },
+    /// The law explains no more than a constant does; with the sample that may be why.
+    NoBetter { r_squared: f64, outlier: String },
+    /// A parameter sits on a bound.
+    AtBound { parameter: String, value: f64 },
+    /// A parameter can move without changing the prediction.
+    Undetermined { parameter: String },
+    /// A standard error beyond a quarter of the value.
+    Vague { parameter: String, value: f64, standard_error: f64 },
+    /// Two parameters that these data hardly tell apart.
+    Correlated { first: String, second: String, correlation: f64 },
+    /// Two exponentials with the same rate.
+    Merged { first: String, second: String },
+    /// A time constant longer than the longest recording.
+    TooSlow { parameter: String, time_constant: f64, longest: f64 },
+    /// A time constant within two sampling intervals.
+    TooFast { parameter: String, time_constant: f64, interval: f64 },
+    /// The residual is more than noise.
+    Misfit { rms: f64, noise: f64 },
+    /// The signal does not begin at 0.
+    Resting { value: f64, unit: String },
+    /// Samples that were left out.
+    LeftOut { what: String },
+}
+
+impl fmt::Display for Warning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NotConverged { iterations } => write!(
+                f,
+                "no minimum was reached in {iterations} steps: do not use these values; fit fewer terms or more data"
+            ),
+            Self::NoBetter { r_squared, outlier } => write!(
+                f,
+                "the law explains no more than a constant does (R² {r_squared:.3}): do not use these values{outlier}"
+            ),
+            Self::AtBound { parameter, value } => write!(
+                f,
+                "{parameter} = {value:.3e} sits on its bound: the data ask for less than that; try fewer terms"
+            ),
+            Self::Undetermined { parameter } => write!(
+                f,
+                "{parameter} is not identifiable from these data: it can change without changing the prediction"
+            ),
+            Self::Vague { parameter, value, standard_error } => write!(
+                f,
+                "{parameter} = {value:.3e} is known only to {:.0} %: hardly identifiable from these data",
+                100.0 * standard_error / value.abs()
+            ),
+            Self::Correlated { first, second, correlation } => write!(
+                f,
+                "{first} and {second} trade off (correlation {correlation:.3}): trust their combination, not each alone"
+            ),
+            Self::Merged { first, second } => write!(
+                f,
+                "{first} and {second} have merged: the data show fewer exponentials than were asked for"
+            ),
+            Self::TooSlow { parameter, time_constant, longest } => write!(
+                f,
+                "1/{parameter} = {time_constant:.3} s is longer than the longest recording ({longest:.3} s): record longer holds (`palpate plan`)"
+            ),
+            Self::TooFast { parameter, time_constant, interval } => write!(
+                f,
+                "1/{parameter} = {time_constant:.3e} s is within two sampling intervals ({interval:.3e} s): record faster"
+            ),
+            Self::Misfit { rms, noise } => write!(
+                f,
+                "the model leaves {rms:.3e}, {:.1} times the noise of {noise:.3e}: something is missing from it, so the standard errors describe the fit, not the specimen",
+                rms / noise
+            ),
+            Self::Resting { value, unit } => {
+                // Five digits.
+                let decimals = (4.0 - value.abs().log10().floor()).clamp(0.0, 9.0) as usize;
+                write!(
+                    f,
+                    "the signal rests at {} before the touch, where the law is 0: take that off with `--tare`, or add the effect `zero-shift`",
+                    format!("{value:.decimals$} {unit}").trim_end()
+                )
+            }
+            Self::LeftOut { what } => f.write_str(what),
+        }
+    }
+}
+
+/// A residual beyond this many times the noise is a misfit.
+const MISFIT: f64 = 1.2;
+const VAGUE: f64 = 0.25;
+const CORRELATED: f64 = 0.99;
+/// Rates closer than this, relatively, have merged.
+const MERGED: f64 = 0.01;
+
+/// A resting value beyond this part of the whole range of the signal is told.
+const RESTING: f64 = 0.1;
+
+/// Everything to be careful about, most serious first.
+#[must_use]
+pub fn warnings(fit: &MotionFit, data: &Data, noise: Option<&Noise>) -> Vec<Warning> {
+    let mut found = Vec::new();
+    if fit.stop == Stop::NoBetter {
+        let (r_squared, outlier) = (fit.r_squared, data.outlier().unwrap_or_default());
+        found.push(Warning::NoBetter { r_squared, outlier });
+    } else if !fit.stop.converged() {
+        found.push(Warning::NotConverged { iterations: fit.iterations });
+    }
+    found.extend(data.left_out.iter().cloned().map(|what| Warning::LeftOut { what }));
+    if let Some(value) = resting(data).filter(|_| fit.chain.effects.is_empty()) {
+        let unit = units::printed(&data.signal).into();
+        found.push(Warning::Resting { value, unit });
+    }
+    if let Some(noise) = noise {
+        let (rms, noise) = (fit.rms(), noise.standard_deviation);
+        if rms > MISFIT * noise {
+            found.push(Warning::Misfit { rms, noise });
+        }
+    }
+    each_parameter(fit, data, &mut found);
+    pairs(fit, &mut found);
+    found
+}
+
+/// Mean of the signal before the touch, where it is a large part of the range of the signal.
+fn resting(data: &Data) -> Option<f64> {
+    let (mut sum, mut count) = (0.0, 0.0);
+    let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
+    for piece in &data.pieces {
+        let touch = piece.motion.displacement.iter().position(|&x| x > 0.0).unwrap_or(0);
+        sum += piece.measured[..touch].iter().sum::<f64>();
+        count += touch as f64;
+        for &value in piece.measured {
+            (least, most) = (least.min(value), most.max(value));
+        }
+    }
+    let value = sum / count;
+    (count > 0.0 && value.abs() > RESTING * (most - least)).then_some(value)
+}
+
+fn each_parameter(fit: &MotionFit, data: &Data, found: &mut Vec<Warning>) {
+    let constants = fit.chain.base.constants(&fit.values);
+    let rates = fit.chain.base.rates();
+    for (k, parameter) in fit.parameters().into_iter().enumerate() {
+        let (parameter, value) = (parameter.name.to_string(), fit.values[k]);
+        let branch = rates.contains(&k).then(|| k - rates.start);
+        let at_work = branch.filter(|&branch| constants.shares[branch] > 0.0);
+        if fit.at_bound[k] {
+            found.push(Warning::AtBound { parameter: parameter.clone(), value });
+        } else {
+            match fit.standard_errors[k] {
+                None => found.push(Warning::Undetermined { parameter: parameter.clone() }),
+                Some(standard_error) if standard_error > VAGUE * value.abs() => {
+                    let parameter = parameter.clone();
+                    found.push(Warning::Vague { parameter, value, standard_error });
+                }
+                Some(_) => {}
+            }
+        }
+        let Some(branch) = at_work else { continue };
+        let (time_constant, longest) = (1.0 / constants.rates[branch], data.longest());
+        let interval = data.shortest_interval();
+        if time_constant > longest {
+            found.push(Warning::TooSlow { parameter, time_constant, longest });
+        } else if time_constant < 2.0 * interval {
+            found.push(Warning::TooFast { parameter, time_constant, interval });
+        }
+    }
+}
+
+fn pairs(fit: &MotionFit, found: &mut Vec<Warning>) {
+    let parameters = fit.parameters();
+    let rates = fit.chain.base.rates();
+    let speeds = fit.chain.base.constants(&fit.values).rates;
+    let alike = |i: usize, j: usize| (speeds[i] / speeds[j] - 1.0).abs() < MERGED;
+    for i in 0..parameters.len() {
+        for j in i + 1..parameters.len() {
+            let (first, second) = (parameters[i].name.to_string(), parameters[j].name.to_string());
+            let correlation = fit.correlation[(i, j)];
+            let known = fit.standard_errors[i].is_some() && fit.standard_errors[j].is_some();
+            let both = rates.contains(&i) && rates.contains(&j);
+            if both && alike(i - rates.start, j - rates.start) {
+                found.push(Warning::Merged { first, second });
+            } else if known && correlation.abs() > CORRELATED {
+                found.push(Warning::Correlated { first, second, correlation });
+            }
+        }
+    }
+}

@@ -1,0 +1,79 @@
+//! Operators with a memory that several laws share; each keeps it in what the law remembers.
+
+use crate::{Remembered, Scene, low_pass};
+
+/// Largest value so far, this one among them; not below 0.
+pub(super) fn largest(remembered: &mut Remembered, value: f64) -> f64 {
+    remembered.resize(1, 0.0);
+    remembered[0] = remembered[0].max(value);
+    remembered[0]
+}
+
+/// Which way a path leads, from −1 to 1: after each turn the sign settles exponentially over `length`
+/// of path and stays as it is where the path rests (Dahl 1968). It starts from `start`.
+pub(super) fn direction(
+    remembered: &mut Remembered,
+    start: f64,
+    length: f64,
+    path: &[f64],
+) -> Vec<f64> {
+    let turn = |&place: &f64| {
+        if remembered.is_empty() {
+            *remembered = vec![start, place];
+        }
+        let way = place - remembered[1];
+        if way != 0.0 {
+            let towards = way.signum();
+            remembered[0] = towards + (remembered[0] - towards) * (-way.abs() / length).exp();
+        }
+        remembered[1] = place;
+        remembered[0]
+    };
+    path.iter().map(turn).collect()
+}
+
+/// Temperature above the reference, K, of a body that follows that of the air with a time constant,
+/// s. At the first sample of the set it is that of the air; in a pause the air changes steadily.
+pub(super) fn body_warmth(scene: &Scene, remembered: &mut Remembered, time: f64) -> Vec<f64> {
+    let follow = |k| {
+        let (air, now) = (scene.warmth(k), scene.set_time(k));
+        if remembered.is_empty() {
+            *remembered = vec![air, air, now];
+        }
+        let turns = (now - remembered[2]) / time;
+        let body = low_pass(remembered[0], remembered[1], air, turns);
+        *remembered = vec![body, air, now];
+        body
+    };
+    (0..scene.len()).map(follow).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_low_pass_is_exact_on_a_ramp_in_steps_of_any_size() {
+        let time = 0.3;
+        let closed = |t: f64| t - time * (1.0 - (-t / time).exp());
+        for steps in [1, 7, 100] {
+            let interval = 1.7 / f64::from(steps);
+            let output = (0..steps).fold(0.0, |output, k| {
+                let before = interval * f64::from(k);
+                low_pass(output, before, before + interval, interval / time)
+            });
+            assert!((output - closed(1.7)).abs() < 1e-12, "{steps} steps");
+        }
+        assert_eq!(low_pass(5.0, 1.0, 2.0, f64::INFINITY), 2.0);
+    }
+
+    #[test]
+    fn a_direction_turns_over_its_length_and_rests_with_the_path() {
+        let path = [0.0, 1.0, 10.0, 10.0, 10.0, 9.9, 9.9, 0.0];
+        let found = direction(&mut Vec::new(), 0.0, 0.1, &path);
+        assert_eq!(found[0], 0.0);
+        assert!((found[2] - 1.0).abs() < 1e-12 && found[2] == found[4]);
+        assert!((found[5] - (2.0 * (-1f64).exp() - 1.0)).abs() < 1e-9 && found[5] == found[6]);
+        assert!((found[7] + 1.0).abs() < 1e-12);
+    }
+}

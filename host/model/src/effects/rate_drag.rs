@@ -1,0 +1,78 @@
+//! `rate-drag`: a force against the motion that grows weakly with its speed.
+
+use super::shapes::FULL_SPEED;
+use super::{Count, Covariate, Effect, Law, Needs, Role, Shape, Sign, Strength};
+use crate::{Act, Remembered, Scene, Stage};
+
+const DRAG: Strength = Strength {
+    name: "drag",
+    unit: "N",
+    meaning: "force at full speed",
+    sign: Sign::Positive,
+    typical: |scales| 0.005 * scales.force,
+    most: |scales| scales.force,
+    count: Count::Fixed(&[]),
+};
+
+/// Part of the full speed below which the power of the speed goes straight through zero, so that what
+/// remains of a speed in a hold does not count.
+const LEAST: f64 = 1e-3;
+
+/// The effect.
+pub const EFFECT: Effect = Effect {
+    name: "rate-drag",
+    stage: Stage::Contact,
+    meaning: "A tacky or shear-thinning surface or film resists the motion, only a little more when it is fast.",
+    signature: "Loading against unloading, weak in the rate, and gone in the hold.",
+    against: Covariate::Velocity,
+    confused_with: &["coulomb-friction", "viscous-drag"],
+    experiment: "Small cycles about a mean compression, at speeds over three decades.",
+    needs: Needs::Nothing,
+    laws: &[
+        Law {
+            name: "reference",
+            formula: "F → F + c sgn(v) |v/V|^m",
+            strength: DRAG,
+            shapes: &[
+                Shape {
+                    name: "exponent",
+                    unit: "",
+                    meaning: "how it grows with the speed",
+                    grid: |_| vec![0.2, 0.4],
+                    role: Role::Fitted(|_| (0.1, 0.7)),
+                },
+                FULL_SPEED,
+            ],
+            act: Act::Force(power),
+        },
+        Law {
+            name: "eyring",
+            formula: "F → F + c asinh(v/v0)/asinh(V/v0)",
+            strength: DRAG,
+            shapes: &[
+                Shape {
+                    name: "thinning_speed",
+                    unit: "mm/s",
+                    meaning: "speed from which on it grows with the logarithm of the speed",
+                    grid: |scales| [0.003, 0.05].map(|part| part * scales.speed).to_vec(),
+                    role: Role::Fitted(|scales| (1e-4 * scales.speed, 0.2 * scales.speed)),
+                },
+                FULL_SPEED,
+            ],
+            act: Act::Force(|scene, parameters, _, force| {
+                let (drag, thinning, full) = (parameters[0], parameters[1], parameters[2]);
+                for (force, velocity) in force.iter_mut().zip(&scene.velocity) {
+                    *force += drag * (velocity / thinning).asinh() / (full / thinning).asinh();
+                }
+            }),
+        },
+    ],
+};
+
+fn power(scene: &Scene, parameters: &[f64], _: &mut Remembered, force: &mut [f64]) {
+    let (drag, exponent, full) = (parameters[0], parameters[1], parameters[2]);
+    for (force, velocity) in force.iter_mut().zip(&scene.velocity) {
+        let speeds = velocity / full;
+        *force += drag * speeds * (speeds * speeds + LEAST * LEAST).powf(0.5 * (exponent - 1.0));
+    }
+}

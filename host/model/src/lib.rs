@@ -1,0 +1,56 @@
+//! Base laws, the motion they run over, and the model file.
+//!
+//! A model predicts a recording by walking the chain *motion → elasticity → relaxation → contact →
+//! sensor*: a base law, and the effects that act on it at their stage.
+#![forbid(unsafe_code)]
+
+mod act;
+mod base_law;
+mod chain;
+pub mod covariate;
+pub mod effects;
+mod elastic;
+mod expression;
+mod family;
+mod file;
+mod force_control;
+mod gauge;
+mod growth;
+mod hereditary;
+mod kernel;
+pub mod latency;
+mod motion;
+mod options;
+mod parameter;
+mod profile;
+#[cfg(test)]
+mod radau;
+mod relaxation;
+mod response;
+mod scene;
+mod segments;
+mod widened;
+mod yielding;
+
+pub use act::{Act, Remembered, Stage};
+pub use base_law::{BaseLaw, Constants, EXPONENTS_N, MAX_TERMS, TERMS};
+pub use chain::{Applied, Chain, Elasticity, History};
+pub use elastic::{Elastic, Hyperelastic, POWER, elastic_response};
+pub use expression::{Expression, ExpressionError, MAX_LAW_CHARS, VARIABLES, low_pass};
+pub use family::{Family, Separation};
+pub use file::{Base, FileError, FitRecord, Model, Rung, StoredEffect, StoredParameter, VERSION};
+pub use force_control::{Controlled, ForceProfile, ForceProfileError, ForceStep, Loading};
+pub use gauge::{Deformation, Gauge, GaugeError};
+pub use growth::Growth;
+pub use hereditary::{Hereditary, HereditaryState};
+pub use kernel::{Kernel, POWER_ORDERS, STRETCHED_ORDERS, Span};
+pub use motion::{Motion, MotionError};
+pub use options::OptionError;
+pub use parameter::Parameter;
+pub use profile::{Hold, Move, Profile, ProfileError, Step};
+pub use relaxation::mean_decay;
+pub use relaxation::{Branch, EQUATION_3_6, Memory, Relaxation};
+pub use response::{Form, Response};
+pub use scene::{Channel, Past, Scene};
+pub use segments::{Equilibrium, Segments};
+pub use widened::widened;

@@ -1,0 +1,123 @@
+//! A device: who it is, how it is set, how it is, and what its test of itself found.
+
+use shared::fixed::{celsius, microstrain};
+use shared::wire::{Counters, SelfTest, Settings, Status};
+
+use palpate_link::device::change::{Threshold, rate_hz};
+use palpate_link::device::describe::{
+    clock_in_words, kept_in_words, named, one_line, reset_in_words,
+};
+use palpate_link::device::heard::Identity;
+use palpate_link::device::refusal::Fault;
+use palpate_link::device::self_test::{faults, noise};
+use palpate_report::number::significant;
+use palpate_report::{Block, Callout, Column, Section, Table};
+
+/// Who a device is, its settings and how it is.
+#[must_use]
+pub fn device_sections(identity: &Identity, settings: &Settings, status: &Status) -> Vec<Section> {
+    let text = |name: &str, value: String| (name.to_owned(), value);
+    let mut who = vec![
+        text("device", one_line(identity)),
+        text("clock", clock_in_words(identity.clock).into()),
+        text("began because", reset_in_words(identity.reset).into()),
+    ];
+    if !identity.panic.is_empty() {
+        who.push(text("last panic", identity.panic.clone()));
+    }
+    if let Some(words) = identity.kept.and_then(kept_in_words) {
+        who.push(text("settings", words.into()));
+    }
+    let temperature = status
+        .temperature
+        .map_or("no sensor".into(), |temperature| format!("{:.1} °C", celsius(temperature)));
+    who.push(text("temperature", temperature));
+    who.push(text(
+        "converter",
+        status.converter.map_or("as it should be".into(), |fault| Fault(fault).to_string()),
+    ));
+    if status.stack_used > 0 {
+        who.push(text("stack used", format!("{} bytes at most", status.stack_used)));
+    }
+    let mut blocks = vec![Block::Definitions(who)];
+    blocks.extend(settings_blocks(settings, identity.converter_clock_hz));
+    blocks.push(Block::Table(counters(&status.counters)));
+    vec![Section { title: "Device".into(), blocks }]
+}
+
+/// The settings of a device.
+#[must_use]
+pub fn settings_blocks(settings: &Settings, converter_clock_hz: u32) -> Vec<Block> {
+    let rate = rate_hz(settings.oversampling, converter_clock_hz);
+    let relaxation = settings.relaxation;
+    let filter = format!(
+        "c1 {}, v1 {} 1/s, c2 {}, v2 {} 1/s",
+        relaxation.c1, relaxation.v1, relaxation.c2, relaxation.v2
+    );
+    let thresholds = Threshold::ALL
+        .map(|(threshold, name, unit)| format!("{name} {} {unit}", threshold.of(settings)));
+    let mut gauges = Table::new(
+        "",
+        vec![
+            Column::text("Gauge"),
+            Column::whole("Gain"),
+            Column::number("Calibration", "µε per 1000 counts"),
+            Column::whole("Offset (counts)"),
+            Column::number("Tare", "µε"),
+        ],
+    );
+    for (gauge, sheet) in settings.calibration.iter().enumerate() {
+        gauges = gauges.row([
+            (gauge + 1).to_string(),
+            settings.gain[gauge].to_string(),
+            significant(sheet.gain * 1e3, 6),
+            sheet.offset.to_string(),
+            format!("{:.1}", microstrain(settings.tare[gauge])),
+        ]);
+    }
+    vec![
+        Block::Definitions(vec![
+            ("rate".into(), format!("{rate} Hz")),
+            ("filter".into(), filter),
+            ("thresholds".into(), thresholds.join(", ")),
+        ]),
+        Block::Table(gauges),
+    ]
+}
+
+fn counters(counters: &Counters) -> Table {
+    let columns = vec![Column::text("Lost since the reset"), Column::whole("Count")];
+    named(counters).into_iter().fold(Table::new("", columns), |table, (name, count)| {
+        table.row([name.replace('_', " "), count.to_string()])
+    })
+}
+
+/// What a self-test found.
+#[must_use]
+pub fn self_test_sections(test: &SelfTest, settings: &Settings) -> Vec<Section> {
+    let mut table = Table::new(
+        "",
+        vec![
+            Column::text("Gauge"),
+            Column::whole("Mean (counts)"),
+            Column::number("Noise", "counts"),
+            Column::number("Noise", "µε"),
+        ],
+    )
+    .note(format!(
+        "{} samples, at {:.4} times the rate that is set",
+        test.samples, test.rate_ratio
+    ));
+    for (gauge, noise) in noise(test, settings).into_iter().enumerate() {
+        table = table.row([
+            (gauge + 1).to_string(),
+            test.mean_counts[gauge].to_string(),
+            format!("{:.1}", test.noise_counts[gauge]),
+            format!("{noise:.3}"),
+        ]);
+    }
+    let kind = Callout::Warning;
+    let warn = |text| Block::Callout { kind, title: String::new(), text };
+    let blocks = std::iter::once(Block::Table(table)).chain(faults(test).into_iter().map(warn));
+    vec![Section { title: "Self-test".into(), blocks: blocks.collect() }]
+}

@@ -1,0 +1,81 @@
+//! Effects that were tried and refused, and why.
+
+use serde_json::{Value, json};
+
+use super::DiagnosisSummary;
+use palpate_diagnose::criticism::evidence::{Refusal, Refused};
+use palpate_report::number::significant;
+use palpate_report::{Column, Table};
+
+impl DiagnosisSummary<'_> {
+    /// Every effect that was tried and refused, with the reason; none where there is none.
+    pub(super) fn refused_table(&self) -> Option<Table> {
+        let refused = &self.diagnosis.found.refused;
+        if refused.is_empty() {
+            return None;
+        }
+        let columns = vec![
+            Column::text("refused"),
+            Column::number("error with it", self.unit()),
+            Column::number("held out", self.unit()),
+            Column::text("why"),
+        ];
+        let table = Table::new("Tried and refused", columns);
+        Some(refused.iter().fold(table, |table, refused| {
+            table.row([
+                refused.effect.clone(),
+                self.level(refused.rms.1),
+                refused.held_out.map_or("–".into(), |(_, with)| self.level(with)),
+                self.reason(refused),
+            ])
+        }))
+    }
+
+    /// Why an effect was refused, in words.
+    pub(super) fn reason(&self, refused: &Refused) -> String {
+        let unit = self.unit();
+        match &refused.reason {
+            Refusal::FittedError => "the error of the fit does not fall".into(),
+            Refusal::FitUncertain => {
+                "the error of the fit falls by no more than chance explains in a residual whose neighbours agree".into()
+            }
+            Refusal::HeldOutError => "the error on traces left out rises".into(),
+            Refusal::SectionError => "the error on sections left out of the trace rises".into(),
+            Refusal::HeldOutUncertain(_) => {
+                "the error on traces left out falls by less than its uncertainty over the traces"
+                    .into()
+            }
+            Refusal::Disagreement(chance) => format!(
+                "the parts of the data do not agree about it (p = {})",
+                significant(*chance, 2)
+            ),
+            Refusal::AtBound { parameter, value, unit } => format!(
+                "{parameter} runs to its bound of {}, beyond which the law is no longer this effect",
+                format!("{} {unit}", significant(*value, 3)).trim_end()
+            ),
+            Refusal::Rest { without, with } => format!(
+                "the signal off the specimen denies it: the error there would rise from {} {unit} to {} {unit}",
+                self.level(*without),
+                self.level(*with)
+            ),
+        }
+    }
+
+    /// The same for other programs.
+    pub(super) fn refused_json(&self) -> Vec<Value> {
+        let refused = self.diagnosis.found.refused.iter();
+        refused
+            .map(|refused| {
+                json!({
+                    "effect": refused.effect,
+                    "law": refused.law,
+                    "reason": self.reason(refused),
+                    "rms_before": refused.rms.0,
+                    "rms_after": refused.rms.1,
+                    "heldout_rms_before": refused.held_out.map(|(before, _)| before),
+                    "heldout_rms_after": refused.held_out.map(|(_, after)| after),
+                })
+            })
+            .collect()
+    }
+}

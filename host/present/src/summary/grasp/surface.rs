@@ -1,0 +1,236 @@
+//! A limit surface.
+
+use std::f64::consts::FRAC_PI_2;
+
+use serde_json::{Value, json};
+
+use super::{exponent_words, finite, margin_words, shape_words};
+use palpate_contact::grasp::{Contact, Load, Margin, Shape, SurfacePoint, limit_curve};
+use palpate_report::number::significant;
+use palpate_report::{Axis, Callout, Colour, Column, Plot, Section, Series, Table};
+
+/// Points of a drawn curve.
+const DRAWN: usize = 81;
+
+/// A limit surface and, if there is one, a load with its margin.
+#[derive(Clone, Copy, Debug)]
+pub struct SurfaceSummary<'a> {
+    /// The contact.
+    pub contact: &'a Contact,
+    /// Coefficient of friction μ.
+    pub friction: f64,
+    /// Normal force N, N.
+    pub normal: f64,
+    /// The surface.
+    pub surface: &'a [SurfacePoint],
+    /// A load and how far it is from slip.
+    pub load: Option<(Load, Margin)>,
+}
+
+impl SurfaceSummary<'_> {
+    /// Largest loads, margin, curves and pressure.
+    #[must_use]
+    pub fn sections(&self) -> Vec<Section> {
+        let mut section = Section::new("Limit surface").table(self.table());
+        if let Some((load, margin)) = &self.load {
+            let kind = if margin.factor > 1.0 { Callout::Finding } else { Callout::Warning };
+            section = section.callout(kind, "Margin", margin_sentence(load, margin));
+        }
+        let section = section
+            .figure(
+                self.plot(),
+                "Loads below the curve hold; on it the contact slips. Mirrored at both axes.",
+            )
+            .figure(pressure_plot(self.contact, self.normal), "");
+        vec![section]
+    }
+
+    /// The surface as a JSON object.
+    #[must_use]
+    pub fn json(&self) -> Value {
+        let points: Vec<Value> = self.surface.iter().map(point_json).collect();
+        let margin = self.load.map(|(load, margin)| {
+            json!({
+                "force_N": load.force,
+                "moment_Nmm": load.moment,
+                "margin": finite(margin.factor),
+                "slips": margin.factor <= 1.0,
+                "slip_centre_mm": margin.motion.and_then(|motion| motion.centre()),
+            })
+        });
+        json!({
+            "palpate_grasp_surface": 1,
+            "contact": contact_json(self.contact),
+            "friction": self.friction,
+            "normal_N": self.normal,
+            "largest_force_N": self.friction * self.normal,
+            "largest_moment_Nmm": self.friction * self.normal * self.contact.arm(),
+            "load": margin,
+            "points": points,
+        })
+    }
+
+    fn table(&self) -> Table {
+        let limit = self.friction * self.normal;
+        let shape = self.contact.shape();
+        let middle = middle_constant(self.contact);
+        let mean = self.normal / shape.area();
+        let columns = vec![Column::text(""), Column::number("value", ""), Column::text("unit")];
+        let row = |name: &str, value: f64, unit: &str| {
+            [name.to_owned(), significant(value, 5), unit.to_owned()]
+        };
+        let caption = format!(
+            "{}, {}, μ = {}, N = {} N",
+            shape_words(&shape),
+            exponent_words(self.contact.law().exponent()),
+            self.friction,
+            self.normal,
+        );
+        Table::new(caption, columns)
+            .row(row("largest tangential force, in every direction", limit, "N"))
+            .row(row("largest moment about the normal", limit * self.contact.arm(), "N mm"))
+            .row(row("its arm", self.contact.arm(), "mm"))
+            .row(row("contact area", shape.area(), "mm²"))
+            .row(row("pressure in the middle", 1e3 * mean * middle, "kPa"))
+            .row(row("pressure in the middle over mean pressure, Ck", middle, ""))
+    }
+
+    fn plot(&self) -> Plot {
+        let limit = self.friction * self.normal;
+        let axes = Plot::new(
+            "Limit surface",
+            Axis::new("tangential force", "N"),
+            Axis::new("moment about the normal", "N mm"),
+        );
+        let curve = |name: &str, angle: f64, hue: usize| {
+            let points = limit_curve(self.contact, limit, angle, DRAWN);
+            let force: Vec<f64> = points.iter().map(|point| point.load.tangential()).collect();
+            let moment: Vec<f64> = points.iter().map(|point| point.load.moment).collect();
+            Series::line(name, force, moment).colour(Colour::Hue(hue))
+        };
+        let mut plot = match self.contact.shape() {
+            Shape::Circle { .. } => axes.series(curve("slip", 0.0, 0)),
+            _ => axes.series(curve("force along x", 0.0, 0)).series(curve(
+                "force along y",
+                FRAC_PI_2,
+                1,
+            )),
+        };
+        if let Some((load, margin)) = &self.load {
+            let mark = |load: &Load| (vec![load.tangential()], vec![load.moment.abs()]);
+            let (force, moment) = mark(load);
+            plot = plot.series(Series::points("load", force, moment).colour(Colour::MEASURED));
+            if margin.factor.is_finite() {
+                let (force, moment) = mark(&load.times(margin.factor));
+                plot = plot
+                    .series(Series::points("load at slip", force, moment).colour(Colour::Hue(3)));
+            }
+        }
+        plot.summary(format!(
+            "Largest moment {} N mm without force, falling to none at {} N",
+            significant(limit * self.contact.arm(), 4),
+            significant(limit, 4)
+        ))
+    }
+}
+
+fn margin_sentence(load: &Load, margin: &Margin) -> String {
+    let load = format!(
+        "The load of {} N and {} N mm",
+        significant(load.tangential(), 4),
+        significant(load.moment, 4)
+    );
+    let factor = margin_words(margin.factor);
+    let how = match margin.motion.map(|motion| motion.centre()) {
+        Some(Some([x, y])) if x.hypot(y) < 1e6 => {
+            // What is next to nothing beside the other comes from rounding.
+            let place = |value: f64| {
+                let nothing = value.abs() < 1e-9 * x.hypot(y);
+                significant(if nothing { 0.0 } else { value }, 3)
+            };
+            format!(", turning about ({}, {}) mm", place(x), place(y))
+        }
+        Some(_) => ", without a turn".into(),
+        None => String::new(),
+    };
+    if margin.factor > 1.0 {
+        format!("{load} holds: it could be {factor} times as large; then the contact slips{how}.")
+    } else {
+        format!("{load} slips: the contact carries {factor} of it{how}.")
+    }
+}
+
+/// Pressure across the middle of a contact, along x.
+#[must_use]
+pub fn pressure_plot(contact: &Contact, normal: f64) -> Plot {
+    let half = match contact.shape() {
+        Shape::Rectangle { length, .. } => 0.5 * length,
+        Shape::Circle { radius } => radius,
+        Shape::Ellipse { x, .. } => x,
+    };
+    let mean = normal / contact.shape().area();
+    // Densely where it is steep.
+    let place = |k: usize| (FRAC_PI_2 * (k as f64 / 100.0 - 1.0)).sin() * half;
+    let x: Vec<f64> = (0..=200).map(place).collect();
+    let pressure: Vec<f64> = x
+        .iter()
+        .map(|x| {
+            let rho = (x / half).abs();
+            1e3 * mean * middle_constant(contact) * contact.law().shape(rho)
+        })
+        .collect();
+    Plot::new("Pressure", Axis::new("x", "mm"), Axis::new("pressure", "kPa"))
+        .series(Series::line(exponent_words(contact.law().exponent()), x, pressure))
+        .height(160.0)
+        .summary(format!("Pressure along x, mean {} kPa", significant(1e3 * mean, 3)))
+}
+
+/// Pressure in the middle over mean pressure.
+fn middle_constant(contact: &Contact) -> f64 {
+    match contact.shape() {
+        Shape::Rectangle { .. } => contact.law().strip_constant(),
+        Shape::Circle { .. } | Shape::Ellipse { .. } => contact.law().circular_constant(),
+    }
+}
+
+fn contact_json(contact: &Contact) -> Value {
+    let shape = match contact.shape() {
+        Shape::Rectangle { length, width } => {
+            json!({"shape": "rectangle", "length_mm": length, "width_mm": width})
+        }
+        Shape::Circle { radius } => json!({"shape": "circle", "radius_mm": radius}),
+        Shape::Ellipse { x, y } => json!({"shape": "ellipse", "x_mm": x, "y_mm": y}),
+    };
+    json!({
+        "contact": shape,
+        "exponent": finite(contact.law().exponent()),
+        "middle_over_mean_pressure": middle_constant(contact),
+        "arm_mm": contact.arm(),
+    })
+}
+
+fn point_json(point: &SurfacePoint) -> Value {
+    json!({
+        "velocity": point.motion.velocity,
+        "turn": point.motion.turn,
+        "centre_mm": point.motion.centre(),
+        "force_N": point.load.force,
+        "moment_Nmm": point.load.moment,
+    })
+}
+
+/// Header row of [`surface_csv`].
+pub const SURFACE_HEADER: &str = "velocity_x_mm_per_s,velocity_y_mm_per_s,turn_rad_per_s,centre_x_mm,centre_y_mm,force_x_N,force_y_N,moment_Nmm";
+
+/// The surface as CSV; the centre of a pure translation is left empty.
+#[must_use]
+pub fn surface_csv(surface: &[SurfacePoint]) -> String {
+    let mut text = format!("{SURFACE_HEADER}\n");
+    for SurfacePoint { motion, load } in surface {
+        let [x, y] = motion.velocity;
+        let centre = motion.centre().map_or(",".into(), |[x, y]| format!("{x},{y}"));
+        let [fx, fy] = load.force;
+        text += &format!("{x},{y},{},{centre},{fx},{fy},{}\n", motion.turn, load.moment);
+    }
+    text
+}

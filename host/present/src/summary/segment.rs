@@ -1,0 +1,335 @@
+//! Cycles and regions of a recording, as tables, plots and JSON.
+
+use serde_json::{Value, json};
+use shared::phase::{Region, RelaxationType};
+
+use super::pull_off::{pull_off_json, pull_off_table};
+use super::{estimate, region_spans, shaded};
+use palpate_analysis::cycles::{Cycle, Inertia, Piece, Segmentation, Turn};
+use palpate_analysis::regions::{name, numeral};
+use palpate_report::number::{percent, significant};
+use palpate_report::{Axis, Callout, Colour, Column, Panels, Plot, Section, Series, Table};
+use palpate_trace::{Control, Trace};
+
+/// Most cycles whose regions are listed one by one in print; JSON has them all.
+const MOST_LISTED: usize = 12;
+
+/// Points, regions, work and inertia of one recording.
+#[must_use]
+pub fn segment_sections(trace: &Trace, found: &Segmentation) -> Vec<Section> {
+    let mut section = Section::new(trace.label()).paragraph(introduction(trace, found));
+    section = section.table(point_table(found)).table(piece_table(trace, found));
+    section = section.table(cycle_table(trace, found));
+    if let Some(table) = pull_off_table(found) {
+        section = section.table(table);
+    }
+    for warning in warnings(found) {
+        section = section.callout(Callout::Warning, "Beware", warning);
+    }
+    if let Some(inertia) = &found.inertia {
+        section = section.paragraph(inertia_words(inertia));
+    }
+    section = section.figure(
+        loop_plot(trace, found),
+        "Points as in Fig. 3.10. A loop that runs clockwise dissipates what it encloses.",
+    );
+    vec![section.figure(time_panels(trace, found), "The regions, shaded.")]
+}
+
+/// One recording as a JSON object.
+#[must_use]
+pub fn segment_json(trace: &Trace, found: &Segmentation) -> Value {
+    let cycles: Vec<Value> =
+        found.cycles.iter().map(|cycle| cycle_json(trace, cycle, found.control)).collect();
+    json!({
+        "trace": trace.label(),
+        "control": word(found.control),
+        "control_from": if found.control_told { "head" } else { "data" },
+        "force_noise_N": found.force_noise_n,
+        "cycles": cycles,
+        "inertia": found.inertia.map(|inertia| json!({
+            "mass_g": inertia.mass_g,
+            "acceleration_mm_per_s2": inertia.acceleration_mm_per_s2,
+            "acceleration_scatter_mm_per_s2": inertia.scatter_mm_per_s2,
+            "force_N": inertia.force_n,
+            "compared_with_N": inertia.resolution_n,
+            "compared_with": if inertia.resolution_told { "resolution" } else { "noise" },
+            "share_of_peak_force": inertia.share_of_peak,
+        })),
+        "warnings": warnings(found),
+    })
+}
+
+fn cycle_json(trace: &Trace, cycle: &Cycle, control: Control) -> Value {
+    let points: Vec<Value> = cycle
+        .points
+        .iter()
+        .map(|point| {
+            json!({
+                "point": point.name,
+                "time_s": point.time_s,
+                "displacement_mm": point.displacement_mm,
+                "force_N": point.force_n,
+            })
+        })
+        .collect();
+    let regions: Vec<Value> = cycle
+        .pieces
+        .iter()
+        .map(|piece| {
+            let (points, word) = named(piece, cycle, control);
+            json!({
+                "points": points,
+                "region": word,
+                "type": type_word(piece.relaxation),
+                "from_s": trace.time[*piece.samples.start()],
+                "to_s": trace.time[*piece.samples.end()],
+                "work_mJ": piece.work_mj,
+            })
+        })
+        .collect();
+    json!({
+        "number": cycle.number,
+        "points": points,
+        "regions": regions,
+        "work_in_mJ": cycle.work_in_mj,
+        "work_out_mJ": cycle.work_out_mj,
+        "dissipated_mJ": cycle.dissipated_mj(),
+        "dissipated_standard_error_mJ": cycle.work_error_mj,
+        "direction": turn_word(cycle.turn()),
+        "closed": cycle.closed,
+        "peak_force_N": cycle.peak_force_n,
+        "peak_time_s": trace.time[cycle.peak],
+        "pull_off": cycle.pull_off.as_ref().map(|pull_off| pull_off_json(trace, pull_off)),
+    })
+}
+
+fn introduction(trace: &Trace, found: &Segmentation) -> String {
+    let source = if found.control_told { "the head says so" } else { "told from the data" };
+    format!(
+        "{}: {} cycle(s), {} controlled ({source}); noise of the force {} N.",
+        trace.label(),
+        found.cycles.len(),
+        word(found.control),
+        significant(found.force_noise_n, 2),
+    )
+}
+
+/// The points and the name of a piece; a hold of a controlled force is one of creep, and an unloading of a
+/// specimen that adheres ends in a pull.
+fn named(piece: &Piece, cycle: &Cycle, control: Control) -> (&'static str, &'static str) {
+    match (piece.region, control) {
+        (Region::Unloading, _) if piece.pulls => ("ZE", "pull-off"),
+        (Region::Unloading, _) if cycle.pull_off.is_some() => ("DZ", "unloading"),
+        (Region::Relaxation, Control::Force) => ("CD", "creep"),
+        (region, _) => name(region),
+    }
+}
+
+fn word(control: Control) -> &'static str {
+    match control {
+        Control::Displacement => "displacement",
+        Control::Force => "force",
+    }
+}
+
+fn listed(found: &Segmentation) -> impl Iterator<Item = &Cycle> {
+    found.cycles.iter().take(MOST_LISTED)
+}
+
+fn shortened(table: Table, found: &Segmentation) -> Table {
+    match found.cycles.len().checked_sub(MOST_LISTED) {
+        Some(more) if more > 0 => {
+            table.note(format!("{more} more cycles are not listed; --json has all."))
+        }
+        _ => table,
+    }
+}
+
+fn point_table(found: &Segmentation) -> Table {
+    let columns = vec![
+        Column::text("cycle"),
+        Column::text("point"),
+        Column::number("time", "s"),
+        Column::number("displacement", "mm"),
+        Column::number("force", "N"),
+    ];
+    let mut table = Table::new("Points of each cycle (Fig. 3.10)", columns);
+    for cycle in listed(found) {
+        for point in &cycle.points {
+            table = table.row([
+                cycle.number.to_string(),
+                point.name.clone(),
+                format!("{:.3}", point.time_s),
+                significant(point.displacement_mm, 4),
+                significant(point.force_n, 4),
+            ]);
+        }
+    }
+    let pulls = match found.cycles.iter().any(|cycle| cycle.pull_off.is_some()) {
+        true => " Z the force passes zero, P the largest pull,",
+        false => "",
+    };
+    let table = table.note(format!(
+        "O the approach begins, A touch, B end of loading or its largest force, C and D the hold begins and ends,{pulls} E contact is lost, F recovered.",
+    ));
+    shortened(table, found)
+}
+
+fn piece_table(trace: &Trace, found: &Segmentation) -> Table {
+    let columns = vec![
+        Column::text("cycle"),
+        Column::text(""),
+        Column::text("region"),
+        Column::number("lasts", "s"),
+        Column::number("displacement changes", "mm"),
+        Column::number("force changes", "N"),
+        Column::number("work", "mJ"),
+    ];
+    let mut table = Table::new("Regions: what changes over each, and ∫F dx", columns);
+    let (Some(x), Some(force)) = (trace.displacement(), trace.force()) else { return table };
+    for cycle in listed(found) {
+        for piece in &cycle.pieces {
+            let (points, region) = named(piece, cycle, found.control);
+            let change =
+                |values: &[f64]| values[*piece.samples.end()] - values[*piece.samples.start()];
+            table = table.row([
+                cycle.number.to_string(),
+                points.to_owned(),
+                format!("{region}{}", of_type(piece)),
+                significant(change(&trace.time), 4),
+                significant(change(x), 3),
+                significant(change(force), 3),
+                significant(piece.work_mj, 4),
+            ]);
+        }
+    }
+    shortened(table.note("Work is positive where it goes into the specimen."), found)
+}
+
+fn of_type(piece: &Piece) -> String {
+    match piece.relaxation {
+        RelaxationType::None => String::new(),
+        relaxation => format!(", Type {}", numeral(relaxation)),
+    }
+}
+
+fn type_word(relaxation: RelaxationType) -> Option<String> {
+    (relaxation != RelaxationType::None).then(|| format!("Type {}", numeral(relaxation)))
+}
+
+fn cycle_table(trace: &Trace, found: &Segmentation) -> Table {
+    let columns = vec![
+        Column::text("cycle"),
+        Column::number("largest force", "N"),
+        Column::number("at", "s"),
+        Column::number("work in", "mJ"),
+        Column::number("work out", "mJ"),
+        Column::number("difference", "mJ"),
+        Column::text("share of work in"),
+        Column::text("loop"),
+    ];
+    let mut table = Table::new("Work of each cycle", columns);
+    for cycle in &found.cycles {
+        let share = cycle.dissipated_mj() / cycle.work_in_mj.max(f64::MIN_POSITIVE);
+        let open = if cycle.closed { "" } else { ", open" };
+        table = table.row([
+            cycle.number.to_string(),
+            significant(cycle.peak_force_n, 4),
+            format!("{:.3}", trace.time[cycle.peak]),
+            significant(cycle.work_in_mj, 4),
+            significant(cycle.work_out_mj, 4),
+            estimate(cycle.dissipated_mj(), Some(cycle.work_error_mj)),
+            percent(share, 3),
+            format!("{}{open}", turn_word(cycle.turn())),
+        ]);
+    }
+    table.note("The difference is what a closed loop dissipates; an open one also stores some of it. ± is what the noise of the force makes.")
+}
+
+fn turn_word(turn: Turn) -> &'static str {
+    match turn {
+        Turn::Clockwise => "clockwise",
+        Turn::Counterclockwise => "counterclockwise",
+        Turn::Neither => "none beyond noise",
+    }
+}
+
+fn inertia_words(inertia: &Inertia) -> String {
+    let against = if inertia.resolution_told { "resolution" } else { "noise" };
+    let verdict = match (inertia.force_n <= inertia.resolution_n, inertia.force_n) {
+        (true, _) => "it hides below that".to_owned(),
+        _ => format!(
+            "it is {} times that and shows in the force",
+            significant(inertia.force_n / inertia.resolution_n.max(f64::MIN_POSITIVE), 2)
+        ),
+    };
+    format!(
+        "Inertia (3.3.4): {} g times at most {} mm/s² is {} N, {} of the largest force; the {against} of the force is {} N: {verdict}. (The scatter of the displacement alone shows {} mm/s².)",
+        significant(inertia.mass_g, 3),
+        significant(inertia.acceleration_mm_per_s2, 3),
+        significant(inertia.force_n, 3),
+        percent(inertia.share_of_peak, 2),
+        significant(inertia.resolution_n, 2),
+        significant(inertia.scatter_mm_per_s2, 2),
+    )
+}
+
+fn warnings(found: &Segmentation) -> Vec<String> {
+    found
+        .cycles
+        .iter()
+        .filter(|cycle| cycle.turn() == Turn::Counterclockwise && cycle.closed)
+        .map(|cycle| {
+            format!(
+                "cycle {} runs counterclockwise: it gives {} mJ more than it took, which no passive specimen does. Check the sign of the force, the time between the two channels, or whether it was still recovering.",
+                cycle.number,
+                significant(-cycle.dissipated_mj(), 3)
+            )
+        })
+        .collect()
+}
+
+fn loop_plot(trace: &Trace, found: &Segmentation) -> Plot {
+    let (x, force) = (trace.displacement().unwrap_or(&[]), trace.force().unwrap_or(&[]));
+    let mut plot = Plot::new(
+        "Force over displacement",
+        Axis::new("displacement", "mm"),
+        Axis::new("force", "N"),
+    )
+    .summary(format!(
+        "Force over displacement of {} cycle(s) with their points",
+        found.cycles.len()
+    ));
+    for (index, cycle) in listed(found).enumerate() {
+        let samples = || cycle.pieces.iter().flat_map(|piece| piece.samples.clone());
+        let (xs, ys): (Vec<f64>, Vec<f64>) = samples().map(|k| (x[k], force[k])).unzip();
+        let label = format!("cycle {}", cycle.number);
+        plot = plot.series(Series::line(label, xs, ys).colour(Colour::Hue(index)));
+    }
+    if let Some(first) = found.cycles.first() {
+        let at: (Vec<f64>, Vec<f64>) =
+            first.points.iter().map(|point| (point.displacement_mm, point.force_n)).unzip();
+        plot = plot.series(Series::points("", at.0, at.1).colour(Colour::Ink));
+        for point in &first.points {
+            plot = plot.annotation(point.displacement_mm, point.force_n, point.name.clone());
+        }
+    }
+    plot
+}
+
+fn time_panels(trace: &Trace, found: &Segmentation) -> Panels {
+    let spans = region_spans(trace, &found.regions);
+    let panel = |label: &str, unit: &str, values: Option<&[f64]>| {
+        Plot::new("", Axis::new("time", "s"), Axis::new(label, unit))
+            .series(
+                Series::line(label, &trace.time[..], values.unwrap_or(&[]))
+                    .colour(Colour::MEASURED),
+            )
+            .height(170.0)
+    };
+    Panels::new("Force and displacement over time")
+        .summary("Force and displacement over time, regions shaded")
+        .plot(shaded(panel("force", "N", trace.force()), &spans, true))
+        .plot(shaded(panel("displacement", "mm", trace.displacement()), &spans, false))
+}

@@ -1,0 +1,426 @@
+//! A recording of a device as traces.
+//!
+//! One trace for each stretch of a stream: it ends where the device began anew, the link was lost, another stream was
+//! started, or the settings changed, for a trace has one head. Rows that were lost within it are a gap in its time; nothing
+//! is put in their place. The time is that of the device since the first row of the stretch, unless that of the host is
+//! asked for. A region that the device recognised late is put back to where it was entered.
+//!
+//! SA is the calibrated strain less FA, so a block can be read only with the settings that made it, which the device says
+//! before. Rows whose settings were lost on the line are left out and counted.
+
+mod columns;
+
+use std::collections::HashMap;
+use std::io::BufRead;
+use std::path::Path;
+
+use shared::calibration::Calibration;
+use shared::pipeline::GAUGES;
+use shared::wire::{Block, Head as FrameHead, Hello, Rows, Settings, Source, ToHost};
+
+use self::columns::{Origin, Stretch};
+use super::{Error, Trace};
+use crate::recording::{self, Clock, ClockFit, Entry, Gap, Note, Reader};
+
+/// Key of the settings in the head's table `device`.
+pub(super) const SETTINGS: &str = "settings";
+
+/// How to make traces of a recording.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Options {
+    /// Give time in seconds of the host's clock instead of the device's. Only the rate differs: every trace begins at 0.
+    pub host_time: bool,
+    /// Leave damaged frames out and count them, instead of refusing the recording.
+    pub skip_damaged: bool,
+}
+
+/// What a recording holds.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Recorded {
+    /// One for each stretch of at least two rows; never empty.
+    pub traces: Vec<Trace>,
+    /// Rows that were lost within them.
+    pub rows_lost: u64,
+    /// Rows that were left out because their settings are not in the recording.
+    pub rows_unknown: u64,
+    /// Damaged frames that were left out.
+    pub damaged: u64,
+    /// Whether the recording was ended in order; if not, something may be missing at its end.
+    pub closed: bool,
+}
+
+/// Reads the stretches of a recording; they are named after the file.
+///
+/// # Errors
+/// [`Error::Recording`]; [`Error::NoStream`] if there is not one; [`Error::NoClock`] if the time of the host is asked for
+/// and cannot be told.
+pub fn read_recording(path: &Path, options: &Options) -> Result<Recorded, Error> {
+    let failed = |source| Error::Recording { path: path.into(), source };
+    let reader = Reader::open(path).map_err(failed)?;
+    to_traces(path, reader, options)
+}
+
+/// As [`read_recording`], from anything that is read; `path` is what errors and names are made of.
+///
+/// # Errors
+/// As [`read_recording`].
+pub fn to_traces(
+    path: &Path,
+    mut reader: Reader<impl BufRead>,
+    options: &Options,
+) -> Result<Recorded, Error> {
+    let mut stream = Stream::default();
+    let mut recorded = Recorded::default();
+    loop {
+        match reader.next_entry() {
+            Ok(Some(entry)) => stream.take(&entry),
+            Ok(None) => break,
+            Err(recording::Error::Damaged { .. }) if options.skip_damaged => recorded.damaged += 1,
+            Err(source) => return Err(Error::Recording { path: path.into(), source }),
+        }
+    }
+    stream.end();
+    recorded.closed = reader.closed();
+    recorded.rows_unknown = stream.rows_unknown;
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let several = stream.ended.len() > 1;
+    for (index, (stretch, clock)) in stream.ended.into_iter().enumerate() {
+        let name = if several { format!("{stem}-{}", index + 1) } else { stem.to_string() };
+        recorded.rows_lost += stretch.rows_lost;
+        let mut trace = stretch.into_trace(name, clock.ok().as_ref());
+        if options.host_time {
+            let no_clock = |reason| Error::NoClock { path: path.into(), reason };
+            let rate = clock.map_err(no_clock)?.rate;
+            trace.time.iter_mut().for_each(|time| *time /= rate);
+        }
+        recorded.traces.push(trace);
+    }
+    if recorded.traces.is_empty() {
+        return Err(Error::NoStream { path: path.into() });
+    }
+    Ok(recorded)
+}
+
+/// Who the device said it is.
+#[derive(Clone)]
+struct Device {
+    board: String,
+    serial: String,
+    firmware: String,
+    git: String,
+}
+
+impl Device {
+    fn of(hello: &Hello<'_>) -> Self {
+        let serial = hello.serial.map(|word| format!("{word:08x}"));
+        Self {
+            board: hello.board.into(),
+            serial: serial.concat(),
+            firmware: hello.version.into(),
+            git: hello.git.into(),
+        }
+    }
+}
+
+/// What is known at a point of the recording.
+#[derive(Default)]
+struct Stream {
+    opened_ns: u64,
+    device: Option<Device>,
+    settings: HashMap<u32, (Settings, [Calibration; GAUGES])>,
+    rows_unknown: u64,
+    source: Option<Source>,
+    arrived_us: Option<u64>,
+    clock: Clock,
+    stretch: Option<Stretch>,
+    ended: Vec<(Stretch, Result<ClockFit, &'static str>)>,
+}
+
+impl Stream {
+    fn take(&mut self, entry: &Entry<'_>) {
+        match entry {
+            Entry::Note { note: Note::Opened(opened), .. } => self.opened_ns = opened.unix_ns,
+            Entry::Note { note: Note::Gap(Gap::Reset | Gap::LinkLost | Gap::LinkBack), .. } => {
+                self.end();
+            }
+            // Rows that were lost are seen by their numbers.
+            Entry::Note { .. } => {}
+            Entry::Frame { head, message, arrived_us } => {
+                self.arrived_us = arrived_us.or(self.arrived_us);
+                self.hear(*head, message);
+                // Only now: if the device began anew, the stretch that this ended had the clock before.
+                if let Some(arrived_us) = *arrived_us {
+                    self.clock.hear(*head, message, arrived_us);
+                }
+            }
+        }
+    }
+
+    fn hear(&mut self, head: FrameHead, message: &ToHost<'_>) {
+        match message {
+            ToHost::Hello(hello) => {
+                self.end();
+                self.device = Some(Device::of(hello));
+                self.settings.clear();
+                self.source = None;
+            }
+            ToHost::Settings { generation, settings } => {
+                let calibrated = calibration(settings).map(|gauges| (*settings, gauges));
+                self.settings.extend(calibrated.map(|settings| (*generation, settings)));
+            }
+            ToHost::Status(status) => self.source = status.streaming,
+            ToHost::Samples(block) => self.hear_rows(head, block),
+            // Events follow from the rows.
+            ToHost::Answer(_) | ToHost::Log(_) | ToHost::Kept(_) | ToHost::Event(_) => {}
+        }
+    }
+
+    fn hear_rows(&mut self, head: FrameHead, block: &Block<'_>) {
+        // A block that passed its CRC and contradicts itself was made so; its rows are lost as others are.
+        let Ok(rows) = Rows::decode(head, block) else { return };
+        let Some((settings, calibration)) = self.settings.get(&rows.generation).copied() else {
+            self.rows_unknown += rows.len() as u64;
+            return;
+        };
+        for row in rows.iter(&calibration) {
+            let goes_on = |stretch: &Stretch| stretch.goes_on(rows.generation, &row);
+            if !self.stretch.as_ref().is_some_and(goes_on) {
+                self.end();
+                self.stretch = Some(Stretch::new(Origin {
+                    device: self.device.clone(),
+                    generation: rows.generation,
+                    settings,
+                    start_s: self.start_s(),
+                }));
+            }
+            if let Some(stretch) = &mut self.stretch {
+                stretch.push(&row, rows.temperature);
+            }
+        }
+    }
+
+    /// When the last noted message arrived, s since 1970, if the recording says when it was opened.
+    fn start_s(&self) -> Option<f64> {
+        let arrived_us = self.arrived_us.filter(|_| self.opened_ns > 0)?;
+        Some(self.opened_ns as f64 * 1e-9 + arrived_us as f64 * 1e-6)
+    }
+
+    /// Ends the stretch; one row is none.
+    fn end(&mut self) {
+        if let Some(stretch) = self.stretch.take().filter(|stretch| stretch.len() > 1) {
+            self.ended.push((stretch, self.relation()));
+        }
+    }
+
+    /// How the clock of the device runs, or why that is not known.
+    fn relation(&self) -> Result<ClockFit, &'static str> {
+        match self.source {
+            Some(Source::Link { .. }) => {
+                Err("its rows were injected and carry a time of their own")
+            }
+            _ => self.clock.fit().ok_or("too few messages came"),
+        }
+    }
+}
+
+/// What made strain of counts; none if the device could not have said so.
+fn calibration(settings: &Settings) -> Option<[Calibration; GAUGES]> {
+    let gauges = settings.calibration.iter().zip(settings.tare);
+    let calibrated =
+        gauges.map(|(sheet, tare)| Some(Calibration::new(sheet).ok()?.with_tare(tare)));
+    calibrated.collect::<Option<Vec<_>>>()?.try_into().ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::recording::{Opened, Writer};
+    use proptest::prelude::*;
+    use shared::flags::Flags;
+    use shared::phase::{Region, RelaxationType};
+    use shared::pipeline::Output;
+    use shared::wire::{Columns, FRAME_MAX, encode};
+
+    const QUIET: Output = Output {
+        strain: 512,
+        fa: 256,
+        elastic: 600,
+        equilibrium: 300,
+        region: Region::Loading,
+        entered_samples_ago: None,
+        relaxation: RelaxationType::TypeI,
+        flags: Flags::STRAIN_SATURATED,
+    };
+
+    /// The frame of a block, as it is recorded.
+    fn block(
+        first: u64,
+        time_us: u64,
+        generation: u32,
+        rows: u64,
+        outputs: &[Output; GAUGES],
+    ) -> Vec<u8> {
+        let mut block = Rows::new();
+        block.begin(Columns::Parts, first, time_us, time_us.saturating_sub(1_000));
+        (block.generation, block.temperature) = (generation, Some(23 * 256));
+        for row in 0..rows {
+            assert!(block.push(time_us + 1_000 * row, &[1, -2, 3, -4], outputs));
+        }
+        let mut frame = [0; FRAME_MAX];
+        let bytes = block.encode(0, &mut frame).unwrap();
+        bytes[..bytes.len() - 1].to_vec()
+    }
+
+    fn said(time_us: u64, message: &ToHost<'_>) -> Vec<u8> {
+        let mut frame = [0; FRAME_MAX];
+        let bytes = encode(FrameHead { sequence: 0, time_us }, message, &mut frame).unwrap();
+        bytes[..bytes.len() - 1].to_vec()
+    }
+
+    /// Settings with a calibration of 1/2 µε per count and a gauge that rests at −6 counts.
+    fn set() -> Settings {
+        let mut settings = Settings::DEFAULT;
+        for sheet in &mut settings.calibration {
+            (sheet.gain, sheet.offset) = (0.125, -18);
+        }
+        settings
+    }
+
+    fn settings(generation: u32) -> Vec<u8> {
+        said(0, &ToHost::Settings { generation, settings: set() })
+    }
+
+    fn recorded(
+        entries: &[Result<Vec<u8>, Note<'_>>],
+        options: &Options,
+    ) -> Result<Recorded, Error> {
+        let mut bytes = Vec::new();
+        let opened = Opened { unix_ns: 5_000_000_000, ..Opened::timeless("tty") };
+        let mut writer = Writer::new(&mut bytes, &opened).unwrap();
+        for (entry, arrived_us) in entries.iter().zip((1_u64..).map(|step| 500_000 * step)) {
+            match entry {
+                Ok(frame) => writer.frame(arrived_us, frame).unwrap(),
+                Err(note) => writer.note(arrived_us, note).unwrap(),
+            }
+        }
+        drop(writer);
+        to_traces(Path::new("a/take.palpate"), Reader::new(&bytes[..]).unwrap(), options)
+    }
+
+    fn traces(entries: &[Result<Vec<u8>, Note<'_>>]) -> Vec<Trace> {
+        recorded(entries, &Options::default()).unwrap().traces
+    }
+
+    #[test]
+    fn a_stretch_is_a_trace_with_its_columns_and_its_head() {
+        let found = traces(&[Ok(settings(7)), Ok(block(10, 2_000_000, 7, 3, &[QUIET; GAUGES]))]);
+        let [trace] = &found[..] else { panic!("{} traces", found.len()) };
+        assert_eq!(trace.label(), "take");
+        assert_eq!(trace.time, [0.0, 0.001, 0.002]);
+        let column = |name: &str| trace.column(name).unwrap()[0];
+        let names =
+            ["ustrain", "fa_ustrain", "sa_ustrain", "counts", "region", "relaxation", "flags"];
+        let values = names.map(|name| column(&format!("gauge2_{name}")));
+        assert_eq!(values, [2.0, 1.0, 1.0, -2.0, 2.0, 1.0, 2.0]);
+        assert_eq!(column("temperature_C"), 23.0);
+        assert_eq!(trace.columns.len(), 4 * names.len() + 1);
+        assert_eq!(trace.head.setup.other["rate_Hz"].as_float(), Some(1000.0));
+        assert_eq!(trace.head.setup.start_s, Some(6.0));
+        let settings = trace.head.other["device"][SETTINGS].clone().try_into::<Settings>();
+        assert_eq!(settings, Ok(set()));
+    }
+
+    #[test]
+    fn lost_rows_leave_a_gap_and_are_counted() {
+        let quiet = &[QUIET; GAUGES];
+        let entries =
+            [Ok(settings(1)), Ok(block(0, 0, 1, 8, quiet)), Ok(block(40, 40_000, 1, 8, quiet))];
+        let found = recorded(&entries, &Options::default()).unwrap();
+        assert_eq!((found.traces.len(), found.rows_lost), (1, 32));
+        assert_eq!(crate::gaps(&found.traces[0].time).len(), 1);
+        assert_eq!(found.traces[0].head.other["recording"]["rows_lost"].as_integer(), Some(32));
+        assert!(!found.closed);
+    }
+
+    #[test]
+    fn a_reset_a_lost_link_another_stream_and_other_settings_begin_another_trace() {
+        let quiet = &[QUIET; GAUGES];
+        for (between, after) in [
+            (Some(Err(Note::Gap(Gap::Reset))), block(8, 8_000, 1, 8, quiet)),
+            (Some(Err(Note::Gap(Gap::LinkLost))), block(8, 8_000, 1, 8, quiet)),
+            (Some(Ok(settings(2))), block(8, 8_000, 2, 8, quiet)),
+            (None, block(0, 8_000, 1, 8, quiet)),
+            (None, block(8, 0, 1, 8, quiet)),
+        ] {
+            let mut entries = vec![Ok(settings(1)), Ok(block(0, 0, 1, 8, quiet))];
+            entries.extend(between);
+            entries.push(Ok(after));
+            let found = traces(&entries);
+            assert_eq!(found.iter().map(Trace::label).collect::<Vec<_>>(), ["take-1", "take-2"]);
+            assert!(found.iter().all(|trace| trace.len() == 8 && trace.time[0] == 0.0));
+        }
+    }
+
+    #[test]
+    fn a_region_found_late_is_put_back_to_where_it_was_entered() {
+        let late = Output { region: Region::Relaxation, entered_samples_ago: Some(3), ..QUIET };
+        let quiet = &[QUIET; GAUGES];
+        let found = traces(&[
+            Ok(settings(1)),
+            Ok(block(0, 0, 1, 6, quiet)),
+            Ok(block(6, 6_000, 1, 1, &[late; GAUGES])),
+        ]);
+        assert_eq!(found[0].column("gauge1_region").unwrap(), [2.0, 2.0, 2.0, 4.0, 4.0, 4.0, 4.0]);
+    }
+
+    #[test]
+    fn the_time_of_the_host_is_given_where_the_clock_is_known_and_refused_where_not() {
+        let quiet = &[QUIET; GAUGES];
+        let options = Options { host_time: true, ..Options::default() };
+        // Messages arrive half a second apart; on the device that is a whole one.
+        let entries = [
+            Ok(settings(1)),
+            Ok(said(1_000_000, &ToHost::Log(shared::wire::Log { bytes: &[] }))),
+            Ok(block(0, 2_000_000, 1, 3, quiet)),
+        ];
+        let found = recorded(&entries, &options).unwrap();
+        assert_eq!(found.traces[0].time, [0.0, 0.0005, 0.001]);
+        let unclear = [entries[0].clone(), entries[2].clone()];
+        let error = recorded(&unclear, &options).unwrap_err().to_string();
+        assert!(error.contains("clock of the device cannot be told"), "{error}");
+    }
+
+    #[test]
+    fn a_recording_without_rows_is_refused() {
+        for entries in [&[][..], &[Ok(settings(1)), Ok(block(0, 0, 1, 1, &[QUIET; GAUGES]))]] {
+            assert!(matches!(recorded(entries, &Options::default()), Err(Error::NoStream { .. })));
+        }
+    }
+
+    #[test]
+    fn rows_whose_settings_were_lost_are_left_out_and_counted() {
+        let quiet = &[QUIET; GAUGES];
+        let entries =
+            [Ok(block(0, 0, 1, 8, quiet)), Ok(settings(2)), Ok(block(8, 8_000, 2, 8, quiet))];
+        let found = recorded(&entries, &Options::default()).unwrap();
+        assert_eq!((found.rows_unknown, found.traces.len(), found.traces[0].len()), (8, 1, 8));
+    }
+
+    proptest! {
+        #[test]
+        fn whatever_a_device_says_makes_traces_that_can_be_written(
+            blocks in prop::collection::vec((0..30_u64, 0..30_000_u64, 1..3_u32, 1..5_u64, any::<Option<u32>>()), 1..20),
+        ) {
+            let frames = blocks.into_iter().map(|(first, time_us, generation, rows, entered)| {
+                let output = Output { entered_samples_ago: entered.map(|ago| ago / 2), ..QUIET };
+                Ok(block(first, time_us, generation, rows, &[output; GAUGES]))
+            });
+            let entries: Vec<_> = [Ok(settings(1)), Ok(settings(2))].into_iter().chain(frames).collect();
+            if let Ok(found) = recorded(&entries, &Options::default()) {
+                for trace in &found.traces {
+                    crate::write_to(Vec::new(), trace).unwrap();
+                }
+            }
+        }
+    }
+}

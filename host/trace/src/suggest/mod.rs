@@ -1,0 +1,313 @@
+//! A proposed mapping for a file nobody has described yet: for a person to check, never applied.
+
+mod columns;
+mod encoding;
+mod guess;
+
+use std::fmt::Write as _;
+use std::io::{Cursor, Read};
+use std::path::Path;
+
+use encoding_rs::Encoding;
+
+use super::error::Error;
+use super::foreign::{self, Opened};
+use super::import_error::ImportError;
+use super::lines::Lines;
+use super::table::part_of;
+use columns::{Seen, is_gap, is_unit, proposals, time_of};
+use encoding::encoding;
+use guess::{Guess, Kind, cells, guess};
+
+/// Lines looked at.
+const LOOKED_AT: usize = 400;
+/// A first time beyond this, s, is counted from long before the recording: 12 days.
+const AFAR_S: f64 = 1e6;
+
+/// The beginning of a table, as a person would see it.
+struct Beginning {
+    /// The table's name, where the file has several.
+    part: Option<String>,
+    /// The encoding of a text; none of a table that was made text.
+    encoding: Option<&'static Encoding>,
+    lines: Vec<String>,
+}
+
+/// Proposes a mapping for a recording from its first lines, as the text of a mapping file in which
+/// every line is to be checked by a person. `part` names one of several tables of the file.
+///
+/// # Errors
+/// [`ImportError::NoTable`] if no three rows of numbers follow each other, or that the file cannot be
+/// read, or has several tables.
+pub fn suggest(path: &Path, part: Option<&str>) -> Result<String, ImportError> {
+    let beginning = beginning(path, part)?;
+    let guess = guess(&beginning).ok_or_else(|| ImportError::NoTable {
+        path: path.into(),
+        what: format!("three rows of at least two numbers in the first {LOOKED_AT} lines"),
+    })?;
+    Ok(text(path, &beginning, &guess))
+}
+
+fn beginning(path: &Path, part: Option<&str>) -> Result<Beginning, ImportError> {
+    match foreign::open(path, part)? {
+        Opened::Part { name, text } => {
+            let shown = name.as_deref().map_or_else(|| path.into(), |name| part_of(path, name));
+            let lines = first_lines(Lines::new(&shown, text, encoding_rs::UTF_8))?;
+            Ok(Beginning { part: name, encoding: None, lines })
+        }
+        Opened::Text(mut text) => {
+            let open = |source| Error::Open { path: path.into(), source };
+            let mut start = Vec::new();
+            text.by_ref().take(1 << 16).read_to_end(&mut start).map_err(open)?;
+            let encoding = encoding(&start);
+            let whole: Box<dyn Read> = Box::new(Cursor::new(start).chain(text));
+            let lines = first_lines(Lines::new(path, whole, encoding))?;
+            Ok(Beginning { part: None, encoding: Some(encoding), lines })
+        }
+    }
+}
+
+fn first_lines(mut lines: Lines) -> Result<Vec<String>, ImportError> {
+    let mut found = Vec::new();
+    let mut line = String::new();
+    while found.len() < LOOKED_AT && lines.next(&mut line)? {
+        found.push(line.clone());
+    }
+    Ok(found)
+}
+
+/// Writes the mapping.
+fn text(path: &Path, beginning: &Beginning, guess: &Guess) -> String {
+    let lines = &beginning.lines;
+    let header = header(lines, guess);
+    let mut out = String::new();
+    let file = path.file_name().unwrap_or_default().to_string_lossy();
+    let quoted = |text: &str| toml::Value::from(text).to_string();
+    // Writing to a string does not fail.
+    let _ = writeln!(
+        out,
+        "# A proposal from the first lines of the file. Check every line, units above all.\n\
+         palpate-map = 1\nabout = {}\nothers = \"drop\"\n",
+        quoted(&format!("As {file}")),
+    );
+    if let Some(encoding) = beginning.encoding {
+        let _ = writeln!(
+            out,
+            "[text]\nencoding = {}\ndelimiter = \"{}\"\ndecimal = \"{}\"\n",
+            quoted(&encoding.name().to_lowercase()),
+            format!("{:?}", guess.delimiter).to_lowercase(),
+            guess.decimal,
+        );
+    }
+    let _ = writeln!(out, "[table]");
+    if let Some(part) = &beginning.part {
+        let _ = writeln!(out, "part = {}", quoted(part));
+    }
+    let skipped = guess.first - header.map_or(0, |at| at + 1);
+    if let Some(at) = header {
+        let _ = writeln!(out, "header_line = {}", at + 1);
+    }
+    if skipped > 0 {
+        let _ = writeln!(out, "skip_lines = {skipped}");
+    }
+    if lines[guess.first].trim_end().ends_with([',', ';']) && beginning.encoding.is_some() {
+        let _ = writeln!(out, "empty_last_cell = true");
+    }
+    write_columns(&mut out, &seen(lines, guess, header));
+    out
+}
+
+/// The line above the numbers that names the columns: as wide as they, with two words at least that are no units.
+fn header(lines: &[String], guess: &Guess) -> Option<usize> {
+    let width = guess.kinds.len();
+    let named = |line: &String| {
+        let cells = cells(line, guess.delimiter);
+        let words: Vec<&String> =
+            cells.iter().filter(|cell| cell.chars().any(char::is_alphabetic)).collect();
+        cells.len() == width && words.len() >= 2 && words.iter().any(|cell| !is_unit(cell))
+    };
+    lines[..guess.first].iter().rposition(named)
+}
+
+/// The columns of numbers, with their names and what stands between these and the numbers.
+fn seen(lines: &[String], guess: &Guess, header: Option<usize>) -> Vec<Seen> {
+    let names = header.map(|at| cells(&lines[at], guess.delimiter)).unwrap_or_default();
+    let below = header.map_or(0..0, |at| at + 1..guess.first);
+    let below: Vec<Vec<String>> = below.map(|at| cells(&lines[at], guess.delimiter)).collect();
+    let column = |(index, values): (usize, Vec<f64>)| Seen {
+        index,
+        name: names.get(index).cloned().unwrap_or_default(),
+        below: below.iter().filter_map(|row| row.get(index)).cloned().collect(),
+        kind: guess.kinds[index],
+        values,
+    };
+    let all = guess.columns(lines).into_iter().enumerate().map(column);
+    all.filter(|column| column.kind.is_value()).collect()
+}
+
+/// The sections of the columns: time first, the rest under names with the unit that is wanted.
+fn write_columns(out: &mut String, columns: &[Seen]) {
+    let from = |column: &Seen| {
+        let same = columns.iter().filter(|other| other.name == column.name).count();
+        match column.name.as_str() {
+            "" => (column.index + 1).to_string(),
+            _ if same > 1 => (column.index + 1).to_string(),
+            name => toml::Value::from(name).to_string(),
+        }
+    };
+    let time_at = time_of(columns);
+    let time = &columns[time_at];
+    let _ = writeln!(out, "\n[time]\nfrom = {}", from(time));
+    let _ = match (time.kind, time.unit()) {
+        (Kind::Time(stamp), _) => writeln!(out, "stamp = \"{}\"", stamp.name()),
+        (_, Some(unit)) => writeln!(out, "unit = \"{}\"", unit.name),
+        _ => writeln!(out, "unit = \"s\"   # not written in the file"),
+    };
+    let counted_from_afar = time.values.first().is_some_and(|first| first.abs() > AFAR_S);
+    if counted_from_afar || matches!(time.kind, Kind::Time(_)) {
+        let _ = writeln!(out, "reference = \"first\"");
+    }
+    let others = columns.iter().filter(|column| column.index != time.index);
+    let others: Vec<&Seen> = others.filter(|column| column.kind == Kind::Number).collect();
+    for (column, proposal) in others.iter().zip(proposals(&others)) {
+        let _ = writeln!(out, "\n[[column]]\nfrom = {}", from(column));
+        let _ = match (&proposal.unit, proposal.guessed) {
+            (_, true) => writeln!(
+                out,
+                "name = \"{}\"   # the file does not say the unit: check it",
+                proposal.name
+            ),
+            (Some(_), _) => writeln!(out, "name = \"{}\"", proposal.name),
+            (None, _) => writeln!(
+                out,
+                "name = \"{}\"   # such as displacement_mm, force_N, stress_kPa: the unit wanted",
+                proposal.name
+            ),
+        };
+        if let Some(unit) = proposal.unit {
+            let _ = writeln!(out, "unit = \"{}\"", unit.name);
+        }
+        if is_gap(column) {
+            let _ = writeln!(
+                out,
+                "# negate = true           # a gap falls while it is pressed\n\
+                 # reference = \"contact\"   # and is 0 where the force begins"
+            );
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Mapping, import};
+
+    fn proposal(
+        bytes: &[u8],
+    ) -> Result<(Mapping, std::path::PathBuf, tempfile::TempDir), ImportError> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("foreign.txt");
+        std::fs::write(&path, bytes).unwrap();
+        let text = suggest(&path, None)?;
+        let mapping =
+            Mapping::parse(Path::new("map.toml"), &text).unwrap_or_else(|e| panic!("{e}\n{text}"));
+        Ok((mapping, path, folder))
+    }
+
+    #[test]
+    fn a_proposal_reads_the_file_it_was_made_from() {
+        let utf16: Vec<u8> =
+            "\u{feff}Test\r\nTime\tStress\r\n[s]\t[Pa]\r\n0,1\t5,5\r\n0,2\t4\r\n0,3\t3\r\n"
+                .encode_utf16()
+                .flat_map(u16::to_le_bytes)
+                .collect();
+        let (mapping, path, _folder) = proposal(&utf16).unwrap();
+        let trace = import(&path, &mapping).unwrap().trace;
+        assert_eq!(trace.time, [0.1, 0.2, 0.3]);
+        assert_eq!(trace.column("stress_Pa").unwrap(), [5.5, 4.0, 3.0]);
+        let (mapping, path, _folder) = proposal(b"0 1 2\n1 1 3\n2 1 4\n").unwrap();
+        assert_eq!(import(&path, &mapping).unwrap().trace.columns.len(), 2);
+    }
+
+    #[test]
+    fn units_below_the_names_are_told_from_the_names() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("foreign.txt");
+        std::fs::write(&path, "No.\tTime\tForce\n\t[ms]\t[mN]\n1\t0\t5\n2\t1\t4\n3\t2\t3\n")
+            .unwrap();
+        let text = suggest(&path, None).unwrap();
+        for line in [
+            "header_line = 1",
+            "skip_lines = 1",
+            "from = \"Time\"\nunit = \"ms\"",
+            "name = \"force_N\"\nunit = \"mN\"",
+        ] {
+            assert!(text.contains(line), "{text}\nlacks {line}");
+        }
+    }
+
+    #[test]
+    fn a_proposal_for_a_trace_gives_the_trace_back() {
+        let text = "# name = \"a\"\ntime_s,displacement_mm,force_N,gauge1_ustrain,gauge1_region\n\
+                    0,0,1,5,0\n1,1,2,6,0\n2,2,3,7,2\n";
+        let (mapping, path, _folder) = proposal(text.as_bytes()).unwrap();
+        let found = import(&path, &mapping).unwrap().trace;
+        let own = crate::parse(&path, text.as_bytes()).unwrap();
+        assert_eq!((found.time, found.columns), (own.time, own.columns));
+    }
+
+    #[test]
+    fn names_and_units_say_what_a_column_is_in_many_ways() {
+        let cases = [
+            ("Zeit;Weg;Kraft\ns;µm;N\n", "header_line = 1\nskip_lines = 1"),
+            ("No.;Normal Force [N];Time [s];Gap (mm)\n", "negate = true"),
+            (
+                "时间(s);位移(mm);载荷(N)\n",
+                "from = \"位移(mm)\"\nname = \"displacement_mm\"\nunit = \"mm\"",
+            ),
+            ("Segment;Depth (nm);Load (mN);Test Time (s)\n", "unit = \"nm\""),
+            ("a;b mm;c N;d\n", "from = \"a\"\nunit = \"s\"   # not written in the file"),
+        ];
+        for (header, expected) in cases {
+            let width = header.lines().next().unwrap().split(';').count();
+            let cell = |row: usize, column: usize| match (width, column) {
+                (4, 0) if header.starts_with('S') => "1".to_owned(),
+                _ => format!("{row},{column}"),
+            };
+            let row = |row| (0..width).map(|at| cell(row, at)).collect::<Vec<_>>().join(";") + "\n";
+            let rows: String = (0..9).map(row).collect();
+            let folder = tempfile::tempdir().unwrap();
+            let path = folder.path().join("foreign.txt");
+            std::fs::write(&path, format!("{header}{rows}")).unwrap();
+            let text = suggest(&path, None).unwrap();
+            assert!(text.contains(expected), "{text}\nlacks {expected}");
+            let mapping = Mapping::parse(Path::new("map.toml"), &text).unwrap();
+            let trace = import(&path, &mapping).unwrap_or_else(|e| panic!("{e}\n{text}")).trace;
+            assert!(trace.displacement().is_some() && trace.force().is_some(), "{text}");
+        }
+    }
+
+    #[test]
+    fn a_row_in_which_another_cell_is_missing_belongs_to_the_table() {
+        let rows: String =
+            (0..9).map(|i| format!("{i},{i},{}\n", if i == 0 { "7" } else { "" })).collect();
+        let (mapping, path, _folder) =
+            proposal(format!("Time,Force,Mark\n{rows}").as_bytes()).unwrap();
+        assert_eq!(import(&path, &mapping).unwrap().trace.len(), 9);
+    }
+
+    #[test]
+    fn written_times_are_found_and_count_from_the_first() {
+        let rows: String = (0..9).map(|i| format!("2024-05-31 14:03:0{i}.5,{i},1\n")).collect();
+        let text = format!("Timestamp,Force (N),Status\n{rows}");
+        let (mapping, path, _folder) = proposal(text.as_bytes()).unwrap();
+        let trace = import(&path, &mapping).unwrap().trace;
+        assert_eq!(trace.time[..3], [0.0, 1.0, 2.0]);
+    }
+
+    #[test]
+    fn no_mapping_is_proposed_for_what_is_no_table() {
+        assert!(matches!(proposal(b"a poem\nof two lines\n"), Err(ImportError::NoTable { .. })));
+        assert!(matches!(proposal(b""), Err(ImportError::NoTable { .. })));
+    }
+}
