@@ -17,25 +17,36 @@
 //! - [`device`]: the line to a fingertip, and one without hardware; [`robots`]: what it feels as topics.
 //! - [`survey`]: one question, many groups of traces.
 //! - [`report`]: vector plots and self-contained HTML; [`summary`]: results in words, tables and plots; [`dissertation`]: the
-//!   figures that the dissertation prints.
+//!   figures that the dissertation prints; [`bundled`]: the recordings that come with the program.
 //! - [`serve`]: a local page over the same functions as the commands, [`held`]: what a law foretells of a held press.
 //! - [`cli`]: one file for each subcommand: parse, call, print.
 #![forbid(unsafe_code)]
 
+#[cfg(feature = "analysis")]
 pub use palpate_analysis as analysis;
+#[cfg(feature = "analysis")]
 pub use palpate_analysis::{decomposition, events, press, regions};
+#[cfg(feature = "cli")]
 pub use palpate_cli as cli;
+#[cfg(feature = "contact")]
 pub use palpate_contact as contact;
+#[cfg(feature = "contact")]
 pub use palpate_contact::{afm, grasp, sensor};
 pub use palpate_diagnose::{criticism, discover, practice, promises};
 pub use palpate_fit as fit;
+#[cfg(feature = "device")]
 pub use palpate_link::{device, robots};
 pub use palpate_model as model;
 pub use palpate_model::{effects, latency};
-pub use palpate_present::{dissertation, summary};
+#[cfg(feature = "report")]
+pub use palpate_present::{bundled, dissertation, summary};
+#[cfg(feature = "report")]
 pub use palpate_report as report;
+#[cfg(feature = "cli")]
 pub use palpate_serve as serve;
+#[cfg(feature = "cli")]
 pub use palpate_serve::held;
+#[cfg(feature = "cli")]
 pub use palpate_survey as survey;
 pub use palpate_trace as trace;
 pub use palpate_trace::{files, recording};

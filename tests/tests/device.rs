@@ -341,11 +341,11 @@ fn a_recording_has_every_row_and_tells_programs_how_it_goes() {
     assert_eq!(status, 0, "{error}");
     let lines: Vec<Value> = out.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
     assert_eq!(lines.len(), 3, "{out}");
-    assert!((lines[1]["rate_hz"].as_f64().unwrap() - 976.6).abs() < 100.0, "{out}");
+    assert!((lines[1]["rate_hz"].as_f64().unwrap() - 976.6).abs() < 10.0, "{out}");
     assert!(lines[1]["gauges"][3]["sa_ustrain"].is_number(), "{out}");
     let summary = &lines[2]["summary"];
     let (rows, gaps, closed) = contents(&simulated.file("take.palpate"));
-    assert!(rows > 2_000 && closed && gaps.is_empty(), "{rows} {gaps:?}");
+    assert!(rows > 1_000 && closed && gaps.is_empty(), "{rows} {gaps:?}");
     assert_eq!(summary["rows"], rows);
     assert_eq!((&summary["gaps"], &summary["drops"]), (&0.into(), &0.into()));
     let (status, _, error) = simulated.call(&["record", "-o", "take.palpate", "--duration", "1"]);

@@ -1,19 +1,17 @@
 //! `palpate demo`.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use super::output::{Force, print, print_sections, terminal, write_report};
 use super::{Failure, progress};
 use palpate_analysis::press::{Press, analyse};
+use palpate_present::bundled::press;
 use palpate_present::summary::{name_of, press_sections};
 use palpate_report::Section;
+use palpate_trace::Trace;
 use palpate_trace::files::plan::{Kind, Plan, REPORT};
-use palpate_trace::{Trace, parse};
 
-/// A made-up recording, part of the program so that the demo runs anywhere.
-const RECORDING: &[u8] = include_bytes!("../../../tests/traces/press.csv");
-
-/// That recording, known by its name.
+/// The recording, known by its name.
 const TRACE: Kind = Kind {
     endings: &["csv"],
     marks: &["\n# name = \"made-up press of a fingertip with four gauges\"\n"],
@@ -44,16 +42,16 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     if let Some(path) = &args.trace {
         files.writes(path, &TRACE)?;
     }
-    let trace = parse(Path::new("press.csv"), RECORDING).map_err(Failure::work)?;
+    let trace = press();
     if let Some(path) = &args.trace {
-        super::output::write_file(path, RECORDING)?;
+        palpate_trace::write(path, &trace).map_err(Failure::work)?;
         eprintln!("recording: {}", path.display());
     }
     let bar = progress::bar(trace.len() * trace.gauges().len(), "replaying four gauges");
-    let press = analyse(&trace, || bar.inc(1)).map_err(Failure::work)?;
+    let found = analyse(&trace, || bar.inc(1)).map_err(Failure::work)?;
     bar.finish_and_clear();
-    let sections = press_sections(&trace, &press);
-    print(&lines(&trace, &press))?;
+    let sections = press_sections(&trace, &found);
+    print(&lines(&trace, &found))?;
     print_sections(&sections.iter().map(in_short).collect::<Vec<_>>())?;
     let subtitle = "one press: from four gauges to a fitted model";
     write_report(&args.report, "palpate demo", subtitle, vec![trace.label()], sections)?;

@@ -4,5 +4,6 @@
 //! - [`dissertation`]: the figures that the dissertation prints.
 #![forbid(unsafe_code)]
 
+pub mod bundled;
 pub mod dissertation;
 pub mod summary;

@@ -119,6 +119,7 @@ impl Setup {
 }
 
 /// Reads the TOML of a head that stands for itself.
+#[cfg(feature = "parquet")]
 pub(super) fn from_toml(path: &Path, toml: &str) -> Result<Head, Error> {
     let lines: Vec<String> = toml.lines().map(|line| format!("# {line}")).collect();
     parse(path, &lines.iter().map(String::as_str).collect::<Vec<_>>())

@@ -20,12 +20,14 @@ mod import;
 mod import_error;
 mod levels;
 mod lines;
+#[cfg(feature = "parquet")]
 pub mod many;
 pub mod mapping;
 pub mod meant;
 mod names;
 mod noise;
 mod outliers;
+#[cfg(feature = "parquet")]
 mod parquet;
 mod pooled_noise;
 mod read;
@@ -37,9 +39,12 @@ mod scatter;
 mod segments;
 mod set;
 mod stamp;
+#[cfg(feature = "suggest")]
 mod suggest;
 mod table;
 mod tare;
+#[cfg(not(feature = "parquet"))]
+mod unbuilt;
 pub mod units;
 mod write;
 
@@ -63,12 +68,18 @@ pub use scatter::scatter;
 pub use segments::{Kind, Segment, segments};
 pub use set::{order, read_set};
 pub use stamp::Stamp;
+#[cfg(feature = "suggest")]
 pub use suggest::suggest;
 pub use tare::{resting_value, tare};
 pub use write::{shortest, write, write_to};
 
+#[cfg(not(feature = "parquet"))]
+use unbuilt as parquet;
+
 use std::path::{Path, PathBuf};
 
+/// Extension of the name of a Parquet file.
+const PARQUET: &str = "parquet";
 /// Column of time, s; every trace has it, strictly increasing, not necessarily uniform.
 pub const TIME: &str = "time_s";
 /// Column of displacement, mm; positive into the specimen, 0 at the nominal first touch.

@@ -23,14 +23,17 @@ use super::write::{check, checked};
 use super::{Column, Error, Head, SIZE_LIMIT, TIME, Trace, head};
 use crate::caught::caught;
 
-/// Extension of such a file's name.
-pub(super) const EXTENSION: &str = "parquet";
 /// Key of the head in the file's metadata.
 const HEAD: &str = "palpate-trace";
 /// Samples in a row group.
 const GROUP: usize = 1 << 20;
 /// Values read at once.
 const BATCH: usize = 1 << 16;
+
+/// The head in the metadata of a file.
+pub(super) fn read_head(path: &Path) -> Result<Head, Error> {
+    super::many::head_of(path)
+}
 
 /// The bytes of the file. Values that repeat are written once, others byte by byte of their eight, then compressed.
 pub(super) fn to_bytes(trace: &Trace) -> io::Result<Vec<u8>> {

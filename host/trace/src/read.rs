@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use super::error::{Error, Place};
 use super::names::{self, Fault};
-use super::{Column, Head, TIME, Trace, foreign, has_extension, head, many, parquet};
+use super::{Column, Head, PARQUET, TIME, Trace, foreign, has_extension, head, parquet};
 
 /// Largest file that is read whole, bytes.
 pub const SIZE_LIMIT: u64 = 1 << 30;
@@ -30,7 +30,7 @@ const STRETCH: usize = 4 << 20;
 /// # Errors
 /// See [`Error`]; each names the file and, where there is one, line and column.
 pub fn read(path: &Path) -> Result<Trace, Error> {
-    if has_extension(path, parquet::EXTENSION) {
+    if has_extension(path, PARQUET) {
         return parquet::read(path);
     }
     match foreign::trace(path)? {
@@ -44,8 +44,8 @@ pub fn read(path: &Path) -> Result<Trace, Error> {
 /// # Errors
 /// When the file cannot be read, or its head is not understood.
 pub fn read_head(path: &Path) -> Result<Head, Error> {
-    if has_extension(path, parquet::EXTENSION) {
-        return many::head_of(path);
+    if has_extension(path, PARQUET) {
+        return parquet::read_head(path);
     }
     let open = |source| Error::Open { path: path.into(), source };
     let mut input = BufReader::new(fs::File::open(path).map_err(open)?);

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use super::error::Error;
-use super::{Trace, has_extension, parquet, read, recorded};
+use super::{PARQUET, Trace, has_extension, read, recorded};
 use crate::recording;
 
 /// Reads files and folders; a folder stands for its `.csv` and `.parquet` files by name (`.csv.gz` and
@@ -63,7 +63,7 @@ fn files<P: AsRef<Path>>(paths: &[P]) -> Result<Vec<PathBuf>, Error> {
 fn named_as_trace(file: &Path) -> bool {
     let packed = has_extension(file, "gz") || has_extension(file, "zst");
     let inner = if packed { Path::new(file.file_stem().unwrap_or_default()) } else { file };
-    has_extension(inner, "csv") || has_extension(file, parquet::EXTENSION)
+    has_extension(inner, "csv") || has_extension(file, PARQUET)
 }
 
 /// The traces of a folder, by name.

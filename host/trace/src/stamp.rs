@@ -27,6 +27,7 @@ pub(super) struct Instant {
 
 impl Stamp {
     /// All of them, the one that a text speaks for most plainly first.
+    #[cfg(feature = "suggest")]
     pub(super) const ALL: [Self; 4] =
         [Self::YearFirst, Self::DayFirst, Self::MonthFirst, Self::Clock];
 

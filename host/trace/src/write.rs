@@ -4,7 +4,7 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use super::error::Error;
-use super::{TIME, Trace, has_extension, head, names, parquet};
+use super::{PARQUET, TIME, Trace, has_extension, head, names, parquet};
 use crate::files::write_whole;
 
 /// Writes a trace whole or not at all, as Parquet if the file's name ends in `.parquet`, else as CSV. The head says the
@@ -14,7 +14,7 @@ use crate::files::write_whole;
 /// [`Error::Write`] where the file system refuses, or where reading would: a number that is not
 /// finite, time that does not increase, fewer than two samples, a column name no trace may have.
 pub fn write(path: &Path, trace: &Trace) -> Result<(), Error> {
-    write_whole(path, |file| match has_extension(path, parquet::EXTENSION) {
+    write_whole(path, |file| match has_extension(path, PARQUET) {
         true => file.write_all(&parquet::to_bytes(trace)?),
         false => write_to(file, trace),
     })

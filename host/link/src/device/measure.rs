@@ -24,16 +24,16 @@ pub struct Mean {
     pub samples: usize,
 }
 
-/// Averages the raw counts of every gauge over some time.
+/// Averages the raw counts of every gauge over some time of the device: as many rows, however late a busy computer hears them.
 ///
 /// # Errors
 /// [`LinkError`]; [`LinkError::NoRows`].
 pub fn mean(session: &mut Session, over: Duration) -> Result<[Mean; GAUGES], LinkError> {
     start(session)?;
-    let began = Instant::now();
-    let rows = hear_rows(session, |_| began.elapsed() >= over)?;
+    let wanted = (over.as_secs_f64() / session.interval_s()).round().max(1.0) as usize;
+    let rows = hear_rows(session, |rows| rows >= wanted)?;
     session.quiet()?;
-    Ok(means(&rows))
+    Ok(means(&rows[..wanted.min(rows.len())]))
 }
 
 /// The means of every gauge over rows of raw counts, of which there must be one.

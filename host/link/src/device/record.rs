@@ -16,6 +16,8 @@ use palpate_trace::recording::{Gap, Note, Opened, Writer};
 const SILENCE: Duration = Duration::from_millis(2_500);
 /// How long to listen before looking at the clock.
 const SLICE: Duration = Duration::from_millis(50);
+/// The rate is that of at least so long.
+const RATE_OVER: Duration = Duration::from_millis(500);
 /// Time between two views.
 const WATCH: Duration = Duration::from_millis(100);
 /// A device may take so long to answer when it is there again.
@@ -194,8 +196,8 @@ struct Recorder<'p> {
     drops_before_resets: u64,
     row: Option<Row>,
     heard_at: Instant,
-    /// Rows and time a second ago.
-    second: (u64, Instant),
+    /// Rows a second ago, the device's time at the last of them, µs, and when that was.
+    second: (u64, Option<u64>, Instant),
     rate_hz: f64,
     backlog: (usize, usize),
     linked: bool,
@@ -215,7 +217,7 @@ impl<'p> Recorder<'p> {
             drops_before_resets: 0,
             row: None,
             heard_at: began,
-            second: (0, began),
+            second: (0, None, began),
             rate_hz: 0.0,
             backlog: (0, 0),
             linked: true,
@@ -286,6 +288,9 @@ impl<'p> Recorder<'p> {
                     let rows = session.rows(rows).unwrap_or_default();
                     beside.rows(&rows, heard.at);
                     self.row = rows.last().copied();
+                    if let (None, Some(row)) = (self.second.1, &self.row) {
+                        self.second = (self.stream.tally().rows, Some(row.time_us), heard.at);
+                    }
                 }
                 Ok((_, Said::Event(felt))) => beside.feel(felt),
                 _ => {}
@@ -380,13 +385,24 @@ impl<'p> Recorder<'p> {
         }
     }
 
+    /// Rows for each second of the device, Hz, so that a computer which hears them late tells the same; 0 where none came.
+    fn rate(&self, rows: u64, time_us: Option<u64>) -> f64 {
+        let (before, since_us, _) = self.second;
+        // A device that began again counts its time from zero.
+        let passed_us = time_us.zip(since_us).and_then(|(now, since)| now.checked_sub(since));
+        match passed_us.filter(|&passed| passed > 0) {
+            Some(passed) => rows.saturating_sub(before) as f64 / (passed as f64 * 1e-6),
+            None => 0.0,
+        }
+    }
+
     fn view(&mut self) -> View {
         let now = Instant::now();
         let rows = self.stream.tally().rows;
-        let passed = now.duration_since(self.second.1).as_secs_f64();
-        if passed >= 1.0 {
-            self.rate_hz = (rows - self.second.0) as f64 / passed;
-            self.second = (rows, now);
+        if now.duration_since(self.second.2) >= RATE_OVER {
+            let time_us = self.row.as_ref().map(|row| row.time_us);
+            self.rate_hz = self.rate(rows, time_us);
+            self.second = (rows, time_us, now);
         }
         View {
             passed: now.duration_since(self.began),

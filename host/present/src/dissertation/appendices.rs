@@ -3,9 +3,9 @@
 use shared::phase::RelaxationType;
 
 use super::comparison::{decimals, digits};
-use super::relaxation::traces;
 use super::simulated::{noisy, times};
 use super::{Chapter, Check, Comparison, Evidence, TABLE_3_1};
+use crate::bundled::grasps;
 use crate::summary::number_table;
 use palpate_analysis::creep::doubts;
 use palpate_analysis::terms::{Terms, terms};
@@ -298,7 +298,7 @@ fn relaxation_section() -> Section {
 
 /// The rebuilt hold of row 05 with the fits.
 fn overlaid(found: &Terms) -> Option<Plot> {
-    let trace: Trace = traces(0).into_iter().nth(4)?;
+    let trace: Trace = grasps(0).into_iter().nth(4)?;
     let range = holds(&trace, FORCE).ok()?.into_iter().next()?;
     let from = trace.time[range.start];
     let since: Vec<f64> = trace.time[range.clone()].iter().map(|t| t - from).collect();
@@ -319,7 +319,7 @@ fn overlaid(found: &Terms) -> Option<Plot> {
 
 /// One to four exponentials in the rebuilt recording of row 05.
 fn row_05_terms() -> Option<Terms> {
-    let trace: Trace = traces(0).into_iter().nth(4)?;
+    let trace: Trace = grasps(0).into_iter().nth(4)?;
     let range = holds(&trace, FORCE).ok()?.into_iter().next()?;
     terms(&trace.time[range.clone()], &trace.force()?[range], &Options::default()).ok()
 }

@@ -1,13 +1,12 @@
 //! Chapter 3: relaxation of grasped sushi. Tables 3.1–3.4, eqs 3.5–3.10, inertia.
 
-use std::path::Path;
-
 use super::comparison::decimals;
 use super::grasp_courses;
 use super::{
     Chapter, Check, Comparison, EQUATION_3_5, Evidence, RelaxationRow, Statistic, TABLE_3_1,
     TABLE_3_2, TABLE_3_3, TABLE_3_4,
 };
+use crate::bundled::grasps;
 use palpate_analysis::cycles::segment;
 use palpate_fit::exponentials::Parameter;
 use palpate_fit::hold::{HoldFit, Spread, Terms, fit_holds, spreads};
@@ -16,7 +15,7 @@ use palpate_fit::welch::{Repeats, welch};
 use palpate_model::EQUATION_3_6;
 use palpate_report::number::{percent, significant};
 use palpate_report::{Axis, Callout, Colour, Column, Plot, Section, Series, Table};
-use palpate_trace::{FORCE, Trace, parse};
+use palpate_trace::{FORCE, Trace};
 
 /// Standard errors within which a refitted value must lie.
 const ERRORS: f64 = 4.0;
@@ -26,36 +25,11 @@ const MASS_G: f64 = 14.0;
 const INERTIA: [(f64, f64, f64, f64); 3] =
     [(12.0, 0.6990, 9.786e-3, 1e-6), (8.0, 0.7263, 1.017e-2, 1e-5), (4.0, 0.7110, 9.954e-3, 1e-6)];
 
-type Recording = (&'static str, &'static [u8]);
-
-/// Recordings rebuilt from the rows of a table, with noise that gives the printed R².
-macro_rules! rebuilt {
-    ($table:literal) => {
-        rebuilt!($table: "01" "02" "03" "04" "05" "06" "07" "08" "09" "10")
-    };
-    ($table:literal: $($row:literal)*) => {
-        [$((
-            concat!("table-", $table, "-row-", $row, ".csv"),
-            include_bytes!(concat!("../../../../tests/traces/table-", $table, "-row-", $row, ".csv"))
-                as &[u8],
-        )),*]
-    };
-}
-
-/// The recordings of Tables 3.1, 3.2 and 3.3, part of the program so that the report runs anywhere.
-const RECORDINGS: [[Recording; 10]; 3] = [rebuilt!("3.1"), rebuilt!("3.2"), rebuilt!("3.3")];
-
-/// The rebuilt recordings of one table: 0 for Table 3.1, to 2.
-pub(super) fn traces(table: usize) -> Vec<Trace> {
-    let read = |(name, bytes): &Recording| parse(Path::new(name), bytes).ok();
-    RECORDINGS[table].iter().filter_map(read).collect()
-}
-
 /// Chapter 3.
 #[must_use]
 pub fn chapter() -> Chapter {
     let tables = [TABLE_3_1, TABLE_3_2, TABLE_3_3];
-    let traces: Vec<Vec<Trace>> = (0..3).map(traces).collect();
+    let traces: Vec<Vec<Trace>> = (0..3).map(grasps).collect();
     let fits: Vec<Vec<HoldFit>> = traces.iter().map(|traces| fitted(traces)).collect();
     let sources = ["Table 3.1", "Table 3.2", "Table 3.3"];
     let mut comparisons: Vec<Comparison> =
@@ -423,7 +397,7 @@ mod tests {
 
     #[test]
     fn what_moves_between_compressions_is_said_by_the_test_and_by_nothing_else() {
-        let fits: Vec<Vec<HoldFit>> = (0..3).map(|table| fitted(&traces(table))).collect();
+        let fits: Vec<Vec<HoldFit>> = (0..3).map(|table| fitted(&grasps(table))).collect();
         let (table, words) = between(&fits);
         assert_eq!(table.rows.len(), 5);
         for row in &table.rows {

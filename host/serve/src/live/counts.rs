@@ -19,7 +19,7 @@ const TELL: Duration = Duration::from_millis(200);
 const LONGEST_S: f64 = 60.0;
 /// Averages that may be wanted at once.
 const MOST: usize = 4;
-/// Nothing came for so long beyond the time of an average: the converter stands still.
+/// Nothing came for so long while an average is taken: the converter stands still.
 const PATIENCE: Duration = Duration::from_secs(2);
 
 /// Where an average goes.
@@ -27,9 +27,10 @@ pub(super) type Answer = oneshot::Sender<Result<Value, String>>;
 
 /// An average that is being taken.
 struct Average {
-    began: Instant,
-    over: Duration,
+    /// Time of the device, s: a computer that is busy gets its rows late, and averages as many.
+    over_s: f64,
     rows: Vec<[i32; GAUGES]>,
+    heard: Instant,
     answer: Answer,
 }
 
@@ -53,8 +54,8 @@ impl Counts {
         } else if self.averages.len() >= MOST {
             wrong("other averages are still being taken; wait for them")
         } else {
-            let over = Duration::from_secs_f64(seconds);
-            self.averages.push(Average { began: Instant::now(), over, rows: Vec::new(), answer });
+            let (over_s, heard) = (seconds, Instant::now());
+            self.averages.push(Average { over_s, rows: Vec::new(), heard, answer });
             return;
         };
         // A page that has gone away needs no answer.
@@ -67,11 +68,13 @@ impl Counts {
         self.recent.extend(rows.iter().map(|row| row.counts));
         let beyond = self.recent.len().saturating_sub(window);
         self.recent.drain(..beyond);
+        let wanted = |average: &Average| (average.over_s / interval_s).round().max(1.0) as usize;
         for average in &mut self.averages {
-            average.rows.extend(rows.iter().map(|row| row.counts));
+            let missing = wanted(average) - average.rows.len();
+            average.rows.extend(rows.iter().map(|row| row.counts).take(missing));
+            average.heard = Instant::now();
         }
-        for average in
-            self.averages.extract_if(.., |average| average.began.elapsed() >= average.over)
+        for average in self.averages.extract_if(.., |average| average.rows.len() == wanted(average))
         {
             let told = json!({ "command": null, "result": summary(&average.rows) });
             let _ = average.answer.send(Ok(told));
@@ -85,7 +88,7 @@ impl Counts {
 
     /// Gives up averages that no rows come for.
     pub(super) fn tick(&mut self) {
-        let late = |average: &mut Average| average.began.elapsed() > average.over + PATIENCE;
+        let late = |average: &mut Average| average.heard.elapsed() > PATIENCE;
         for average in self.averages.extract_if(.., late) {
             let _ = average.answer.send(Err(LinkError::NoRows.to_string()));
         }
@@ -137,15 +140,16 @@ mod tests {
     }
 
     #[test]
-    fn an_average_is_that_of_the_counts_from_then_on() {
+    fn an_average_is_that_of_the_counts_from_then_on_however_late_they_come() {
         let mut counts = Counts::new();
         counts.take(&rows([7; GAUGES], 10), 1e-3);
         let (answer, mut answered) = oneshot::channel();
         counts.average(0.02, answer);
         counts.take(&rows([1_000, -5, 0, 8], 10), 1e-3);
-        assert!(answered.try_recv().is_err(), "its time is not over");
         std::thread::sleep(Duration::from_millis(25));
-        counts.take(&rows([2_000, -5, 0, 8], 10), 1e-3);
+        counts.take(&[], 1e-3);
+        assert!(answered.try_recv().is_err(), "of its 20 rows ten have come");
+        counts.take(&rows([2_000, -5, 0, 8], 15), 1e-3);
         let told = answered.try_recv().unwrap().unwrap()["result"].take();
         assert_eq!((&told[0]["counts"], &told[0]["samples"]), (&json!(1_500.0), &json!(20)));
         assert_eq!((&told[0]["settled"], &told[1]["settled"]), (&json!(false), &json!(true)));
