@@ -1,13 +1,29 @@
 //! palpate: fit viscoelastic contact models to recordings of touch, see where they fail.
 //!
-//! The library behind the `palpate` command: what other programs depend on. Each room is a crate of its own, and dependencies
-//! between them point one way (`docs/architecture.md` draws them).
+//! The library behind the `palpate` command: what other programs depend on. Without default features it fits and diagnoses, and
+//! has no server, no serial port, no Parquet and no command line.
+//!
+//! ```
+//! # fn main() -> Result<(), palpate::Error> {
+//! # let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/traces/press.csv");
+//! use palpate::{DataSet, Law};
+//!
+//! let set = DataSet::read(folder)?;
+//! let fit = palpate::fit(Law::fung().terms(2), &set).run()?;
+//! let found = palpate::diagnose(fit.model(), &set).run()?;
+//! println!("{}: {:?}", found.verdict().word(), found.effects());
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! [`fit`](fit()) and [`diagnose`] are the short way; the rooms below have everything else. Each is a crate of its own, and
+//! dependencies between them point one way (`docs/architecture.md` draws them).
 //!
 //! - [`trace`]: one recording and sets of them: read, write, import, find the phases. [`recording`]: what a device says, kept as
 //!   it comes. [`files`]: results that are whole or not there.
 //! - [`model`]: base laws, the chain that runs them with effects over a motion, and the model file. [`effects`]: the library of
 //!   effects, one declaration each, and laws of one's own. [`latency`]: the latency law.
-//! - [`fit`]: exponential sums, whole motions, bounded least squares, uncertainty, noise made white.
+//! - [`mod@fit`]: exponential sums, whole motions, bounded least squares, uncertainty, noise made white.
 //! - [`analysis`]: relaxation, creep, loading rates and strain rates of any recording; [`regions`] of a grasp, FA and SA
 //!   ([`decomposition`]), [`events`], the summary of a [`press`].
 //! - [`criticism`]: where a model fails, which effect is missing, how sure that is; [`discover`]: a formula for what no effect of
@@ -50,3 +66,20 @@ pub use palpate_serve::held;
 pub use palpate_survey as survey;
 pub use palpate_trace as trace;
 pub use palpate_trace::{files, recording};
+
+mod data_set;
+mod diagnosing;
+mod error;
+mod fitting;
+mod law;
+mod work;
+
+pub use data_set::DataSet;
+pub use diagnosing::{Diagnosing, Found, diagnose};
+pub use error::Error;
+pub use fitting::{Fit, Fitting, fit};
+pub use law::Law;
+pub use palpate_fit::watch::Stage;
+pub use palpate_model::effects::{Effect, Effects};
+pub use palpate_model::{Elastic, Family, Kernel, Model, Separation};
+pub use work::Cancel;

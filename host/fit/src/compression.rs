@@ -90,6 +90,7 @@ impl Compressed {
             left_out: Vec::new(),
             reference_temperature: None,
             channels: Vec::new(),
+            effects: data.effects.clone(),
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Measurements as a fit takes them: motions with the signal that answered.
 
-use palpate_model::effects::{Scales, Setting};
+use palpate_model::effects::{Effects, Scales, Setting};
 use palpate_model::{Channel, Gauge, GaugeError, Model, Motion, MotionError, Past, Scene, Span};
 use palpate_trace::{FORCE, GAUGES, SignalError, TANGENTIAL, TEMPERATURE, Trace, runs};
 
@@ -52,6 +52,8 @@ pub struct Data<'a> {
     pub reference_temperature: Option<f64>,
     /// Columns of the other channels that every trace has: what could leak into the signal.
     pub channels: Vec<&'static str>,
+    /// The effects that can be tried on it.
+    pub effects: Effects,
 }
 
 /// A value this many times what nine of ten are below stands far out.
@@ -131,6 +133,7 @@ impl<'a> Data<'a> {
             left_out: Vec::new(),
             reference_temperature: mean_temperature(traces),
             channels: others(traces, signal),
+            effects: Effects::library(),
         };
         let mut past = Past::default();
         for (index, (trace, motion)) in traces.iter().zip(&motions).enumerate() {
@@ -214,6 +217,13 @@ impl<'a> Data<'a> {
         Ok(Self::of(traces, &model.base.signal)?.with_reference(model.reference_temperature))
     }
 
+    /// This data set with these effects to be tried, which a model of it may name.
+    #[must_use]
+    pub fn with_effects(mut self, effects: &Effects) -> Self {
+        self.effects = effects.clone();
+        self
+    }
+
     /// This data set with the temperature counted from this one, °C, where it is given.
     #[must_use]
     pub fn with_reference(mut self, temperature: Option<f64>) -> Self {
@@ -233,7 +243,7 @@ impl<'a> Data<'a> {
             scales.mains = Some(lines.map(|(mains, line)| line.unwrap_or(mains)));
         }
         let channel_ranges = (0..channels.len()).map(|place| self.channel_range(place)).collect();
-        Setting { scales, traces, channels, channel_ranges }
+        Setting { scales, traces, channels, channel_ranges, effects: self.effects.clone() }
     }
 
     /// Largest less smallest value of another channel, in its unit.

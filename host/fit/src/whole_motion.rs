@@ -16,7 +16,7 @@ use super::start::starts;
 use super::uncertainty::{Uncertainty, uncertainty};
 use super::watch;
 use super::whitening::Whitening;
-use palpate_model::{BaseLaw, Chain, Elasticity, FitRecord, History, Parameter};
+use palpate_model::{BaseLaw, Chain, Elasticity, FitRecord, History, Model, Parameter, Rung};
 use palpate_trace::units;
 
 /// The outcome of a fit.
@@ -74,6 +74,21 @@ impl MotionFit {
             largest_compression_mm: Some(data.largest_compression()),
             stop: self.stop.to_string(),
         }
+    }
+
+    /// The model file of this fit; with the noise of one sample where it is known, and the root mean square error on each
+    /// trace left out in turn, empty for a single trace.
+    #[must_use]
+    pub fn model(&self, data: &Data, noise: Option<f64>, held_out: &[f64]) -> Model {
+        let base = &self.chain.base;
+        let mut model = Model::of(base, &data.signal, &self.values, &self.standard_errors);
+        model.fit = Some(self.record(data, noise));
+        model.ladder.push(Rung {
+            add: base.name().into(),
+            fitted_rms: self.rms(),
+            heldout_rms: over_traces(held_out, data),
+        });
+        model
     }
 
     /// Bayesian information criterion up to a constant, with the number of samples reduced to the

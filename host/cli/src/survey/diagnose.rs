@@ -8,7 +8,8 @@ use super::asking::Asking;
 use super::fleet::{Fleet, Given, Survey};
 use crate::preparation::Prepare;
 use crate::{Failure, diagnose};
-use palpate_diagnose::criticism::{agreement, dependence, screen, search};
+use palpate_diagnose::criticism::options::Options;
+use palpate_diagnose::criticism::{agreement, dependence, screen};
 use palpate_model::Model;
 use palpate_survey::row::Asked;
 use palpate_survey::{Group, Place};
@@ -41,7 +42,7 @@ pub fn survey(args: &Args) -> Result<Survey<'_>, Failure> {
     };
     let seeds = json!({
         "null": screen::SEED,
-        "resampling": search::SEED,
+        "resampling": Options::default().seed,
         "dependence": dependence::SEED,
         "agreement": agreement::SEED,
     });

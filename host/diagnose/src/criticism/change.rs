@@ -4,6 +4,7 @@ use rayon::prelude::*;
 
 use super::fitted::Fitted;
 use super::noise::{noise_model, noise_of};
+use super::options::Options;
 use super::screen::{ABSORBED, Direction, screen};
 use super::search::Search;
 use palpate_fit::data::{Data, DataError};
@@ -249,7 +250,9 @@ fn try_laws(chain: &Chain, values: &[f64], data: &Data, candidate: &Candidate) -
     let whitening = noise_model(data).map_or_else(Whitening::none, |noise| noise.whitening);
     let problem = Problem::new(chain, data, &whitening, None);
     let candidates = std::slice::from_ref(candidate);
-    let search = Search { data, candidates, whitening: &whitening, problem: &problem };
+    let options = Options::default();
+    let search =
+        Search { data, candidates, whitening: &whitening, problem: &problem, options: &options };
     let from = Fitted::new(&problem, &problem.point(values), Effort::QUICK);
     let directions = screen(&problem, data, &from.point, &whitening, candidates).directions;
     let absorbed = directions.iter().all(|direction| direction.left < ABSORBED);

@@ -7,13 +7,14 @@ use super::experiment::next_experiment;
 use super::fitted::Fitted;
 use super::held_out::HeldOut;
 use super::noise::{NoiseModel, Seen, noise_model, residual_noise, samples_at_rest};
-use super::search::{FALSE_ALARMS, Found, Search, Step};
+use super::options::Options;
+use super::search::{Found, Search, Step};
 use super::separation::Rivals;
 use palpate_fit::data::{Data, DataError};
 use palpate_fit::least_squares::Effort;
 use palpate_fit::problem::Problem;
 use palpate_fit::whitening::Whitening;
-use palpate_model::effects::{Candidate, EffectError, candidates, chain_of, find};
+use palpate_model::effects::{Candidate, EffectError, candidates, chain_of};
 use palpate_model::{BaseLaw, Chain, Model, Separation};
 use palpate_trace::{Noise, Trace, block_means, pooled_noise};
 
@@ -59,6 +60,8 @@ pub struct Diagnosis {
     pub next_experiment: Option<String>,
     /// What was done that a reader should know.
     pub notes: Vec<String>,
+    /// What was asked for.
+    pub options: Options,
 }
 
 /// The answer in one word.
@@ -95,6 +98,8 @@ pub enum DiagnoseError {
     Effect(#[from] EffectError),
     #[error(transparent)]
     Data(#[from] DataError),
+    #[error("{0}")]
+    Options(String),
 }
 
 /// Part of the misfit that may remain after effects are named: a law's form differs from the
@@ -106,23 +111,36 @@ const FAR: f64 = 5.0;
 /// An error on traces left out within this many times the noise is at the noise.
 const AT_THE_NOISE: f64 = 1.1;
 
-/// Says what a model lacks on the traces of a data set, in order of recording.
+/// Says what a model lacks on the traces of a data set, in order of recording, by the effects of the library.
 ///
 /// # Errors
 /// When the model or the traces are not usable.
 pub fn diagnose(model: &Model, traces: &[Trace]) -> Result<Diagnosis, DiagnoseError> {
+    diagnose_with(model, traces, &Options::default())
+}
+
+/// The same with what is asked for.
+///
+/// # Errors
+/// When the model, the traces or the options are not usable.
+pub fn diagnose_with(
+    model: &Model,
+    traces: &[Trace],
+    options: &Options,
+) -> Result<Diagnosis, DiagnoseError> {
+    options.check()?;
     let signal = &model.base.signal;
     // Long recordings are searched on their means; the errors are those of all rows in the end.
     let means = block_means(traces);
     let searched = means.as_deref().unwrap_or(traces);
-    let data = Data::of_model(model, searched)?;
+    let data = Data::of_model(model, searched)?.with_effects(&options.effects);
     let setting = data.setting();
     let (chain, values) = chain_of(model, &setting)?;
     let candidates = candidates(&setting, &model.candidates)?;
     let white = Whitening::none();
     let plain = Problem::new(&chain, &data, &white, None);
     let start = plain.point(&values);
-    let all = Data::of_model(model, traces)?;
+    let all = Data::of_model(model, traces)?.with_effects(&options.effects);
     let rows = Problem::new(&chain, &all, &white, None);
     let given: f64 =
         rows.trace_squares(&rows.point(&values)).iter().map(|(squares, _)| squares).sum();
@@ -136,6 +154,7 @@ pub fn diagnose(model: &Model, traces: &[Trace]) -> Result<Diagnosis, DiagnoseEr
         candidates: &candidates,
         whitening: &noise.whitening,
         problem: &problem,
+        options,
     };
     let mut notes = Vec::new();
     let (separation, before, mut found) = likeliest(&search, &start, &mut notes);
@@ -211,6 +230,7 @@ pub fn diagnose(model: &Model, traces: &[Trace]) -> Result<Diagnosis, DiagnoseEr
         found,
         given_rms,
         candidates,
+        options: options.clone(),
     })
 }
 
@@ -286,7 +306,7 @@ impl Assessed {
         let guessed = noise.seen == Seen::Residual && last > 0.0;
         let unexplained =
             if guessed { unexplained.max((last / first).min(1.0)) } else { unexplained };
-        let verdict = match verdict(found, before, unexplained) {
+        let verdict = match verdict(found, before, unexplained, search.options) {
             Verdict::Adequate if guessed => Verdict::Unknown,
             verdict => verdict,
         };
@@ -320,9 +340,9 @@ fn beyond(evidence: &[Evidence], noise: f64) -> f64 {
     (excess(&last) / excess(&first)).min(1.0)
 }
 
-fn verdict(found: &Found, before: &Adequacy, unexplained: f64) -> Verdict {
+fn verdict(found: &Found, before: &Adequacy, unexplained: f64, options: &Options) -> Verdict {
     if found.steps.is_empty() {
-        let missed = found.first.chance.iter().any(|&chance| chance <= 0.5 * FALSE_ALARMS);
+        let missed = found.first.chance.iter().any(|&chance| chance <= 0.5 * options.false_alarms);
         let level = if missed { LEVEL } else { 0.1 * LEVEL };
         return if before.p_value < level { Verdict::Unknown } else { Verdict::Adequate };
     }
@@ -383,7 +403,7 @@ fn deciding(found: &Found, data: &Data, traces: &[Trace], whitening: &Whitening)
     };
     let proposal = next_experiment(&rivals, data);
     // Where no simulation tells them apart, the effect's own declaration may know a way.
-    let declared = || find(name).map(|effect| effect.experiment.to_owned());
+    let declared = || data.effects.find(name).map(|effect| effect.experiment.to_owned());
     proposal.map(|proposal| proposal.text).or_else(declared)
 }
 

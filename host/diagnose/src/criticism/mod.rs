@@ -28,6 +28,7 @@ pub mod leftover;
 pub mod leftover_curve;
 pub mod next_motion;
 pub mod noise;
+pub mod options;
 pub mod region;
 pub mod residuals;
 pub mod rest;

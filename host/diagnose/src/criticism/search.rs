@@ -12,6 +12,7 @@ use super::agreement;
 use super::evidence::{Evidence, Judged, Refusal, Refused, weigh};
 use super::fitted::Fitted;
 use super::held_out::{held_out_in_one_step, held_out_on, over_sections};
+use super::options::Options;
 use super::screen::{Direction, Screen, screen};
 use palpate_fit::data::Data;
 use palpate_fit::least_squares::{Effort, LeastSquares, Solution, minimise_with};
@@ -21,12 +22,8 @@ use palpate_fit::whitening::Whitening;
 use palpate_model::Chain;
 use palpate_model::effects::Candidate;
 
-/// Chance of naming anything where nothing is missing, over all steps.
-pub const FALSE_ALARMS: f64 = 0.01;
 /// Fall of the information criterion that decides between models.
 pub const DECISIVE: f64 = 10.0;
-/// Most effects added.
-const MOST_STEPS: usize = 3;
 /// Chance of as much agreement between the parts of the data above which they do not agree.
 const DISAGREEMENT: f64 = 0.1;
 /// Rivals that are refitted without each trace in earnest: those that one step speaks for most.
@@ -61,8 +58,6 @@ const FEWEST: usize = 3;
 const MOST_ROUNDS: usize = 5;
 /// Resamplings of the blocks.
 pub const RESAMPLES: usize = 200;
-/// Seed of the resamplings.
-pub const SEED: u64 = 13;
 /// Part of the resamplings that a single name must win.
 const WON: f64 = 0.9;
 /// Part of the resamplings that a credible set must hold.
@@ -192,6 +187,8 @@ pub struct Search<'a> {
     pub whitening: &'a Whitening,
     /// The problem whose scenes are shared.
     pub problem: &'a Problem<'a>,
+    /// What is asked for.
+    pub options: &'a Options,
 }
 
 impl Search<'_> {
@@ -199,9 +196,9 @@ impl Search<'_> {
     #[must_use]
     pub fn run(&self, base: Fitted) -> Found {
         let mut found = self.begin(base);
-        let mut budget = 0.5 * FALSE_ALARMS;
+        let mut budget = 0.5 * self.options.false_alarms;
         loop {
-            while found.steps.len() < MOST_STEPS && self.advance(&mut found, budget) {
+            while found.steps.len() < self.options.max_effects && self.advance(&mut found, budget) {
                 budget *= 0.5;
             }
             if !self.polish(&mut found) {
@@ -209,7 +206,7 @@ impl Search<'_> {
             }
         }
         for step in &mut found.steps {
-            resample(self.problem, &mut step.rivals);
+            resample(self.problem, &mut step.rivals, self.options.seed);
             step.credible = credible(&step.effect, &step.rivals);
         }
         found
@@ -267,7 +264,8 @@ impl Search<'_> {
         let mut found = Found { inexact: true, ..self.begin(base) };
         found.evidence.push(self.evidence(&found.base));
         let climbing = |found: &Found| {
-            found.steps.len() < MOST_STEPS && found.models.last().is_none_or(|it| !enough(it))
+            found.steps.len() < self.options.max_effects
+                && found.models.last().is_none_or(|it| !enough(it))
         };
         while climbing(&found) && self.step_up(&mut found) {}
         found
@@ -340,11 +338,11 @@ impl Search<'_> {
     /// Adds the effect that lowers the error on traces left out most, if one is borne out.
     fn step_up(&self, found: &mut Found) -> bool {
         let least = found.last.chance.iter().copied().fold(1.0, f64::min);
-        if least > 0.5 * FALSE_ALARMS {
+        if least > 0.5 * self.options.false_alarms {
             return false;
         }
         let mut rivals = self.refit(found.model(), &found.last, &BROAD);
-        resample(self.problem, &mut rivals);
+        resample(self.problem, &mut rivals, self.options.seed);
         // Where the law is inexact, noise alone is no measure of chance: the parts of the data vote.
         let agreement = agreement::chances(&found.last, self.candidates);
         self.most_promising(&mut rivals);
@@ -357,7 +355,7 @@ impl Search<'_> {
         let mut refusals: Vec<Refused> = Vec::new();
         for (index, (rival, evidence)) in rivals.iter().zip(&evidence).enumerate() {
             let with = Judged { fitted: &rival.fitted, evidence };
-            if found.last.chance[rival.candidate] > 0.5 * FALSE_ALARMS {
+            if found.last.chance[rival.candidate] > 0.5 * self.options.false_alarms {
                 continue;
             }
             match weigh_where(exact[index], without, with, agreement[rival.candidate]) {
@@ -761,10 +759,10 @@ fn stands_better(law: &Fitted, other: &Fitted, from: &Fitted) -> bool {
 }
 
 /// How often each rival is best when the blocks of the data are drawn anew.
-fn resample(problem: &Problem, rivals: &mut [Rival]) {
+fn resample(problem: &Problem, rivals: &mut [Rival], seed: u64) {
     let Some(first) = rivals.first() else { return };
     let blocks = first.fitted.blocks.len();
-    let mut random = ChaCha8Rng::seed_from_u64(SEED);
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
     let draws: Vec<Vec<f64>> = (0..RESAMPLES)
         .map(|_| {
             let mut weights = vec![0.0; blocks];

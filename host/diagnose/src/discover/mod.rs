@@ -110,8 +110,13 @@ pub fn discover(
     let reaches: Vec<Option<Reach>> = QUANTITIES.iter().map(reach).collect();
     let terms = terms(&reaches, signal_unit);
     let candidates: Vec<Candidate> = terms.iter().map(|term| term.candidate.clone()).collect();
-    let search =
-        Search { data: &data, candidates: &candidates, whitening: &whitening, problem: &problem };
+    let search = Search {
+        data: &data,
+        candidates: &candidates,
+        whitening: &whitening,
+        problem: &problem,
+        options: &discovery.diagnosis.options,
+    };
     let found = best_climb(&search, &discovery.diagnosis.found);
     discovery.take(&found, &terms, &problem, &data);
     Ok(discovery)

@@ -1,6 +1,6 @@
 //! What can be tried on a data set: the effects of the library that it can show, and laws of one's own.
 
-use super::{EffectError, LIBRARY, Setting, Sign, applied};
+use super::{Effect, EffectError, Setting, Sign, applied};
 use crate::{Applied, StoredEffect};
 
 /// An effect that can be tried, with its laws as they would stand in a chain.
@@ -27,12 +27,15 @@ pub struct Form {
     pub grid: Vec<Vec<f64>>,
 }
 
-/// Every candidate for a data set, in the order of the library, own laws last.
+/// Every candidate for a data set, in the order of its effects, own laws last.
 ///
 /// # Errors
-/// When a law of one's own is not what it can be.
+/// When a law of one's own is not what it can be, or two effects have one name.
 pub fn candidates(setting: &Setting, own: &[StoredEffect]) -> Result<Vec<Candidate>, EffectError> {
-    let of_library = LIBRARY.iter().map(|effect| {
+    if let Some(name) = setting.effects.twice() {
+        return Err(EffectError::Taken(name.into()));
+    }
+    let declared = setting.effects.iter().map(|effect: &Effect| {
         let form = |law: &super::Law| Form {
             applied: law.applied(effect, setting),
             typical: (law.strength.typical)(&setting.scales),
@@ -45,7 +48,7 @@ pub fn candidates(setting: &Setting, own: &[StoredEffect]) -> Result<Vec<Candida
             missing: effect.needs.missing(setting),
         })
     });
-    of_library.chain(own.iter().map(|stored| own_candidate(stored, setting))).collect()
+    declared.chain(own.iter().map(|stored| own_candidate(stored, setting))).collect()
 }
 
 /// A law of one's own: its strength is tried at a hundredth of its range, or at one where it has none.

@@ -1,5 +1,6 @@
 //! What an effect declares.
 
+use super::Effects;
 use crate::covariate::Covariate;
 use crate::{Act, Applied, Parameter, Stage};
 
@@ -164,6 +165,8 @@ pub struct Setting {
     pub channels: Vec<&'static str>,
     /// The range of each other channel, in its unit: largest less smallest value.
     pub channel_ranges: Vec<f64>,
+    /// The effects that can be tried on it and that a model of it may name.
+    pub effects: Effects,
 }
 
 impl Needs {

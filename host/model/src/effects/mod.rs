@@ -48,7 +48,7 @@ pub use candidates::{Candidate, Form, candidates};
 pub use declaration::{
     Count, Effect, Grid, Law, Needs, Role, Scales, Setting, Shape, Sign, Strength,
 };
-pub use library::{LIBRARY, find, meant};
+pub use library::{Effects, LIBRARY, find, meant};
 pub use published::{PublishedError, read_laws};
 pub use stored::{EffectError, applied, chain_of, store};
 

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{Setting, find, meant};
+use super::{Setting, meant};
 use crate::{
     Act, Applied, Chain, Expression, ExpressionError, Model, Parameter, Span, StoredEffect,
     StoredParameter,
@@ -59,9 +59,9 @@ pub fn applied(
     setting: &Setting,
 ) -> Result<(Applied, Vec<f64>), EffectError> {
     let effect = if stored.stage.is_some() || stored.expression.is_some() {
-        own(stored)?
+        own(stored, setting)?
     } else {
-        of_library(stored, setting)?
+        declared(stored, setting)?
     };
     let name = || stored.name.clone();
     let value = |parameter: &Parameter| {
@@ -89,8 +89,10 @@ pub fn applied(
     Ok((effect, values))
 }
 
-fn of_library(stored: &StoredEffect, setting: &Setting) -> Result<Applied, EffectError> {
-    let effect = find(&stored.name).ok_or_else(|| EffectError::Unknown(stored.name.clone()))?;
+/// An effect that is declared: in the library, or by the program.
+fn declared(stored: &StoredEffect, setting: &Setting) -> Result<Applied, EffectError> {
+    let effect = setting.effects.find(&stored.name);
+    let effect = effect.ok_or_else(|| EffectError::Unknown(stored.name.clone()))?;
     let wanted = stored.law.as_deref().unwrap_or(effect.laws[0].name);
     let law = effect.laws.iter().find(|law| law.name == wanted).ok_or_else(|| {
         let known: Vec<&str> = effect.laws.iter().map(|law| law.name).collect();
@@ -104,12 +106,12 @@ fn of_library(stored: &StoredEffect, setting: &Setting) -> Result<Applied, Effec
 }
 
 /// A law of the user's own.
-fn own(stored: &StoredEffect) -> Result<Applied, EffectError> {
+fn own(stored: &StoredEffect, setting: &Setting) -> Result<Applied, EffectError> {
     let name = || stored.name.clone();
     let (Some(stage), Some(text)) = (stored.stage, &stored.expression) else {
         return Err(EffectError::Half(name()));
     };
-    if find(&stored.name).is_some() {
+    if setting.effects.find(&stored.name).is_some() {
         return Err(EffectError::Taken(name()));
     }
     if stored.parameters.is_empty() {

@@ -6,7 +6,7 @@ use super::{estimate, name_of, unit_of};
 use palpate_fit::data::Data;
 use palpate_fit::warning::warnings;
 use palpate_fit::whole_motion::{MotionFit, over_traces, predict};
-use palpate_model::{Family, Kernel, Model, Rung};
+use palpate_model::{Family, Kernel, Model};
 use palpate_report::number::significant;
 use palpate_report::{Axis, Block, Callout, Colour, Column, Panels, Plot, Section, Series, Table};
 use palpate_trace::{Noise, Source};
@@ -40,16 +40,8 @@ impl FitSummary<'_> {
     /// The model file of this fit.
     #[must_use]
     pub fn model(&self) -> Model {
-        let fit = self.fit;
-        let mut model = Model::of(&fit.chain.base, self.signal, &fit.values, &fit.standard_errors);
         let noise = self.noise.map(|noise| noise.standard_deviation);
-        model.fit = Some(fit.record(self.data, noise));
-        model.ladder.push(Rung {
-            add: fit.chain.base.name().into(),
-            fitted_rms: fit.rms(),
-            heldout_rms: self.held_out_rms(),
-        });
-        model
+        self.fit.model(self.data, noise, self.held_out)
     }
 
     /// The fit as one JSON object.

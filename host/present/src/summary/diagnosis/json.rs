@@ -6,7 +6,7 @@ use super::DiagnosisSummary;
 use palpate_diagnose::criticism::adequacy::Adequacy;
 use palpate_diagnose::criticism::noise::Seen;
 use palpate_diagnose::criticism::search::Rival;
-use palpate_diagnose::criticism::{agreement, dependence, screen, search};
+use palpate_diagnose::criticism::{agreement, dependence, screen};
 
 impl DiagnosisSummary<'_> {
     /// The diagnosis as one JSON object, as the format has it, with more beside.
@@ -67,7 +67,7 @@ impl DiagnosisSummary<'_> {
             "left_out": self.data.left_out,
             "seeds": {
                 "null": screen::SEED,
-                "resampling": search::SEED,
+                "resampling": self.diagnosis.options.seed,
                 "dependence": dependence::SEED,
                 "agreement": agreement::SEED,
             },

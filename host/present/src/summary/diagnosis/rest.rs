@@ -2,9 +2,9 @@
 
 use super::DiagnosisSummary;
 use palpate_diagnose::criticism::noise::Seen;
+use palpate_diagnose::criticism::screen;
 use palpate_diagnose::criticism::screen::{ABSORBED, DRAWS};
 use palpate_diagnose::criticism::search::RESAMPLES;
-use palpate_diagnose::criticism::{screen, search};
 use palpate_report::number::{percent, significant};
 use palpate_report::{Block, Column, Section, Table};
 
@@ -21,7 +21,9 @@ impl DiagnosisSummary<'_> {
                 .block(Block::Heading("What these traces cannot show".into()))
                 .block(Block::List(self.diagnosis.untestable.iter().map(reason).collect()));
         }
-        section.block(Block::Heading("How this was found".into())).paragraph(method())
+        section
+            .block(Block::Heading("How this was found".into()))
+            .paragraph(method(self.diagnosis.options.seed))
     }
 
     fn light_table(&self) -> Table {
@@ -79,7 +81,7 @@ impl DiagnosisSummary<'_> {
     }
 }
 
-fn method() -> String {
+fn method(resampling: u64) -> String {
     format!(
         "The noise is made white by a filter; the model is refitted. Every law of every effect is screened \
          by a score test of what its sensitivity has beyond the model's own parameters; below {} of its \
@@ -90,6 +92,6 @@ fn method() -> String {
          needed and whether another would do better.",
         percent(ABSORBED, 1),
         screen::SEED,
-        search::SEED,
+        resampling,
     )
 }

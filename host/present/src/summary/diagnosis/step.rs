@@ -3,7 +3,7 @@
 use super::super::estimate;
 use super::DiagnosisSummary;
 use palpate_diagnose::criticism::search::{DECISIVE, RESAMPLES, Rival, Step};
-use palpate_model::effects::{Law, find};
+use palpate_model::effects::Law;
 use palpate_model::{Applied, Parameter};
 use palpate_report::number::{percent, significant};
 use palpate_report::{Column, Section, Table};
@@ -20,7 +20,7 @@ impl DiagnosisSummary<'_> {
     pub(super) fn step(&self, index: usize) -> Section {
         let step = &self.diagnosis.found.steps[index];
         let mut section = Section::new(format!("Evidence for {}", step.effect));
-        if let Some(effect) = find(&step.effect) {
+        if let Some(effect) = self.diagnosis.options.effects.find(&step.effect) {
             section = section.paragraph(effect.meaning).paragraph(format!(
                 "What it leaves in the residual of a model that lacks it: {}",
                 effect.signature
@@ -39,13 +39,16 @@ impl DiagnosisSummary<'_> {
 
     /// The law that was chosen, where it is one of the library and not its first.
     pub(super) fn law_beside_reference(&self, index: usize) -> Option<&str> {
-        let first = find(&self.diagnosis.found.steps[index].effect)?.laws[0].name;
+        let first =
+            self.diagnosis.options.effects.find(&self.diagnosis.found.steps[index].effect)?.laws[0]
+                .name;
         Some(self.applied(index).law.as_str()).filter(|law| *law != first)
     }
 
     /// The law that was chosen, where the effect is one of the library.
     fn law(&self, index: usize) -> Option<&'static Law> {
-        let effect = find(&self.diagnosis.found.steps[index].effect)?;
+        let effect =
+            self.diagnosis.options.effects.find(&self.diagnosis.found.steps[index].effect)?;
         effect.laws.iter().find(|law| law.name == self.applied(index).law)
     }
 
@@ -136,7 +139,12 @@ impl DiagnosisSummary<'_> {
         for rival in &step.rivals {
             table = table.row(self.rival(step, rival));
         }
-        let known = find(&step.effect).map_or(&[][..], |effect| effect.confused_with);
+        let known = self
+            .diagnosis
+            .options
+            .effects
+            .find(&step.effect)
+            .map_or(&[][..], |effect| effect.confused_with);
         let refitted = |name: &str| step.rivals.iter().any(|rival| rival.effect == name);
         for name in known.iter().filter(|name| all && !refitted(name)) {
             let dash = || "–".to_owned();

@@ -4,7 +4,7 @@ use super::{DiagnosisSummary, listed};
 use palpate_diagnose::criticism::adequacy::LEVEL;
 use palpate_diagnose::criticism::diagnose::Verdict;
 use palpate_diagnose::criticism::leftover_curve::LeftoverCurve;
-use palpate_diagnose::criticism::search::{DECISIVE, FALSE_ALARMS, Step};
+use palpate_diagnose::criticism::search::{DECISIVE, Step};
 use palpate_model::covariate::Covariate;
 use palpate_report::number::{percent, significant};
 
@@ -67,7 +67,7 @@ impl DiagnosisSummary<'_> {
              library is missed beyond a chance of {}.{}",
             self.level(diagnosis.found.base.rms()),
             self.level(self.noise()),
-            percent(0.5 * FALSE_ALARMS, 1),
+            percent(0.5 * self.diagnosis.options.false_alarms, 1),
             nearest.unwrap_or_default(),
             unit = self.unit(),
         )
