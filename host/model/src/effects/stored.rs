@@ -24,7 +24,7 @@ pub enum EffectError {
     UnknownParameter { effect: String, parameter: String },
     #[error("`{effect}`: {parameter} = {value} is not a number that it can have")]
     Value { effect: String, parameter: String, value: f64 },
-    #[error("`{0}` is the name of an effect of the library; give your own law another")]
+    #[error("`{0}` is the name of another effect; give yours one of its own")]
     Taken(String),
     #[error("`{0}`: a law of one's own takes both `stage` and `expression`")]
     Half(String),
