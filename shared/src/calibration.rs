@@ -115,12 +115,12 @@ impl Calibration {
     /// [`CalibrationError`] names the entry that is out of range.
     ///
     /// ```
-    /// use shared::calibration::{Calibration, Sheet};
+    /// use palpate_shared::calibration::{Calibration, Sheet};
     /// let sheet = Sheet { gain: 0.004, offset: 1_000, temperature_coefficient: 2.0, reference_celsius: 20.0 };
     /// let calibration = Calibration::new(&sheet)?;
     /// let at_25_celsius = 25 * 256;
     /// assert_eq!(calibration.apply(251_000, at_25_celsius).strain, (1_000 - 10) * 256);
-    /// # Ok::<(), shared::calibration::CalibrationError>(())
+    /// # Ok::<(), palpate_shared::calibration::CalibrationError>(())
     /// ```
     pub fn new(sheet: &Sheet) -> Result<Self, CalibrationError> {
         let Sheet { gain, offset, temperature_coefficient, reference_celsius } = *sheet;

@@ -86,14 +86,14 @@ impl<G: Gap> Law<G> {
     /// [`LawError`] says which argument is out of range.
     ///
     /// ```
-    /// use shared::latency::{FixedGap, Law};
+    /// use palpate_shared::latency::{FixedGap, Law};
     /// // Order 5 as in section 7.3: a gap of 200 µε closes to 100 µε in 1.5 s.
     /// let rate = (0.01_f64.powi(4) - 0.005_f64.powi(4)) / 4.0 / 1.5;
     /// let law = Law::<f64>::new(rate, 5.0, 1.5)?;
     /// assert!((law.step(200.0) - 100.0).abs() < 1e-9);
     /// let law = Law::<FixedGap>::new(rate, 5.0, 1.5)?;
     /// assert!((law.step(FixedGap::from_microstrain(200.0)).microstrain() - 100.0).abs() < 1e-6);
-    /// # Ok::<(), shared::latency::LawError>(())
+    /// # Ok::<(), palpate_shared::latency::LawError>(())
     /// ```
     pub fn new(rate: f64, order: f64, interval_s: f64) -> Result<Self, LawError> {
         if !(rate.is_finite() && rate > 0.0) {

@@ -3,8 +3,8 @@
 //! `cargo test --release -p palpate-shared --test adaptation_accuracy -- --ignored --nocapture`.
 
 use proptest::prelude::*;
-use shared::adaptation::{Config, MIN_C0, Output, Relaxation, State};
-use shared::fixed::{STRAIN_MAX, STRAIN_MIN};
+use palpate_shared::adaptation::{Config, MIN_C0, Output, Relaxation, State};
+use palpate_shared::fixed::{STRAIN_MAX, STRAIN_MIN};
 
 const ALLOWED_LSB: f64 = 2.0;
 

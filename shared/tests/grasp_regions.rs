@@ -2,11 +2,11 @@
 //! motion, with noise, at several rates, for repeated, partial and stepwise grasps.
 
 use proptest::prelude::*;
-use shared::adaptation::{self, Relaxation};
-use shared::phase::Region::{
+use palpate_shared::adaptation::{self, Relaxation};
+use palpate_shared::phase::Region::{
     Loading, Preloading, Recovery, Relaxation as Held, Rest, Transition, Unloading,
 };
-use shared::phase::{Config, ConfigError, Region, RelaxationType, State, Thresholds};
+use palpate_shared::phase::{Config, ConfigError, Region, RelaxationType, State, Thresholds};
 
 const SUSHI: Relaxation = Relaxation { c1: 0.2472, v1: 3.981, c2: 0.2676, v2: 0.5325 };
 /// LSB of the elastic strain at full displacement 1.0.

@@ -1,8 +1,8 @@
 //! What was said by any release is understood for ever: every message of each, byte for byte.
 
-use shared::adaptation::Relaxation;
-use shared::pipeline::{self, GAUGES};
-use shared::wire::{
+use palpate_shared::adaptation::Relaxation;
+use palpate_shared::pipeline::{self, GAUGES};
+use palpate_shared::wire::{
     Answer, ClockSource, Columns, ConverterFault, Counters, Done, FRAME_MAX, Formats, Head, Hello,
     HelloToDevice, Inject, Log, Oversampling, Refusal, ResetCause, SelfTest, Settings, Source,
     Start, Status, StoreFault, ToDevice, ToHost, decode, encode,

@@ -29,7 +29,8 @@ pub fn run() -> miette::Result<()> {
     // The program as it is installed, without what the tests turn on.
     step("lints of the program", &["clippy", "--package", "palpate", "--", "-D", "warnings"], &[])?;
     // A program that depends on the library alone, without what the rest of the workspace turns on.
-    let consumer = ["clippy", "--package", "palpate-consumer", "--all-targets", "--", "-D", "warnings"];
+    let consumer =
+        ["clippy", "--package", "palpate-consumer", "--all-targets", "--", "-D", "warnings"];
     step("lints of a program that links it", &consumer, &[])?;
     // The same random cases on every machine; `cargo test` alone draws new ones each time.
     step("tests", &["test", "--workspace"], &[("PROPTEST_RNG_SEED", "1")])?;

@@ -129,14 +129,14 @@ impl Config {
     /// [`ConfigError`] names the parameter that is out of range.
     ///
     /// ```
-    /// use shared::adaptation::{Config, Relaxation, State};
+    /// use palpate_shared::adaptation::{Config, Relaxation, State};
     /// let sushi = Relaxation { c1: 0.2472, v1: 3.981, c2: 0.2676, v2: 0.5325 }; // eq. 3.6
     /// let config = Config::new(&sushi, 1.0 / 200.0)?;
     /// let mut state = State::at_rest(0);
     /// let touched = state.step(&config, 100_000);
     /// assert_eq!(touched.fa + touched.sa(), 100_000);
     /// assert!(touched.latent() > 0); // the force will decay: Type I
-    /// # Ok::<(), shared::adaptation::ConfigError>(())
+    /// # Ok::<(), palpate_shared::adaptation::ConfigError>(())
     /// ```
     pub fn new(relaxation: &Relaxation, interval_s: f64) -> Result<Self, ConfigError> {
         validate(relaxation, interval_s)?;

@@ -137,9 +137,9 @@ impl Config {
     /// [`ConfigError`] names the setting that is out of range.
     ///
     /// ```
-    /// use shared::events::{Config, Settings};
+    /// use palpate_shared::events::{Config, Settings};
     /// let config = Config::new(&Settings::DEFAULT, 1.0 / 256.0, 1e-3)?;
-    /// # Ok::<(), shared::events::ConfigError>(())
+    /// # Ok::<(), palpate_shared::events::ConfigError>(())
     /// ```
     pub fn new(settings: &Settings, lsb: f64, interval_s: f64) -> Result<Self, ConfigError> {
         for scale in [lsb, interval_s] {

@@ -95,7 +95,7 @@ fn rounded(number: f64) -> f64 {
 /// The cubics in the words of a law of one's own.
 fn expression(covariate: Covariate, scale: f64, coefficients: &[f64]) -> String {
     if covariate == Covariate::Direction {
-        let [mean, way] = [coefficients[0], coefficients[1]].map(|c| rounded(c));
+        let [mean, way] = [coefficients[0], coefficients[1]].map(rounded);
         return format!("k * ({mean} + {way} * sign(v))");
     }
     let unit = format!("({} / {})", covariate.symbol(), rounded(scale));
