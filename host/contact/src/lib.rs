@@ -1,7 +1,7 @@
 //! Contact of a smooth round tip with an elastic body: force and contact radius, a thin layer, the stress below.
 //!
 //! Everything here is linear elasticity of small strains without friction, in SI units, compression positive in force and
-//! depth. [`sensor`](crate::sensor) presses silicone with it, [`afm`](crate::afm) a cell or a gel.
+//! depth. [`sensor`] presses silicone with it, [`afm`] a cell or a gel.
 #![forbid(unsafe_code)]
 
 pub mod afm;
