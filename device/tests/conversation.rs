@@ -1,6 +1,8 @@
 //! What a host may rely on, command by command.
 
-use palpate_device::{Board, Device, INJECTED_ROWS, Identity, Lost, Restart, Sample, Setting, begin_with};
+use palpate_device::{
+    Board, Device, INJECTED_ROWS, Identity, Lost, Restart, Sample, Setting, begin_with,
+};
 use proptest::prelude::*;
 use shared::adaptation;
 use shared::calibration::Sheet;

@@ -2,9 +2,9 @@
 //! apart. Run the whole sweep, and print the table of the README, with
 //! `cargo test --release -p palpate-shared --test adaptation_accuracy -- --ignored --nocapture`.
 
-use proptest::prelude::*;
 use palpate_shared::adaptation::{Config, MIN_C0, Output, Relaxation, State};
 use palpate_shared::fixed::{STRAIN_MAX, STRAIN_MIN};
+use proptest::prelude::*;
 
 const ALLOWED_LSB: f64 = 2.0;
 

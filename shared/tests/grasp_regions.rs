@@ -1,12 +1,12 @@
 //! The six regions on simulated grasps whose boundaries are known: with the displacement or the filter's elastic input as
 //! motion, with noise, at several rates, for repeated, partial and stepwise grasps.
 
-use proptest::prelude::*;
 use palpate_shared::adaptation::{self, Relaxation};
 use palpate_shared::phase::Region::{
     Loading, Preloading, Recovery, Relaxation as Held, Rest, Transition, Unloading,
 };
 use palpate_shared::phase::{Config, ConfigError, Region, RelaxationType, State, Thresholds};
+use proptest::prelude::*;
 
 const SUSHI: Relaxation = Relaxation { c1: 0.2472, v1: 3.981, c2: 0.2676, v2: 0.5325 };
 /// LSB of the elastic strain at full displacement 1.0.
