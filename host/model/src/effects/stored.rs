@@ -24,7 +24,9 @@ pub enum EffectError {
     UnknownParameter { effect: String, parameter: String },
     #[error("`{effect}`: {parameter} = {value} is not a number that it can have")]
     Value { effect: String, parameter: String, value: f64 },
-    #[error("`{0}` is the name of another effect; give yours one of its own")]
+    #[error(
+        "`{0}` is the name of an effect already, of the library or of the program; give yours another"
+    )]
     Taken(String),
     #[error("`{0}`: a law of one's own takes both `stage` and `expression`")]
     Half(String),
