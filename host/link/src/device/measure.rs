@@ -24,13 +24,19 @@ pub struct Mean {
     pub samples: usize,
 }
 
+/// Rows that come in some time of the device, s, at an interval, s: at least one.
+#[must_use]
+pub fn rows_over(seconds: f64, interval_s: f64) -> usize {
+    (seconds / interval_s).round().max(1.0) as usize
+}
+
 /// Averages the raw counts of every gauge over some time of the device: as many rows, however late a busy computer hears them.
 ///
 /// # Errors
 /// [`LinkError`]; [`LinkError::NoRows`].
 pub fn mean(session: &mut Session, over: Duration) -> Result<[Mean; GAUGES], LinkError> {
     start(session)?;
-    let wanted = (over.as_secs_f64() / session.interval_s()).round().max(1.0) as usize;
+    let wanted = rows_over(over.as_secs_f64(), session.interval_s());
     let rows = hear_rows(session, |rows| rows >= wanted)?;
     session.quiet()?;
     Ok(means(&rows[..wanted.min(rows.len())]))

@@ -8,7 +8,7 @@ use shared::pipeline::GAUGES;
 use shared::wire::Row;
 use tokio::sync::oneshot;
 
-use palpate_link::device::measure::{drifts, means};
+use palpate_link::device::measure::{drifts, means, rows_over};
 use palpate_link::device::session::LinkError;
 
 /// What is shown is of the last so many seconds.
@@ -64,17 +64,18 @@ impl Counts {
 
     /// Takes rows `interval_s` apart; what the counts are now, where that is due.
     pub(super) fn take(&mut self, rows: &[Row], interval_s: f64) -> Option<Value> {
-        let window = (WINDOW_S / interval_s).round().max(3.0) as usize;
+        let window = rows_over(WINDOW_S, interval_s).max(3);
         self.recent.extend(rows.iter().map(|row| row.counts));
         let beyond = self.recent.len().saturating_sub(window);
         self.recent.drain(..beyond);
-        let wanted = |average: &Average| (average.over_s / interval_s).round().max(1.0) as usize;
+        let wanted = |average: &Average| rows_over(average.over_s, interval_s);
         for average in &mut self.averages {
-            let missing = wanted(average) - average.rows.len();
+            // Of a slower rate, set meanwhile, enough may have come before.
+            let missing = wanted(average).saturating_sub(average.rows.len());
             average.rows.extend(rows.iter().map(|row| row.counts).take(missing));
             average.heard = Instant::now();
         }
-        for average in self.averages.extract_if(.., |average| average.rows.len() == wanted(average))
+        for average in self.averages.extract_if(.., |average| average.rows.len() >= wanted(average))
         {
             let told = json!({ "command": null, "result": summary(&average.rows) });
             let _ = average.answer.send(Ok(told));
@@ -153,6 +154,17 @@ mod tests {
         let told = answered.try_recv().unwrap().unwrap()["result"].take();
         assert_eq!((&told[0]["counts"], &told[0]["samples"]), (&json!(1_500.0), &json!(20)));
         assert_eq!((&told[0]["settled"], &told[1]["settled"]), (&json!(false), &json!(true)));
+    }
+
+    #[test]
+    fn an_average_goes_on_over_a_change_of_the_rate() {
+        let mut counts = Counts::new();
+        let (answer, mut answered) = oneshot::channel();
+        counts.average(0.02, answer);
+        counts.take(&rows([1_000; GAUGES], 10), 1e-3);
+        counts.take(&rows([1_000; GAUGES], 1), 1e-2);
+        let told = answered.try_recv().unwrap().unwrap()["result"].take();
+        assert_eq!(told[0]["samples"], 10);
     }
 
     #[test]
