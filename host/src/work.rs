@@ -1,10 +1,9 @@
 //! Long work: how far it has come, and a way to end it.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-use palpate_fit::watch::{Stage, Watch, under};
+use palpate_fit::watch::{Stage, Watch, looked_at, under};
 
 use crate::Error;
 
@@ -36,26 +35,13 @@ impl Work<'_> {
             return Ok(work());
         }
         let Cancel(watch) = self.cancel.unwrap_or_default();
-        let done = AtomicBool::new(false);
-        let found = std::thread::scope(|scope| {
-            let teller = self.tell.map(|mut tell| {
-                let (watch, done) = (&watch, &done);
-                scope.spawn(move || {
-                    while !done.load(Ordering::Relaxed) {
-                        if let Some(stage) = watch.stage() {
-                            tell(stage);
-                        }
-                        std::thread::park_timeout(TELL);
-                    }
-                })
-            });
-            let found = under(&watch, work);
-            done.store(true, Ordering::Relaxed);
-            if let Some(teller) = teller {
-                teller.thread().unpark();
+        let found = match self.tell {
+            Some(mut tell) => {
+                let look = |watch: &Watch| watch.stage().into_iter().for_each(&mut tell);
+                looked_at(&watch, TELL, look, work)
             }
-            found
-        });
+            None => under(&watch, work),
+        };
         if watch.ended() { Err(Error::Cancelled) } else { found.map_err(Error::Threads) }
     }
 }

@@ -2,13 +2,12 @@
 
 use std::io::IsTerminal;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::Failure;
-use palpate_fit::watch::{self, Watch, under};
+use palpate_fit::watch::{self, Watch};
 
 /// How often what is shown is made anew.
 const TICK: Duration = Duration::from_millis(100);
@@ -42,20 +41,8 @@ pub fn watched<T: Send>(what: &str, work: impl FnOnce() -> T + Send) -> Result<T
         return Ok(work());
     }
     let watch = Arc::new(Watch::default());
-    let done = AtomicBool::new(false);
     let mark = spinner(what);
-    let found = std::thread::scope(|scope| {
-        let show = scope.spawn(|| {
-            while !done.load(Ordering::Relaxed) {
-                tell(&mark, what, &watch);
-                std::thread::park_timeout(TICK);
-            }
-        });
-        let found = under(&watch, work);
-        done.store(true, Ordering::Relaxed);
-        show.thread().unpark();
-        found
-    });
+    let found = watch::looked_at(&watch, TICK, |watch| tell(&mark, what, watch), work);
     mark.finish_and_clear();
     found.map_err(Failure::work)
 }
@@ -85,7 +72,7 @@ mod tests {
     fn the_bar_tells_the_stage_and_what_is_left_of_it() {
         let seen = Arc::new(Watch::default());
         let mark = ProgressBar::hidden();
-        under(&seen, || {
+        watch::under(&seen, || {
             watch::stage("laws refitted", 5);
             watch::done();
             watch::done();

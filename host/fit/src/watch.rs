@@ -8,6 +8,8 @@
 use std::cell::RefCell;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::{self, Thread};
+use std::time::Duration;
 
 use rayon::{ThreadPoolBuildError, ThreadPoolBuilder};
 
@@ -95,7 +97,44 @@ pub fn under<T: Send>(
     Ok(pool.install(work))
 }
 
-/// The same on one thread: for work of which much is done side by side already.
+/// The same, while `look` is shown the watch every so often, from a thread of its own.
+///
+/// # Errors
+/// When the system gives no threads.
+pub fn looked_at<T: Send>(
+    watch: &Arc<Watch>,
+    every: Duration,
+    mut look: impl FnMut(&Watch) + Send,
+    work: impl FnOnce() -> T + Send,
+) -> Result<T, ThreadPoolBuildError> {
+    let done = AtomicBool::new(false);
+    thread::scope(|scope| {
+        let looker = scope.spawn(|| {
+            while !done.load(Ordering::Relaxed) {
+                look(watch);
+                thread::park_timeout(every);
+            }
+        });
+        // Also where the work panics, or the looker would go on for ever.
+        let _over = Over { done: &done, looker: looker.thread().clone() };
+        under(watch, work)
+    })
+}
+
+/// Ends a looker when it goes.
+struct Over<'a> {
+    done: &'a AtomicBool,
+    looker: Thread,
+}
+
+impl Drop for Over<'_> {
+    fn drop(&mut self) {
+        self.done.store(true, Ordering::Relaxed);
+        self.looker.unpark();
+    }
+}
+
+/// Does work under a watch on one thread: for work of which much is done side by side already.
 ///
 /// # Errors
 /// When the system gives no thread.
@@ -165,6 +204,20 @@ mod tests {
         assert_eq!(other.progress(), (0, 2));
         assert_eq!(under(&one, watched).ok(), Some(true));
         assert!(step() && !watched(), "nobody watches here");
+    }
+
+    #[test]
+    fn a_looker_sees_the_work_and_ends_with_it_also_where_it_panics() {
+        let watch = Arc::new(Watch::default());
+        let seen = AtomicUsize::new(0);
+        let look = |_: &Watch| {
+            seen.fetch_add(1, Ordering::Relaxed);
+        };
+        let every = Duration::from_millis(1);
+        assert_eq!(looked_at(&watch, every, look, || 7).ok(), Some(7));
+        assert!(seen.load(Ordering::Relaxed) > 0);
+        let work = || looked_at(&watch, every, look, || panic!("of the test"));
+        assert!(std::panic::catch_unwind(std::panic::AssertUnwindSafe(work)).is_err());
     }
 
     #[test]

@@ -193,7 +193,7 @@ fn fundamental(
 
 /// Response of FA and SA to a reading without memory at a frequency, with samples `interval_s` apart: each mode is
 /// c b (z − 1)/(z − a), a = e^(−vT), b = (1 − a)/(vT), z = e^(iωT), which is exact for input that is linear between samples.
-pub fn filter_response(
+pub(super) fn filter_response(
     relaxation: &Relaxation,
     frequency_hz: f64,
     interval_s: f64,

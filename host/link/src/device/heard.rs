@@ -77,7 +77,7 @@ pub struct Identity {
 
 impl Identity {
     /// Of a device of which only the core is understood.
-    pub fn unknown() -> Self {
+    pub(crate) fn unknown() -> Self {
         Self {
             version: String::new(),
             git: String::new(),
