@@ -32,7 +32,8 @@
 //!   [`sensor`]: a simulated fingertip.
 //! - [`device`]: the line to a fingertip, and one without hardware; [`robots`]: what it feels as topics.
 //! - [`survey`]: one question, many groups of traces.
-//! - [`report`]: vector plots and self-contained HTML; [`summary`]: results in words, tables and plots; [`dissertation`]: the
+//! - [`report`]: vector plots and self-contained HTML; [`answers`]: results as types with a JSON schema each, [`summary`]: in
+//!   words, tables and plots; [`dissertation`]: the
 //!   figures that the dissertation prints; [`bundled`]: the recordings that come with the program.
 //! - [`serve`]: a local page over the same functions as the commands, [`held`]: what a law foretells of a held press.
 //! - [`cli`]: one file for each subcommand: parse, call, print.
@@ -55,7 +56,7 @@ pub use palpate_link::{device, robots};
 pub use palpate_model as model;
 pub use palpate_model::{effects, latency};
 #[cfg(feature = "report")]
-pub use palpate_present::{bundled, dissertation, summary};
+pub use palpate_present::{answers, bundled, dissertation, summary};
 #[cfg(feature = "report")]
 pub use palpate_report as report;
 #[cfg(feature = "cli")]

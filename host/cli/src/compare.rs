@@ -11,7 +11,8 @@ use super::preparation::Prepare;
 use super::{Failure, progress};
 use palpate_diagnose::criticism::compare::{Comparison, compare};
 use palpate_model::Model;
-use palpate_present::summary::{Preparation, compare_json, compare_sections};
+use palpate_present::answers::{self, ComparisonAnswer};
+use palpate_present::summary::{Preparation, compare_sections};
 use palpate_report::Section;
 use palpate_trace::{Trace, read_set};
 
@@ -80,7 +81,7 @@ impl Answer for Compared {
     }
 
     fn json(&self) -> Value {
-        self.preparation.within(compare_json(&self.comparison))
+        answers::json(&self.preparation.with(ComparisonAnswer::from(&self.comparison)))
     }
 
     fn sections(&self) -> Result<Vec<Section>, Failure> {

@@ -1,7 +1,5 @@
 //! A comparison as tables, plots and words.
 
-use serde_json::{Value, json};
-
 use super::dependence::{dependence_plot, scale};
 use super::{ladder, name_of, unit_of};
 use palpate_diagnose::criticism::compare::{Cell, Comparison};
@@ -24,50 +22,6 @@ pub fn compare_sections(model: &Model, comparison: &Comparison, traces: &[Trace]
     sections.push(overlays(comparison));
     sections.extend(ladder(model));
     sections
-}
-
-/// The comparison as one JSON object; `where` is that of a diagnosis.
-#[must_use]
-pub fn compare_json(comparison: &Comparison) -> Value {
-    let unit = unit_of(&comparison.signal);
-    let places: Vec<Value> = comparison
-        .cells
-        .iter()
-        .map(|cell| {
-            json!({
-                "trace": comparison.labels[cell.trace],
-                "phase": cell.region.name(),
-                "samples": cell.samples,
-                "share_of_excess": cell.share_of_excess,
-                "rms": cell.rms,
-            })
-        })
-        .collect();
-    let dependences: Vec<Value> = comparison
-        .dependences
-        .iter()
-        .map(|dependence| {
-            json!({
-                "covariate": dependence.covariate.symbol(),
-                "explained": dependence.explained,
-                "p_value": dependence.p_value,
-                "trend": dependence.trend,
-            })
-        })
-        .collect();
-    json!({
-        "palpate_comparison": 1,
-        "signal": comparison.signal,
-        "unit": unit,
-        "rms": comparison.rms,
-        "noise_rms": comparison.noise.map(|noise| noise.standard_deviation),
-        "only_noise": comparison.only_noise,
-        "where": places,
-        "depends_on": dependences,
-        "in_words": comparison.in_words(),
-        "left_out": comparison.left_out,
-        "seed": SEED,
-    })
 }
 
 fn place(comparison: &Comparison) -> Section {

@@ -38,7 +38,7 @@ mod whole_motion;
 pub(crate) use afm::hold_figure;
 pub use afm::{FittedCurve, afm_json, afm_sections, rough_json, rough_sections};
 pub use change::{change_json, change_report, change_sections};
-pub use compare::{compare_json, compare_sections, overlays};
+pub use compare::{compare_sections, overlays};
 pub use contract::{contract_json, contract_section};
 pub use creep::{Conditioning, creep_json, creep_sections};
 pub use decomposition::{

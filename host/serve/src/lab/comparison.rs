@@ -4,12 +4,13 @@ use serde_json::{Value, json};
 
 use palpate_diagnose::criticism::compare::Comparison;
 use palpate_diagnose::criticism::dependence::{Bin, Dependence};
-use palpate_present::summary::{Preparation, compare_json, unit_of};
+use palpate_present::answers::{self, ComparisonAnswer};
+use palpate_present::summary::{Preparation, unit_of};
 
 /// The comparison as the command gives it, with the means that each dependence is drawn from.
 #[must_use]
 pub fn comparison_json(comparison: &Comparison, preparation: &Preparation) -> Value {
-    let mut found = preparation.within(compare_json(comparison));
+    let mut found = answers::json(&preparation.with(ComparisonAnswer::from(comparison)));
     let unit = unit_of(&comparison.signal);
     let bin = |bin: &Bin| json!([bin.at, bin.mean, bin.standard_error]);
     let drawn = |dependence: &Dependence| {

@@ -10,7 +10,8 @@ use super::{LabError, View};
 use palpate_diagnose::criticism::{change, compare::compare};
 use palpate_diagnose::practice::{Choice, hide, write_set};
 use palpate_model::Model;
-use palpate_present::summary::{change_json, compare_json};
+use palpate_present::answers::{self, ComparisonAnswer};
+use palpate_present::summary::change_json;
 use palpate_trace::read_set;
 
 /// A folder with a hidden effect in it.
@@ -91,7 +92,7 @@ fn a_hidden_effect_is_found_and_added_until_the_ladder_is_at_the_noise_floor() {
     let traces = read_set(&[folder.path()]).unwrap();
     let saved = session.save(None).unwrap();
     let model = Model::read(Path::new(saved["file"].as_str().unwrap())).unwrap();
-    let same = compare_json(&compare(&model, &traces).unwrap());
+    let same = answers::json(&ComparisonAnswer::from(&compare(&model, &traces).unwrap()));
     assert_eq!(state["comparison"]["where"], same["where"]);
     assert_eq!(state["comparison"]["in_words"], same["in_words"]);
     let page = session.report("change").unwrap();

@@ -24,10 +24,11 @@ use palpate_diagnose::practice::{self, Choice, check_empty, hide, write_set};
 use palpate_fit::data::Data;
 use palpate_fit::whole_motion;
 use palpate_model::Model;
+use palpate_present::answers::{self, ComparisonAnswer};
 use palpate_present::summary::{
     DiagnosisSummary, DiscoverySummary, FitSummary, NextCommand, Preparation, Refit, change_json,
-    change_report, compare_json, compare_sections, motion_file, next_motion_json,
-    next_motion_section, no_motion, practice_json, unit_of,
+    change_report, compare_sections, motion_file, next_motion_json, next_motion_section, no_motion,
+    practice_json, unit_of,
 };
 use palpate_report::{Origin, Page, Section};
 use palpate_trace::{Trace, write_to};
@@ -182,7 +183,7 @@ impl Bench {
         let preparation = Preparation::of(&self.traces, &model.base.signal);
         let sections = preparation.before(compare_sections(model, &comparison, &self.traces));
         Ok(Outcome {
-            answer: preparation.within(compare_json(&comparison)),
+            answer: answers::json(&preparation.with(ComparisonAnswer::from(&comparison))),
             report: Some(("compare", self.page("Model against measurement", sections))),
             compared: Some(Compared::new(comparison, &self.traces)),
             ..Outcome::default()
@@ -200,7 +201,7 @@ impl Bench {
         let comparison = compare(&other, &self.traces)?;
         let preparation = Preparation::of(&self.traces, ours);
         Ok(Outcome {
-            answer: preparation.within(compare_json(&comparison)),
+            answer: answers::json(&preparation.with(ComparisonAnswer::from(&comparison))),
             beside: Some(Beside {
                 file,
                 model: other,
