@@ -5,8 +5,8 @@ use palpate_diagnose::criticism::explore::explored;
 use palpate_diagnose::criticism::options::Options;
 use palpate_fit::data::Data;
 use palpate_fit::watch::Stage;
-use palpate_model::Model;
 use palpate_model::effects::Effects;
+use palpate_model::{Laws, Model};
 use palpate_trace::units::printed;
 
 use crate::work::Work;
@@ -41,6 +41,12 @@ impl<'a> Diagnosing<'a> {
     /// Tries these effects instead of those of the library; laws of one's own in the model file are tried beside them.
     pub fn effects(mut self, effects: Effects) -> Self {
         self.options.effects = effects;
+        self
+    }
+
+    /// The base laws that the model may name, instead of those of the library.
+    pub fn laws(mut self, laws: Laws) -> Self {
+        self.options.laws = laws;
         self
     }
 
@@ -82,7 +88,9 @@ impl<'a> Diagnosing<'a> {
         let (model, traces, options) = (self.model, self.set.traces(), self.options);
         self.work.run(|| {
             let diagnosis = diagnose_with(model, traces, &options)?;
-            let data = Data::of_model(model, traces)?.with_effects(&options.effects);
+            let data = Data::of_model(model, traces)?
+                .with_effects(&options.effects)
+                .with_laws(&options.laws);
             let unit = printed(&model.base.signal);
             let climbed = !diagnosis.found.steps.is_empty();
             let better = climbed.then(|| explored(model, &diagnosis, &data, unit));

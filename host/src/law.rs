@@ -8,35 +8,35 @@ use palpate_model::{BaseLaw, Elastic, Family, Kernel, Separation, TERMS};
 /// use palpate::{Kernel, Law};
 ///
 /// let three_exponentials = Law::fung().terms(3);
-/// let springpot = Law::fung().relaxation(Kernel::PowerLaw);
+/// let springpot = Law::fung().relaxation(Kernel::POWER_LAW);
 /// let nonlinear = Law::latency_power().exponent(3.0);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Law(BaseLaw);
 
 impl Law {
-    /// The law of a family, contact breaking where the force would pull.
+    /// The law of a family, of the library or of one's own, contact breaking where the force would pull.
     #[must_use]
-    pub const fn of(family: Family) -> Self {
+    pub const fn of(family: &'static Family) -> Self {
         Self(BaseLaw::new(family, TERMS, Separation::Clamp))
     }
 
     /// Fung's quasi-linear law (eqs 2.1, 3.2, 3.3), two exponentials.
     #[must_use]
     pub const fn fung() -> Self {
-        Self::of(Family::Fung)
+        Self::of(Family::FUNG)
     }
 
     /// The linear latency model (eqs 4.1 to 4.11).
     #[must_use]
     pub const fn latency() -> Self {
-        Self::of(Family::Latency)
+        Self::of(Family::LATENCY)
     }
 
     /// The nonlinear latency model (eqs 7.2, 7.3, 7.11).
     #[must_use]
     pub const fn latency_power() -> Self {
-        Self::of(Family::LatencyPower)
+        Self::of(Family::LATENCY_POWER)
     }
 
     /// This many exponentials or branches, 1 to 4.
@@ -53,7 +53,7 @@ impl Law {
 
     /// This way to relax.
     #[must_use]
-    pub const fn relaxation(self, kernel: Kernel) -> Self {
+    pub const fn relaxation(self, kernel: &'static Kernel) -> Self {
         Self(self.0.with(self.0.elastic, kernel))
     }
 

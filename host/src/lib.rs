@@ -82,5 +82,5 @@ pub use fitting::{Fit, Fitting, fit};
 pub use law::Law;
 pub use palpate_fit::watch::Stage;
 pub use palpate_model::effects::{Effect, Effects};
-pub use palpate_model::{Elastic, Family, Kernel, Model, Separation};
+pub use palpate_model::{Elastic, Family, Kernel, Laws, Model, Separation};
 pub use work::Cancel;

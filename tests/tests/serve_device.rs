@@ -613,7 +613,7 @@ fn a_model_that_relaxes_too_little_fails_while_the_press_is_held_and_says_where_
 #[test]
 fn a_model_whose_hold_does_not_follow_from_the_signal_is_refused() {
     let folder = tempfile::tempdir().unwrap();
-    let law = BaseLaw::fung(1, Separation::Free).with(Elastic::Power, Kernel::PowerLaw);
+    let law = BaseLaw::fung(1, Separation::Free).with(Elastic::POWER, Kernel::POWER_LAW);
     let values = vec![0.5; law.count()];
     let path = folder.path().join("power.toml");
     Model::of(&law, "force_N", &values, &vec![None; values.len()]).write(&path).unwrap();

@@ -20,8 +20,10 @@ use palpate_fit::warning::{Warning, warnings};
 use palpate_fit::watch;
 use palpate_fit::whole_motion::{self, MotionFit};
 use palpate_fit::{elastic_law, hold::Terms};
+use palpate_model::elastic::ELASTIC_LAWS;
+use palpate_model::kernel::KERNELS;
 use palpate_model::{
-    BaseLaw, EXPONENTS_N, Elastic, Family, Gauge, Hyperelastic, Kernel, MAX_TERMS, Model, POWER,
+    BaseLaw, EXPONENTS_N, Elastic, ElasticLaw, Family, Gauge, Kernel, Laws, MAX_TERMS, Model,
     Separation,
 };
 use palpate_present::summary::{
@@ -101,11 +103,11 @@ pub struct Options {
     #[arg(long, value_name = "N", value_parser = parse_exponent, conflicts_with = "hold_only")]
     exponent: Option<Exponent>,
     /// Elastic response: power (of the compression), neo-hooke, mooney-rivlin, ogden or gent
-    #[arg(long, value_name = "LAW", default_value = POWER, value_parser = parse_elastic, conflicts_with = "hold_only")]
-    elastic: ElasticArg,
+    #[arg(long, value_name = "LAW", default_value = ElasticLaw::POWER.name, value_parser = parse_elastic, conflicts_with = "hold_only")]
+    elastic: &'static ElasticLaw,
     /// How fung relaxes: exponentials, power-law, stretched (exponential) or none
     #[arg(long, value_name = "KIND", default_value = "exponentials", value_parser = parse_kernel, conflicts_with = "hold_only")]
-    relaxation: Kernel,
+    relaxation: &'static Kernel,
     /// What happens where contact breaks
     #[arg(long, value_enum, default_value = "clamp", conflicts_with = "hold_only")]
     separation: SeparationArg,
@@ -115,9 +117,6 @@ pub struct Options {
     #[command(flatten)]
     prepare: Prepare,
 }
-
-/// A law of the stretch; none for the power law.
-type ElasticArg = Option<Hyperelastic>;
 
 #[derive(Clone, Copy, ValueEnum)]
 enum SeparationArg {
@@ -147,17 +146,14 @@ fn parse_exponent(text: &str) -> Result<Exponent, String> {
     }
 }
 
-fn parse_elastic(text: &str) -> Result<ElasticArg, String> {
-    if text == POWER {
-        return Ok(None);
-    }
-    let known = || Hyperelastic::ALL.map(Hyperelastic::name).join(", ");
-    Hyperelastic::named(text).map(Some).ok_or_else(|| format!("give {POWER}, {}", known()))
+fn parse_elastic(text: &str) -> Result<&'static ElasticLaw, String> {
+    let known: Vec<&str> = ELASTIC_LAWS.iter().map(|law| law.name).collect();
+    Laws::library().elastic_law(text).ok_or_else(|| format!("give {}", known.join(", ")))
 }
 
-fn parse_kernel(text: &str) -> Result<Kernel, String> {
-    let known = || Kernel::ALL.map(Kernel::name).join(", ");
-    Kernel::named(text).ok_or_else(|| format!("give one of {}", known()))
+fn parse_kernel(text: &str) -> Result<&'static Kernel, String> {
+    let known: Vec<&str> = KERNELS.iter().map(|kernel| kernel.name).collect();
+    Laws::library().kernel(text).ok_or_else(|| format!("give one of {}", known.join(", ")))
 }
 
 /// Fits and prints.
@@ -195,10 +191,9 @@ pub fn ask(
     let family = options.family(law)?;
     let prepared = options.prepare.take(traces, &options.signal)?;
     let Some(family) = family else { return ranked(options, prepared) };
-    let elastic = match options.elastic {
-        None => Elastic::Power,
-        Some(law) => Elastic::Stretch(law, Gauge::of(&prepared.0).map_err(Failure::input)?),
-    };
+    let law = options.elastic;
+    let gauge = law.needs_gauge().then(|| Gauge::of(&prepared.0));
+    let elastic = Elastic { law, gauge: gauge.transpose().map_err(Failure::input)? };
     let laws = options.choice(family, elastic).laws().map_err(Failure::input)?;
     if options.hold_only { holds(options, prepared) } else { whole(options, &laws, prepared) }
 }
@@ -207,25 +202,25 @@ fn wrong(problem: &str) -> Failure {
     Failure::Input(miette::miette!("{problem}"))
 }
 
-fn family(name: &str) -> Result<Family, Failure> {
-    let known = || Family::ALL.map(Family::name).join(", ");
-    Family::named(name).ok_or_else(|| {
-        let meant = did_you_mean(name, Family::ALL.map(Family::name));
-        wrong(&format!("no law `{name}`{meant}; known: {}", known()))
+fn family(name: &str) -> Result<&'static Family, Failure> {
+    let laws = Laws::library();
+    laws.family(name).ok_or_else(|| {
+        let (known, meant) = (laws.names(), did_you_mean(name, laws.names()));
+        wrong(&format!("no law `{name}`{meant}; known: {}", known.join(", ")))
     })
 }
 
 impl Options {
     /// The family of that name, none where all are meant, if it has the options.
-    pub(super) fn family(&self, law: Option<&str>) -> Result<Option<Family>, Failure> {
+    pub(super) fn family(&self, law: Option<&str>) -> Result<Option<&'static Family>, Failure> {
         let Some(name) = law else { return Ok(None) };
         let family = family(name)?;
-        if self.hold_only && family != Family::Fung {
-            let name = family.name();
+        if self.hold_only && family != Family::FUNG {
+            let name = family.name;
             let problem = format!("--hold-only fits eq. 3.4, which is `fung`, not `{name}`");
             return Err(wrong(&problem));
         }
-        self.choice(family, Elastic::Power).laws().map_err(Failure::input)?;
+        self.choice(family, Elastic::POWER).laws().map_err(Failure::input)?;
         Ok(Some(family))
     }
 
@@ -237,7 +232,7 @@ impl Options {
         }
     }
 
-    fn choice(&self, family: Family, elastic: Elastic) -> Choice {
+    fn choice(&self, family: &'static Family, elastic: Elastic) -> Choice {
         Choice {
             family,
             terms: self.terms,
@@ -393,7 +388,7 @@ fn ranked(options: &Options, (traces, preparation): Prepared) -> Result<Box<dyn 
     };
     let signal = options.signal.clone();
     let ranking = progress::watched("fitting every law, leaving out each trace in turn", || {
-        rank(&traces, &signal, terms, options.separation())
+        rank(&Laws::library(), &traces, &signal, terms, options.separation())
     })?;
     let mut ranking = ranking.map_err(Failure::input)?;
     if let Ok(data) = Data::of(&traces, &signal) {

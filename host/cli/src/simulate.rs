@@ -11,7 +11,7 @@ use super::output::{OverwriteOnly, print};
 use palpate_fit::data::Data;
 use palpate_fit::whole_motion::predict;
 use palpate_model::effects::chain_of;
-use palpate_model::{Equilibrium, Family, ForceProfile, Model, Profile, Segments};
+use palpate_model::{Equilibrium, ForceProfile, Model, Profile, Segments};
 use palpate_trace::files::plan::{COMPUTED, Plan};
 use palpate_trace::{
     Column, Control, DISPLACEMENT, Head, TEMPERATURE, Trace, read, write, write_to,
@@ -216,7 +216,7 @@ fn add_nodes(model: &Model, trace: &mut Trace) -> Result<(), Failure> {
         ));
     };
     let equilibrium =
-        if law.family == Family::Latency { Equilibrium::Common } else { Equilibrium::OwnNode };
+        if law.family.linear_memory { Equilibrium::Common } else { Equilibrium::OwnNode };
     let segments = Segments {
         count: count as usize,
         rate: parameters[2],

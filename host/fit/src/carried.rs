@@ -5,8 +5,8 @@
 //! with u_q = u ln(x/X) and wi' = −vi wi + u_q', and ∂F/∂ln vi = Pi zi with zi = ∂yi/∂ln vi, which steps as
 //! exactly as yi does. Where the memory acts on the strain, yi follows x and F is u/x times their sum.
 
-use super::coordinates::{Coordinate, Coordinates};
-use palpate_model::{Chain, Elastic, Form, Hereditary, Kernel, MAX_TERMS, Separation};
+use super::coordinates::Coordinates;
+use palpate_model::{Chain, Coordinate, Elastic, Form, Hereditary, MAX_TERMS, Separation};
 
 /// A linear base law at a point of the search.
 #[derive(Clone, Debug)]
@@ -83,7 +83,7 @@ impl Carried {
     #[must_use]
     pub fn new(chain: &Chain, coordinates: &Coordinates, point: &[f64]) -> Option<Self> {
         let law = chain.base;
-        let exponentials = law.kernel == Kernel::Exponentials && law.elastic == Elastic::Power;
+        let exponentials = law.kernel.is_exponentials() && law.elastic == Elastic::POWER;
         if !exponentials || !chain.leaves_base_alone() || law.separation == Separation::Free {
             return None;
         }
@@ -353,16 +353,16 @@ mod tests {
         let separations = [Separation::Clamp, Separation::Bonded];
         let mut laws = Vec::new();
         for separation in separations {
-            for family in [Family::KelvinVoigt, Family::Maxwell, Family::Latency] {
+            for family in [Family::KELVIN_VOIGT, Family::MAXWELL, Family::LATENCY] {
                 laws.push(BaseLaw::new(family, 1, separation));
             }
             for terms in 1..=MAX_TERMS {
                 laws.push(BaseLaw::fung(terms, separation));
-                laws.push(BaseLaw::new(Family::GeneralizedMaxwell, terms, separation));
+                laws.push(BaseLaw::new(Family::GENERALIZED_MAXWELL, terms, separation));
             }
             laws.push(BaseLaw {
                 segments: Some(8),
-                ..BaseLaw::new(Family::Latency, 1, separation)
+                ..BaseLaw::new(Family::LATENCY, 1, separation)
             });
         }
         laws
@@ -429,10 +429,10 @@ mod tests {
     fn what_is_not_linear_is_left_to_differences() {
         for law in [
             BaseLaw::fung(2, Separation::Free),
-            BaseLaw::new(Family::Creep, 2, Separation::Clamp),
+            BaseLaw::new(Family::CREEP, 2, Separation::Clamp),
             BaseLaw {
                 exponent: Some(3.0),
-                ..BaseLaw::new(Family::LatencyPower, 1, Separation::Clamp)
+                ..BaseLaw::new(Family::LATENCY_POWER, 1, Separation::Clamp)
             },
         ] {
             let coordinates = Coordinates::new(law, 3.0);

@@ -7,7 +7,7 @@ use palpate_model::{BaseLaw, Elastic, Family, Kernel, MAX_TERMS, OptionError, Se
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Choice {
     /// The family.
-    pub family: Family,
+    pub family: &'static Family,
     /// Number of exponentials or branches, where the family has them.
     pub terms: Terms,
     /// What happens where contact breaks.
@@ -19,7 +19,7 @@ pub struct Choice {
     /// The elastic response.
     pub elastic: Elastic,
     /// How the response relaxes.
-    pub kernel: Kernel,
+    pub kernel: &'static Kernel,
 }
 
 /// The exponent n of the nonlinear latency model.

@@ -91,6 +91,7 @@ impl Compressed {
             reference_temperature: None,
             channels: Vec::new(),
             effects: data.effects.clone(),
+            laws: data.laws.clone(),
         }
     }
 }

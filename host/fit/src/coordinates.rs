@@ -5,30 +5,9 @@
 //! the force of a damper: in these, shares that are not negative
 //! and sum to one are plain bounds, and the stiffness does not trade off against the exponent.
 
-use palpate_model::{
-    BaseLaw, Constants, EXPONENTS_N, Family, Kernel, POWER_ORDERS, STRETCHED_ORDERS,
-};
+use palpate_model::{BaseLaw, Constants, Coordinate};
 
 use super::data::Data;
-
-/// One coordinate of the search.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Coordinate {
-    /// Force of a branch at the reference compression, N; the equilibrium is branch 0.
-    Force(usize),
-    /// Force of all branches together, N, where the shares are given.
-    Total,
-    /// Shape of the elastic response: the exponent q of the power law.
-    Shape,
-    /// Logarithm of the rate, 1/s, of a branch with a state of the reference compression.
-    Rate(usize),
-    /// Power n of the state that its rate of change follows.
-    Power,
-    /// Order β of a kernel.
-    Order,
-    /// Damping, N·s/mm.
-    Damping,
-}
 
 /// The coordinates of a base law at a reference compression, mm.
 #[derive(Clone, Debug)]
@@ -45,32 +24,9 @@ impl Coordinates {
     /// Those of this law.
     #[must_use]
     pub fn new(law: BaseLaw, reference: f64) -> Self {
-        use Coordinate::{Damping, Force, Order, Power, Rate, Shape, Total};
-        let terms = law.terms;
-        let mut list = Vec::new();
-        match law.family {
-            Family::KelvinVoigt => list.extend([Force(0), Damping]),
-            Family::Maxwell => list.extend([Force(1), Rate(1)]),
-            _ => {
-                match law.segments {
-                    Some(_) => list.push(Total),
-                    None if law.kernel == Kernel::None => list.push(Force(0)),
-                    None => list.extend((0..=terms).map(Force)),
-                }
-                if !law.family.is_linear() && law.elastic.shape_bounds(0.0, reference).is_some() {
-                    list.push(Shape);
-                }
-                match law.kernel {
-                    Kernel::Exponentials => list.extend((1..=terms).map(Rate)),
-                    Kernel::PowerLaw => list.push(Order),
-                    Kernel::Stretched => list.extend([Rate(1), Order]),
-                    Kernel::None => {}
-                }
-                if law.family == Family::LatencyPower && law.exponent.is_none() {
-                    list.push(Power);
-                }
-            }
-        }
+        let mut list: Vec<Coordinate> =
+            law.declared().iter().map(|parameter| parameter.coordinate).collect();
+        list.sort_unstable();
         Self { law, reference, list }
     }
 
@@ -102,16 +58,22 @@ impl Coordinates {
     #[must_use]
     pub fn bounds(&self, data: &Data) -> Vec<(f64, f64)> {
         let rates = ((0.02 / data.longest()).ln(), (3.0 / data.shortest_interval()).ln());
-        let shapes = self.law.elastic.shape_bounds(self.law.least_q(), self.reference);
+        let least_q = self.law.family.least_q;
+        let shapes = self.law.elastic.shape_bounds(least_q, self.reference);
         let bound = |coordinate: &Coordinate| match coordinate {
             Coordinate::Rate(_) => rates,
             Coordinate::Shape => shapes.unwrap_or((0.0, 0.0)),
-            Coordinate::Order if self.law.kernel == Kernel::PowerLaw => POWER_ORDERS,
-            Coordinate::Order => STRETCHED_ORDERS,
-            Coordinate::Power => EXPONENTS_N,
-            _ => (0.0, f64::INFINITY),
+            Coordinate::Order | Coordinate::Power => self.range(*coordinate),
+            Coordinate::Force(_) | Coordinate::Total | Coordinate::Damping => (0.0, f64::INFINITY),
         };
         self.list.iter().map(bound).collect()
+    }
+
+    /// The range of the parameter that a coordinate stands for.
+    fn range(&self, coordinate: Coordinate) -> (f64, f64) {
+        let declared = self.law.declared();
+        let own = declared.iter().find(|parameter| parameter.coordinate == coordinate);
+        own.map_or((0.0, f64::INFINITY), |parameter| parameter.range)
     }
 
     /// The law's parameters at a point.
@@ -138,8 +100,8 @@ impl Coordinates {
                 Coordinate::Damping => damping = value,
             }
         }
-        if self.law.kernel == Kernel::PowerLaw {
-            forces[1] *= self.span_middle().powf(constants.order);
+        if let Some(relaxing) = forces.get_mut(1) {
+            *relaxing /= self.later(constants.order);
         }
         let total = forces.iter().sum::<f64>() + NO_FORCE.sqrt();
         constants.p = total / self.law.elastic.unit(constants.shape, self.reference);
@@ -155,11 +117,8 @@ impl Coordinates {
     pub fn point(&self, declared: &[f64]) -> Vec<f64> {
         let constants = self.law.constants(declared);
         let total = constants.p * self.law.elastic.unit(constants.shape, self.reference);
-        let later = match self.law.kernel {
-            Kernel::PowerLaw => self.span_middle().powf(-constants.order),
-            _ => 1.0,
-        };
-        let equilibrium = 1.0 - constants.shares.iter().sum::<f64>();
+        let later = self.later(constants.order);
+        let equilibrium = constants.equilibrium();
         let scale = self.reference.powf(constants.exponent - 1.0);
         let value = |coordinate: &Coordinate| match *coordinate {
             Coordinate::Force(0) => (equilibrium * total).max(0.0),
@@ -176,60 +135,48 @@ impl Coordinates {
         self.list.iter().map(value).collect()
     }
 
-    /// Time at which the force of a power law is a coordinate, s: at one second it would trade off against
-    /// the order wherever the data last much longer or shorter.
-    fn span_middle(&self) -> f64 {
-        self.law.span.middle()
+    /// Part of a kernel's share at which its force is a coordinate: at one second that of a power law would trade off against the
+    /// order wherever the data last much longer or shorter.
+    fn later(&self, order: f64) -> f64 {
+        self.law.kernel.later(order, self.law.span)
     }
 
     /// The coordinate whose bound is that of each parameter of the law; none where no bound is its own.
     #[must_use]
     pub fn bound_of_parameters(&self) -> Vec<Option<usize>> {
         let place = |wanted| self.list.iter().position(|coordinate| *coordinate == wanted);
-        let branch = |name: &str| name[1..].parse().ok();
-        let of = |name: &str| match name {
-            "q" | "C2A" | "alpha" | "Jm" => place(Coordinate::Shape),
-            "beta" => place(Coordinate::Order),
-            "tau" => place(Coordinate::Rate(1)),
-            "n" => place(Coordinate::Power),
-            "nu" => place(Coordinate::Rate(1)),
-            "eta" => place(Coordinate::Damping).or_else(|| place(Coordinate::Rate(1))),
-            _ if name.starts_with("eta") => {
-                name[3..].parse().ok().and_then(|k| place(Coordinate::Rate(k)))
-            }
-            _ if name.starts_with('v') => branch(name).and_then(|k| place(Coordinate::Rate(k))),
-            _ if name.starts_with(['c', 'k']) => {
-                branch(name).and_then(|k| place(Coordinate::Force(k)))
-            }
-            _ => None,
-        };
-        self.law.parameters().iter().map(|parameter| of(&parameter.name)).collect()
+        let declared = self.law.declared().into_iter();
+        declared.map(|own| own.bounded.then(|| place(own.coordinate)).flatten()).collect()
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use palpate_model::{Deformation, Elastic, Gauge, Hyperelastic, Separation};
+    use palpate_model::elastic::ELASTIC_LAWS;
+    use palpate_model::kernel::KERNELS;
+    use palpate_model::laws::FAMILIES;
+    use palpate_model::{Deformation, Elastic, ElasticLaw, Family, Gauge, Kernel, Separation};
     use proptest::prelude::*;
 
     /// Every law, with its options.
     fn laws() -> Vec<BaseLaw> {
-        let mut laws: Vec<BaseLaw> = Family::ALL
+        let mut laws: Vec<BaseLaw> = FAMILIES
             .iter()
             .flat_map(|&family| [1, 3].map(|terms| BaseLaw::new(family, terms, Separation::Clamp)))
             .collect();
-        let latency = BaseLaw::new(Family::LatencyPower, 1, Separation::Clamp);
+        let latency = BaseLaw::new(Family::LATENCY_POWER, 1, Separation::Clamp);
         laws.push(BaseLaw { segments: Some(8), ..latency });
         laws.push(BaseLaw { exponent: Some(5.0), ..latency });
         laws.push(BaseLaw { segments: Some(8), exponent: Some(5.0), ..latency });
-        let linear = BaseLaw::new(Family::Latency, 1, Separation::Clamp);
+        let linear = BaseLaw::new(Family::LATENCY, 1, Separation::Clamp);
         laws.push(BaseLaw { segments: Some(8), ..linear });
         let fung = BaseLaw::fung(2, Separation::Clamp);
-        laws.extend(Kernel::ALL.map(|kernel| fung.with(Elastic::Power, kernel)));
+        laws.extend(KERNELS.iter().map(|kernel| fung.with(Elastic::POWER, kernel)));
         let gauge = Gauge { length_mm: 40.0, deformation: Deformation::Tension };
-        let rubber = |law| fung.with(Elastic::Stretch(law, gauge), Kernel::PowerLaw);
-        laws.extend(Hyperelastic::ALL.map(rubber));
+        let rubber =
+            |law: &&'static ElasticLaw| fung.with(Elastic::stretch(law, gauge), Kernel::POWER_LAW);
+        laws.extend(ELASTIC_LAWS[1..].iter().map(rubber));
         laws
     }
 

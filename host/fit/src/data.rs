@@ -1,5 +1,6 @@
 //! Measurements as a fit takes them: motions with the signal that answered.
 
+use palpate_model::Laws;
 use palpate_model::effects::{Effects, Scales, Setting};
 use palpate_model::{Channel, Gauge, GaugeError, Model, Motion, MotionError, Past, Scene, Span};
 use palpate_trace::{FORCE, GAUGES, SignalError, TANGENTIAL, TEMPERATURE, Trace, runs};
@@ -54,6 +55,8 @@ pub struct Data<'a> {
     pub channels: Vec<&'static str>,
     /// The effects that can be tried on it.
     pub effects: Effects,
+    /// The base laws that a model of it may name.
+    pub laws: Laws,
 }
 
 /// A value this many times what nine of ten are below stands far out.
@@ -134,6 +137,7 @@ impl<'a> Data<'a> {
             reference_temperature: mean_temperature(traces),
             channels: others(traces, signal),
             effects: Effects::library(),
+            laws: Laws::library(),
         };
         let mut past = Past::default();
         for (index, (trace, motion)) in traces.iter().zip(&motions).enumerate() {
@@ -224,6 +228,13 @@ impl<'a> Data<'a> {
         self
     }
 
+    /// This data set with base laws beside those of the library, which a model of it may name.
+    #[must_use]
+    pub fn with_laws(mut self, laws: &Laws) -> Self {
+        self.laws = laws.clone();
+        self
+    }
+
     /// This data set with the temperature counted from this one, °C, where it is given.
     #[must_use]
     pub fn with_reference(mut self, temperature: Option<f64>) -> Self {
@@ -243,7 +254,8 @@ impl<'a> Data<'a> {
             scales.mains = Some(lines.map(|(mains, line)| line.unwrap_or(mains)));
         }
         let channel_ranges = (0..channels.len()).map(|place| self.channel_range(place)).collect();
-        Setting { scales, traces, channels, channel_ranges, effects: self.effects.clone() }
+        let (effects, laws) = (self.effects.clone(), self.laws.clone());
+        Setting { scales, traces, channels, channel_ranges, effects, laws }
     }
 
     /// Largest less smallest value of another channel, in its unit.

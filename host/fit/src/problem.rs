@@ -14,13 +14,13 @@ use nalgebra::{DMatrix, DMatrixView};
 
 use super::carried::{Carried, Memory, Stretch, logarithms};
 use super::compression::Compressed;
-use super::coordinates::{Coordinate, Coordinates};
+use super::coordinates::Coordinates;
 use super::data::{Data, Piece};
 use super::least_squares::{LeastSquares, Normal};
 use super::levels::LevelSums;
 use super::spare::Spare;
 use super::whitening::Whitening;
-use palpate_model::{Act, Chain, Elasticity, History, Scene, Stage};
+use palpate_model::{Act, Chain, Coordinate, Elasticity, History, Scene, Stage};
 
 /// Residuals of a chain over a data set.
 pub struct Problem<'a> {

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::data::{Data, DataError};
 use super::whole_motion::{MotionFit, fit, held_out, over_traces, refit};
-use palpate_model::{BaseLaw, Elastic, Family, Gauge, Hyperelastic, Kernel, Separation};
+use palpate_model::{BaseLaw, Elastic, Family, Gauge, Kernel, LawOption, Laws, Separation};
 use palpate_trace::{Kind, Noise, Trace, pooled_noise, segments};
 
 /// All laws, best first.
@@ -109,6 +109,7 @@ const ALIKE: (f64, f64) = (0.02, 0.1);
 /// # Errors
 /// When the traces cannot be fitted.
 pub fn rank(
+    known: &Laws,
     traces: &[Trace],
     signal: &str,
     terms: usize,
@@ -126,7 +127,7 @@ pub fn rank(
         };
         laws.into_par_iter().map(place).collect::<Result<Vec<_>, DataError>>()
     };
-    let mut places_found = places(laws(traces, terms, separation))?;
+    let mut places_found = places(laws(known, traces, terms, separation))?;
     places_found.sort_by(better);
     if let Some(law) = combined(&places_found) {
         places_found.extend(places(vec![law])?);
@@ -136,18 +137,22 @@ pub fn rank(
 }
 
 /// Every family; Fung's law with every kernel, and with every elastic response.
-fn laws(traces: &[Trace], terms: usize, separation: Separation) -> Vec<BaseLaw> {
-    let families = Family::ALL
-        .into_iter()
-        .filter(|family| separation != Separation::Bonded || family.can_be_bonded())
+fn laws(known: &Laws, traces: &[Trace], terms: usize, separation: Separation) -> Vec<BaseLaw> {
+    let families = known.families().iter();
+    let families = families
+        .filter(|family| separation != Separation::Bonded || family.takes(LawOption::Bonded))
         .map(|family| BaseLaw::new(family, terms, separation));
     let fung = BaseLaw::fung(terms, separation);
-    let kernels = Kernel::ALL.into_iter().filter(|kernel| *kernel != Kernel::Exponentials);
-    let kernels = kernels.map(|kernel| fung.with(Elastic::Power, kernel));
+    let kernels = known.kernels().iter().filter(|kernel| !kernel.is_exponentials());
+    let kernels = kernels.map(|kernel| fung.with(Elastic::POWER, kernel));
     let gauge = Gauge::of(traces).ok();
-    let stretched = |law| gauge.map(|gauge| Elastic::Stretch(law, gauge));
-    let elastic = Hyperelastic::ALL.into_iter().filter_map(stretched);
-    let elastic = elastic.map(|elastic| fung.with(elastic, Kernel::Exponentials));
+    let elastic = known.elastic().iter().filter_map(|&law| match law.needs_gauge() {
+        true => gauge.map(|gauge| Elastic::stretch(law, gauge)),
+        false => Some(Elastic { law, gauge: None }),
+    });
+    let elastic = elastic
+        .filter(|elastic| *elastic != Elastic::POWER)
+        .map(|elastic| fung.with(elastic, Kernel::EXPONENTIALS));
     families.chain(kernels).chain(elastic).filter(|law| law.check().is_ok()).collect()
 }
 
@@ -157,11 +162,11 @@ fn combined(places: &[Place]) -> Option<BaseLaw> {
     let better: Vec<BaseLaw> = places
         .iter()
         .map(|place| place.fit.chain.base)
-        .filter(|law| law.family == Family::Fung)
-        .take_while(|law| (law.elastic, law.kernel) != (Elastic::Power, Kernel::Exponentials))
+        .filter(|law| law.family == Family::FUNG)
+        .take_while(|law| (law.elastic, law.kernel) != (Elastic::POWER, Kernel::EXPONENTIALS))
         .collect();
-    let elastic = better.iter().find(|law| law.elastic != Elastic::Power)?;
-    let kernel = better.iter().find(|law| law.kernel != Kernel::Exponentials)?;
+    let elastic = better.iter().find(|law| law.elastic != Elastic::POWER)?;
+    let kernel = better.iter().find(|law| !law.kernel.is_exponentials())?;
     Some(elastic.with(elastic.elastic, kernel.kernel))
 }
 

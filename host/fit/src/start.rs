@@ -2,15 +2,14 @@
 //!
 //! For a given shape of the elastic response (the exponent q) and given rates the law is linear in the
 //! force that each branch carries. So shape and rates go over a grid, the branch forces come from linear
-//! least squares, and the best few distinct starts are handed on. The other laws start from what Fung's
-//! law makes of the data; a kernel that is no sum of exponentials goes over a grid of its own.
+//! least squares, and the best few distinct starts are handed on. Each law says where it starts from there; a kernel that is no sum of exponentials goes over a grid of its own.
 
 use nalgebra::{DMatrix, DMatrixView, DVector};
 
 use super::data::Data;
-use palpate_model::{
-    BaseLaw, Branch, Constants, Elastic, Family, Kernel, Memory, Relaxation, Span,
-};
+use palpate_model::kernel::MemoryOf;
+use palpate_model::laws::Beginning;
+use palpate_model::{BaseLaw, Branch, Constants, Elastic, LawOption, Memory, Relaxation, Span};
 
 /// A start: shape of the elastic response, rates (1/s, fast to slow) and order of the kernel, and branch
 /// forces (the equilibrium first) at the reference compression.
@@ -25,59 +24,21 @@ struct Start {
 
 /// Most starts from different shapes.
 const MOST: usize = 3;
-/// Powers n of the nonlinear latency model that are tried.
-const POWERS: [f64; 4] = [1.2, 2.0, 3.0, 5.0];
-/// Latent compressions, as parts of the largest compression, at which its rate may be that of the linear
-/// model.
-const LATENT: [f64; 2] = [0.5, 0.15];
 
 /// Parameters of the law to start from, the best first.
 pub fn starts(law: &BaseLaw, data: &Data) -> Vec<Vec<f64>> {
     let reference = data.largest_compression();
     let mut found = linear_starts(law, data, reference);
     found.truncate(MOST);
-    let constants = |start: &Start| start.constants(law.elastic, reference);
-    match law.family {
-        Family::KelvinVoigt => vec![damped(data, reference)],
-        // The spring of the equilibrium is not there: the branch carries all.
-        Family::Maxwell => found
-            .iter()
-            .map(|start| law.parameters_of(&Constants { shares: vec![1.0], ..constants(start) }))
-            .collect(),
-        Family::LatencyPower => {
-            let powers = law.exponent.map_or(POWERS.to_vec(), |power| vec![power]);
-            let bent = |start: &Start, power: f64, latent: f64| {
-                let mut constants = constants(start);
-                constants.exponent = power;
-                constants.rates[0] /= (latent * reference).powf(power - 1.0);
-                law.parameters_of(&constants)
-            };
-            let each = found.iter().take(2).flat_map(|start| {
-                powers
-                    .iter()
-                    .flat_map(move |&power| LATENT.map(|latent| bent(start, power, latent)))
-            });
-            each.collect()
-        }
-        // What relaxes by the share c creeps by it too, slower by the share that is left.
-        Family::Creep => found
-            .iter()
-            .map(|start| {
-                let mut constants = constants(start);
-                let left = 1.0 - constants.shares.iter().sum::<f64>();
-                constants.p *= left;
-                constants.rates.iter_mut().for_each(|rate| *rate *= left.max(0.1));
-                law.parameters_of(&constants)
-            })
-            .collect(),
-        _ => found.iter().map(|start| law.parameters_of(&constants(start))).collect(),
-    }
-}
-
-/// Stiffness and damping of eq. 2.3, as large as the forces.
-fn damped(data: &Data, reference: f64) -> Vec<f64> {
     let scales = data.scales();
-    vec![scales.force / reference, 0.1 * scales.force / scales.speed.max(f64::MIN_POSITIVE)]
+    let beginning = Beginning {
+        linear: found.iter().map(|start| start.constants(law.elastic, reference)).collect(),
+        reference,
+        force: scales.force,
+        speed: scales.speed,
+    };
+    let starts = (law.family.starts)(law, &beginning);
+    starts.iter().map(|constants| law.parameters_of(constants)).collect()
 }
 
 impl Start {
@@ -101,12 +62,16 @@ const AT_A_TIME: usize = 256;
 /// The best start of Fung's law for each shape of the elastic response, best first.
 fn linear_starts(law: &BaseLaw, data: &Data, reference: f64) -> Vec<Start> {
     let rates = rate_grid(data);
-    let shapes = if law.family.is_linear() { vec![0.0] } else { law.elastic.shapes(reference) };
+    let shapes = if law.family.takes(LawOption::Elastic) {
+        law.elastic.shapes(reference)
+    } else {
+        vec![0.0]
+    };
     let best = |&shape: &f64| {
         let gram = Gram::of(data, (law.elastic, shape), &rates, reference);
-        match law.kernel {
-            Kernel::Exponentials => best_rates(&gram, shape, &rates, law.terms),
-            kernel => best_kernel(&gram, shape, &rates, (kernel, law.span)),
+        match law.kernel.memory {
+            MemoryOf::Exponentials => best_rates(&gram, shape, &rates, law.terms),
+            memory => best_kernel(&gram, shape, &rates, (memory, law.span)),
         }
     };
     let mut found: Vec<Start> = shapes.iter().filter_map(best).collect();
@@ -114,28 +79,25 @@ fn linear_starts(law: &BaseLaw, data: &Data, reference: f64) -> Vec<Start> {
     found
 }
 
-/// Orders β that are tried.
-const ORDERS: [f64; 5] = [0.08, 0.2, 0.35, 0.5, 0.75];
-
 /// The best order, and rate where it has one, of a kernel.
 fn best_kernel(
     gram: &Gram,
     shape: f64,
     rates: &[f64],
-    (kernel, span): (Kernel, Span),
+    (memory, span): (MemoryOf, Span),
 ) -> Option<Start> {
-    if kernel == Kernel::None {
+    let MemoryOf::Spectrum { of, has_rate, orders, .. } = memory else {
         let (forces, cost) = gram.solve(&[0])?;
         return Some(Start { shape, rates: Vec::new(), order: 1.0, forces, cost });
-    }
-    let own_rates = if kernel == Kernel::Stretched { rates } else { &[1.0] };
+    };
+    let own_rates = if has_rate { rates } else { &[1.0] };
     let mut best: Option<Start> = None;
     for &rate in own_rates {
-        for order in ORDERS {
-            let shares = on_grid(&kernel.spectrum(rate, order, span).branches, rates);
+        for &order in orders {
+            let shares = on_grid(&of(rate, order, span).branches, rates);
             let Some((forces, cost)) = gram.combined(&shares).solve(&[0, 1]) else { continue };
             if forces.iter().sum::<f64>() > 0.0 && best.as_ref().is_none_or(|b| cost < b.cost) {
-                let rates = if kernel == Kernel::Stretched { vec![rate] } else { Vec::new() };
+                let rates = if has_rate { vec![rate] } else { Vec::new() };
                 best = Some(Start { shape, rates, order, forces, cost });
             }
         }

@@ -43,7 +43,7 @@ fn a_chain_that_yields_is_the_base_law_on_what_is_left_of_the_motion() {
     let candidates = candidates(&setting, &[]).unwrap();
     let fixture = candidates.iter().find(|c| c.name == "fixture-compliance").unwrap();
     for separation in [Separation::Clamp, Separation::Bonded, Separation::Free] {
-        for law in [BaseLaw::fung(2, separation), BaseLaw::new(Family::Latency, 1, separation)] {
+        for law in [BaseLaw::fung(2, separation), BaseLaw::new(Family::LATENCY, 1, separation)] {
             let base = Chain::new(law);
             let parameters: Vec<f64> = vec![0.4, 0.6, 0.3, 0.2, 4.0, 0.5][..law.count()].to_vec();
             for form in &fixture.forms {

@@ -1,19 +1,15 @@
-//! The base laws: the dissertation's models, each as one declaration of its parameters and of how they
-//! make a response.
-//!
-//! All of them are an elastic response N(x), p/(q+1) x^(q+1) (eq. 3.2) or a law of the stretch
-//! ([`Elastic`]), and a memory of exponential branches or of another [`Kernel`]; they differ in what the
-//! memory acts on ([`Form`]), in what is held fixed, and in the names and units by which people know
-//! their parameters.
+//! A base law with its options: a family, an elastic response and a way to relax, put together.
 
 use std::ops::Range;
 
-use super::elastic::{EXPONENTS_Q, Elastic, parameter};
-use super::family::{Family, Separation};
+use super::coordinate::Coordinate;
+use super::elastic::Elastic;
 use super::growth::Growth;
 use super::hereditary::Hereditary;
-use super::kernel::{Kernel, Span};
+use super::kernel::{Kernel, MemoryOf, Span};
+use super::laws::{Family, LawOption, LawParameter};
 use super::response::{Form, Response};
+use super::separation::Separation;
 use super::{Branch, Elasticity, HereditaryState, Motion, Parameter, Relaxation};
 
 /// Most exponentials a law may have.
@@ -26,7 +22,7 @@ pub const TERMS: usize = 2;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BaseLaw {
     /// Which law.
-    pub family: Family,
+    pub family: &'static Family,
     /// Number n of exponentials, 1 to [`MAX_TERMS`]; 1 where the family has no choice.
     pub terms: usize,
     /// What happens when contact breaks.
@@ -38,39 +34,28 @@ pub struct BaseLaw {
     /// The elastic response.
     pub elastic: Elastic,
     /// How the response relaxes.
-    pub kernel: Kernel,
+    pub kernel: &'static Kernel,
     /// Times over which a kernel that is no sum of exponentials is followed.
     pub span: Span,
 }
 
-const SHARES: [&str; MAX_TERMS] = ["c1", "c2", "c3", "c4"];
-const RATES: [&str; MAX_TERMS] = ["v1", "v2", "v3", "v4"];
-const STIFFNESSES: [&str; MAX_TERMS] = ["k1", "k2", "k3", "k4"];
-const DAMPINGS: [&str; MAX_TERMS] = ["eta1", "eta2", "eta3", "eta4"];
-
-const POSITIVE: (f64, f64) = (0.0, f64::INFINITY);
-/// The exponents n that the nonlinear latency model may have.
-pub const EXPONENTS_N: (f64, f64) = (1.0, 9.0);
-
-/// Latent compression, mm, at which the rate ν of the nonlinear latency model is stated.
-const UNIT_LATENT: f64 = 1.0;
-/// A share c0 of zero would take an infinite latent strain; far below any that data tell.
-const SMALLEST_SHARE: f64 = 1e-9;
+/// State, mm, at which the rates of a law are stated that follow it by a power.
+const UNIT_STATE: f64 = 1.0;
 
 impl BaseLaw {
     /// A law of this family with so many exponentials where it has a choice.
     #[must_use]
-    pub const fn new(family: Family, terms: usize, separation: Separation) -> Self {
-        let terms = if family.has_terms() { terms } else { 1 };
+    pub const fn new(family: &'static Family, terms: usize, separation: Separation) -> Self {
+        let terms = if family.takes(LawOption::Terms) { terms } else { 1 };
         let (segments, exponent) = (None, None);
-        let (elastic, kernel, span) = (Elastic::Power, Kernel::Exponentials, Span::WIDEST);
+        let (elastic, kernel, span) = (Elastic::POWER, Kernel::EXPONENTIALS, Span::WIDEST);
         Self { family, terms, separation, segments, exponent, elastic, kernel, span }
     }
 
     /// This law with another elastic response and another kernel.
     #[must_use]
-    pub const fn with(self, elastic: Elastic, kernel: Kernel) -> Self {
-        let terms = if matches!(kernel, Kernel::Exponentials) { self.terms } else { 1 };
+    pub const fn with(self, elastic: Elastic, kernel: &'static Kernel) -> Self {
+        let terms = if kernel.is_exponentials() { self.terms } else { 1 };
         Self { elastic, kernel, terms, ..self }
     }
 
@@ -83,40 +68,29 @@ impl BaseLaw {
     /// Whether the number of exponentials can be chosen.
     #[must_use]
     pub fn has_terms(&self) -> bool {
-        self.family.has_terms() && self.kernel == Kernel::Exponentials
+        self.family.takes(LawOption::Terms) && self.kernel.is_exponentials()
     }
 
     /// Fung's law with so many exponentials.
     #[must_use]
     pub const fn fung(terms: usize, separation: Separation) -> Self {
-        Self::new(Family::Fung, terms, separation)
+        Self::new(Family::FUNG, terms, separation)
     }
 
     /// Name in model files and on the command line.
     #[must_use]
     pub const fn name(&self) -> &'static str {
-        self.family.name()
+        self.family.name
     }
 
     /// The law with its options in words: `fung with 2 exponentials`.
     #[must_use]
     pub fn in_words(&self) -> String {
-        let name = self.short_name();
-        let plural = if self.terms == 1 { "" } else { "s" };
-        let mut words = match self.family {
-            _ if self.kernel != Kernel::Exponentials => name,
-            Family::Fung | Family::Creep => {
-                format!("{name} with {} exponential{plural}", self.terms)
-            }
-            Family::GeneralizedMaxwell => {
-                format!(
-                    "{name} with {} branch{}",
-                    self.terms,
-                    if self.terms == 1 { "" } else { "es" }
-                )
-            }
-            _ => name,
-        };
+        let mut words = self.short_name();
+        if self.has_terms() {
+            let term = self.family.term[usize::from(self.terms > 1)];
+            words += &format!(" with {} {term}", self.terms);
+        }
         if let Some(segments) = self.segments {
             words += &format!(" with {segments} segments");
         }
@@ -129,126 +103,55 @@ impl BaseLaw {
     /// Its name with what differs from the family's own: `fung, gent, power-law`.
     #[must_use]
     pub fn short_name(&self) -> String {
-        let elastic = (self.elastic != Elastic::Power).then(|| self.elastic.name());
-        let kernel = match self.kernel {
-            Kernel::Exponentials => None,
-            Kernel::None => Some("no relaxation"),
-            kernel => Some(kernel.name()),
+        let elastic = (self.elastic != Elastic::POWER).then(|| self.elastic.name());
+        let kernel = match self.kernel.memory {
+            MemoryOf::Exponentials => None,
+            MemoryOf::Nothing => Some("no relaxation"),
+            MemoryOf::Spectrum { .. } => Some(self.kernel.name),
         };
         let parts = std::iter::once(self.name()).chain(elastic).chain(kernel);
         parts.collect::<Vec<_>>().join(", ")
     }
 
-    /// Least exponent q of its power law.
+    /// Its parameters in order, with the coordinate that stands for each.
     #[must_use]
-    pub const fn least_q(&self) -> f64 {
-        match self.family {
-            Family::Latency | Family::LatencyPower => 0.0,
-            _ => EXPONENTS_Q.0,
-        }
+    pub fn declared(&self) -> Vec<LawParameter> {
+        (self.family.parameters)(self)
     }
 
     /// Its parameters in order.
     #[must_use]
     pub fn parameters(&self) -> Vec<Parameter> {
-        let n = self.terms;
-        let each = |names: &[&'static str; MAX_TERMS], unit, meaning, range| {
-            let one = move |name: &&'static str| parameter(name, unit, meaning, range);
-            names[..n].iter().map(one).collect::<Vec<_>>()
-        };
-        let rates = |meaning| each(&RATES, "1/s", meaning, POSITIVE);
-        let equilibrium = |parameters: &mut Vec<Parameter>| {
-            if self.segments.is_none() {
-                let meaning = "share of the elastic response that never relaxes";
-                parameters.push(parameter("c0", "", meaning, (0.0, 1.0)));
-            }
-        };
-        let elastic = self.elastic.parameters(self.least_q());
-        match self.family {
-            Family::KelvinVoigt | Family::Maxwell => vec![
-                parameter("k", "N/mm", "stiffness of the spring", POSITIVE),
-                parameter("eta", "N·s/mm", "damping of the damper", POSITIVE),
-            ],
-            Family::GeneralizedMaxwell => {
-                let spring =
-                    parameter("k0", "N/mm", "stiffness of the spring that stands alone", POSITIVE);
-                let springs =
-                    each(&STIFFNESSES, "N/mm", "stiffness of a branch's spring", POSITIVE);
-                let dampers = each(&DAMPINGS, "N·s/mm", "damping of a branch's damper", POSITIVE);
-                [vec![spring], springs, dampers].concat()
-            }
-            Family::Fung if self.kernel != Kernel::Exponentials => {
-                [elastic, self.kernel.parameters()].concat()
-            }
-            Family::Fung => {
-                let share = "share of the elastic response that relaxes at this rate";
-                [elastic, each(&SHARES, "", share, (0.0, 1.0)), rates("rate of relaxation")]
-                    .concat()
-            }
-            Family::Latency => {
-                let mut parameters = elastic;
-                equilibrium(&mut parameters);
-                parameters.push(parameter(
-                    "v1",
-                    "1/s",
-                    "rate at which the latent strain relaxes",
-                    POSITIVE,
-                ));
-                parameters
-            }
-            Family::LatencyPower => {
-                let mut parameters = elastic;
-                equilibrium(&mut parameters);
-                let meaning = "rate, 1/s, at which a latent compression of 1 mm relaxes";
-                parameters.push(parameter("nu", "1/(s·mm^(n−1))", meaning, POSITIVE));
-                if self.exponent.is_none() {
-                    let meaning = "power of the latent strain that its rate follows";
-                    parameters.push(parameter("n", "", meaning, EXPONENTS_N));
-                }
-                parameters
-            }
-            Family::Creep => {
-                let share = "part of the settled compression that comes late, at this rate";
-                [elastic, each(&SHARES, "", share, (-1.0, 0.0)), rates("rate of creep")].concat()
-            }
-        }
+        self.declared().into_iter().map(Parameter::from).collect()
     }
 
     /// Number of parameters.
     #[must_use]
     pub fn count(&self) -> usize {
-        let fixed = usize::from(self.segments.is_some()) + usize::from(self.exponent.is_some());
-        let elastic = self.elastic.count();
-        match self.family {
-            Family::KelvinVoigt | Family::Maxwell => 2,
-            Family::GeneralizedMaxwell => 1 + 2 * self.terms,
-            Family::Fung if self.kernel != Kernel::Exponentials => elastic + self.kernel.count(),
-            Family::Fung | Family::Creep => elastic + 2 * self.terms,
-            Family::Latency => elastic + 2 - fixed,
-            Family::LatencyPower => elastic + 3 - fixed,
-        }
+        self.declared().len()
+    }
+
+    /// Where among the parameters the one of this coordinate stands.
+    fn place(&self, coordinate: Coordinate) -> Option<usize> {
+        self.declared().iter().position(|parameter| parameter.coordinate == coordinate)
     }
 
     /// Where among the parameters those of the exponentials begin: shares (or stiffnesses), and rates (or
     /// dampings). None where there is nothing to put in order.
     #[must_use]
     pub fn branches(&self) -> Option<(usize, usize)> {
-        let elastic = self.elastic.count();
-        match self.family {
-            _ if self.kernel != Kernel::Exponentials => None,
-            Family::GeneralizedMaxwell => Some((1, 1 + self.terms)),
-            Family::Fung | Family::Creep => Some((elastic, elastic + self.terms)),
-            _ => None,
-        }
+        let ordered = self.has_terms();
+        ordered
+            .then(|| self.place(Coordinate::Force(1)).zip(self.place(Coordinate::Rate(1))))
+            .flatten()
     }
 
-    /// Which parameters tell rates of linear branches, in the order of the branches.
+    /// Which parameters are rates of linear branches, in the order of the branches.
     #[must_use]
     pub fn rates(&self) -> Range<usize> {
-        match (self.family, self.branches()) {
-            (_, Some((_, rates))) => rates..rates + self.terms,
-            (Family::Maxwell, _) => 1..2,
-            (Family::Latency, _) => self.count() - 1..self.count(),
+        let linear = self.family.linear_memory && self.kernel.is_exponentials();
+        match self.place(Coordinate::Rate(1)) {
+            Some(first) if linear => first..first + self.terms,
             _ => 0..0,
         }
     }
@@ -259,27 +162,27 @@ impl BaseLaw {
         let constants = self.constants(parameters);
         let mut hereditary = Hereditary::linear(Vec::new(), self.separation);
         hereditary.viscosity = constants.viscosity;
-        if matches!(self.kernel, Kernel::Exponentials | Kernel::None) {
-            let branch = |(&share, &rate): (&f64, &f64)| Branch { share, rate };
-            let branches = constants.shares.iter().zip(&constants.rates).map(branch);
-            hereditary.branches = branches.collect();
-        } else {
+        if let MemoryOf::Spectrum { of, .. } = self.kernel.memory {
             let share = constants.shares[0];
             let rate = constants.rates.first().copied().unwrap_or(1.0);
-            let spectrum = self.kernel.spectrum(rate, constants.order, self.span);
+            let spectrum = of(rate, constants.order, self.span);
             hereditary.branches = spectrum.branches;
             hereditary.branches.iter_mut().for_each(|branch| branch.share *= share);
             hereditary.viscosity = share * spectrum.viscosity;
             // Of the elastic response c0 = 1 − c1 stays, whatever the branches sum to.
             let sum: f64 = hereditary.branches.iter().map(|branch| branch.share).sum();
             hereditary.on_top = sum - share;
+        } else {
+            let branch = |(&share, &rate): (&f64, &f64)| Branch { share, rate };
+            let branches = constants.shares.iter().zip(&constants.rates).map(branch);
+            hereditary.branches = branches.collect();
         }
-        hereditary.retarded = self.family == Family::Creep;
+        hereditary.retarded = self.family.retarded;
         if constants.exponent != 1.0 {
-            hereditary.growth = Growth::Power(constants.exponent - 1.0, UNIT_LATENT);
+            hereditary.growth = Growth::Power(constants.exponent - 1.0, UNIT_STATE);
         }
         let Constants { p, shape, .. } = constants;
-        Response { form: self.form(), elastic: self.elastic, p, shape, hereditary }
+        Response { form: self.family.form, elastic: self.elastic, p, shape, hereditary }
     }
 
     /// How a hold relaxes: the share and rate of each exponential (eq. 3.3). None where it is no sum of
@@ -289,132 +192,21 @@ impl BaseLaw {
         let Constants { shares, rates, exponent, .. } = self.constants(parameters);
         let exponential = exponent == 1.0
             && !rates.is_empty()
-            && self.kernel == Kernel::Exponentials
-            && self.form() != Form::Compression;
+            && self.kernel.is_exponentials()
+            && self.family.form != Form::Compression;
         exponential.then(|| Relaxation::new(&shares, &rates))
     }
 
-    /// What the memory acts on.
-    #[must_use]
-    pub const fn form(&self) -> Form {
-        match self.family {
-            Family::Latency | Family::LatencyPower => Form::Strain,
-            Family::Creep => Form::Compression,
-            _ => Form::Force,
-        }
-    }
-
-    /// The constants that all families share, from the family's own parameters.
+    /// The constants that all laws share, from the law's own parameters (more may follow).
     #[must_use]
     pub fn constants(&self, parameters: &[f64]) -> Constants {
-        let n = self.terms;
-        let spring = |k: f64| k.max(f64::MIN_POSITIVE.sqrt());
-        let (p, shape) = match self.family.is_linear() {
-            true => (0.0, 0.0),
-            false => self.elastic.constants(parameters),
-        };
-        let rest = &parameters[self.elastic.count().min(parameters.len())..];
-        match self.family {
-            Family::KelvinVoigt => Constants {
-                viscosity: parameters[1] / spring(parameters[0]),
-                ..Constants::new(parameters[0], 0.0)
-            },
-            Family::Maxwell => Constants {
-                shares: vec![1.0],
-                rates: vec![parameters[0] / spring(parameters[1])],
-                ..Constants::new(parameters[0], 0.0)
-            },
-            Family::GeneralizedMaxwell => {
-                let (springs, dampers) = parameters[..self.count()].split_at(n + 1);
-                let total: f64 = springs.iter().sum();
-                let rate = |(k, eta): (&f64, &f64)| k / spring(*eta);
-                Constants {
-                    shares: springs[1..].iter().map(|k| k / spring(total)).collect(),
-                    rates: springs[1..].iter().zip(dampers).map(rate).collect(),
-                    ..Constants::new(total, 0.0)
-                }
-            }
-            Family::Fung if self.kernel != Kernel::Exponentials => {
-                let own = &rest[..self.kernel.count()];
-                let (shares, rates, order) = match *own {
-                    [share, order] => (vec![share], vec![], order),
-                    [share, tau, order] => (vec![share], vec![1.0 / spring(tau)], order),
-                    _ => (vec![], vec![], 1.0),
-                };
-                Constants { shares, rates, order, ..Constants::new(p, shape) }
-            }
-            Family::Fung | Family::Creep => {
-                let (shares, rates) = rest[..2 * n].split_at(n);
-                let sign = if self.family == Family::Creep { -1.0 } else { 1.0 };
-                Constants {
-                    shares: shares.iter().map(|share| sign * share).collect(),
-                    rates: rates.to_vec(),
-                    ..Constants::new(p, shape)
-                }
-            }
-            Family::Latency | Family::LatencyPower => {
-                let (equilibrium, rest) = match self.segments {
-                    Some(segments) => (1.0 / f64::from(segments), rest),
-                    None => (rest[0].max(SMALLEST_SHARE), &rest[1..]),
-                };
-                let exponent = match self.family {
-                    Family::Latency => 1.0,
-                    _ => self.exponent.unwrap_or_else(|| rest[1]),
-                };
-                // The branch carries y, the latent compression is y c1/c0.
-                let latent = (1.0 - equilibrium) / equilibrium;
-                Constants {
-                    shares: vec![1.0 - equilibrium],
-                    rates: vec![rest[0] * (latent / UNIT_LATENT).powf(exponent - 1.0)],
-                    exponent,
-                    ..Constants::new(p, shape)
-                }
-            }
-        }
+        (self.family.constants)(self, parameters)
     }
 
-    /// The family's own parameters from the constants that all families share.
+    /// The law's own parameters from the constants that all laws share.
     #[must_use]
     pub fn parameters_of(&self, constants: &Constants) -> Vec<f64> {
-        let Constants { p, shape, shares, rates, exponent, order, viscosity } = constants;
-        let equilibrium = 1.0 - shares.iter().sum::<f64>();
-        let elastic = self.elastic.parameters_of(*p, *shape);
-        match self.family {
-            Family::KelvinVoigt => vec![*p, viscosity * p],
-            Family::Maxwell => vec![*p, p / rates[0]],
-            Family::GeneralizedMaxwell => {
-                let springs = shares.iter().map(|share| share * p);
-                let dampers = shares.iter().zip(rates).map(|(share, rate)| share * p / rate);
-                std::iter::once(equilibrium * p).chain(springs).chain(dampers).collect()
-            }
-            Family::Fung => {
-                let kernel = match self.kernel {
-                    Kernel::Exponentials => [&shares[..], &rates[..]].concat(),
-                    Kernel::PowerLaw => vec![shares[0], *order],
-                    Kernel::Stretched => vec![shares[0], 1.0 / rates[0], *order],
-                    Kernel::None => vec![],
-                };
-                [elastic, kernel].concat()
-            }
-            Family::Creep => {
-                let shares: Vec<f64> = shares.iter().map(|share| -share).collect();
-                [&elastic, &shares[..], &rates[..]].concat()
-            }
-            Family::Latency | Family::LatencyPower => {
-                let equilibrium = equilibrium.max(SMALLEST_SHARE);
-                let latent = (1.0 - equilibrium) / equilibrium;
-                let rate = rates[0] / (latent / UNIT_LATENT).powf(exponent - 1.0);
-                let mut parameters = elastic;
-                if self.segments.is_none() {
-                    parameters.push(equilibrium);
-                }
-                parameters.push(rate);
-                if self.family == Family::LatencyPower && self.exponent.is_none() {
-                    parameters.push(*exponent);
-                }
-                parameters
-            }
-        }
+        (self.family.values)(self, constants)
     }
 
     /// Predicts the force of each motion of a data set, N, in order of recording.
@@ -441,7 +233,7 @@ impl BaseLaw {
     }
 }
 
-/// The constants that all families share: the elastic response, branches, and what bends them.
+/// The constants that all laws share: the elastic response, branches, and what bends them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Constants {
     /// Stiffness p of the elastic response: N/mm^(q+1) of the power law, N of a law of the stretch.
@@ -474,6 +266,12 @@ impl Constants {
             order: 1.0,
             viscosity: 0.0,
         }
+    }
+
+    /// Share of the elastic response that never relaxes.
+    #[must_use]
+    pub fn equilibrium(&self) -> f64 {
+        1.0 - self.shares.iter().sum::<f64>()
     }
 }
 
@@ -527,9 +325,9 @@ mod tests {
     }
 
     /// ∫ g from `a` to `b`, s, of a kernel that is no sum of exponentials.
-    fn integral(kernel: Kernel, own: &[f64], a: f64, b: f64) -> f64 {
-        let g = |t: f64| match kernel {
-            Kernel::PowerLaw => 1.0 - own[0] + own[0] * t.powf(-own[1]),
+    fn integral(kernel: &Kernel, own: &[f64], a: f64, b: f64) -> f64 {
+        let g = |t: f64| match kernel.name {
+            "power-law" => 1.0 - own[0] + own[0] * t.powf(-own[1]),
             _ => 1.0 - own[0] + own[0] * (-(t / own[1]).powf(own[2])).exp(),
         };
         // In w, t = a + (b − a) w^8, what is steep near t = 0 is smooth.
@@ -563,14 +361,14 @@ mod tests {
         };
         let shortest = time.windows(2).map(|pair| pair[1] - pair[0]).fold(1.0, f64::min);
         for (kernel, own) in [
-            (Kernel::PowerLaw, vec![0.7, 0.12]),
-            (Kernel::PowerLaw, vec![1.0, 0.6]),
-            (Kernel::Stretched, vec![0.6, 0.4, 0.35]),
-            (Kernel::Stretched, vec![0.9, 3.0, 0.8]),
+            (Kernel::POWER_LAW, vec![0.7, 0.12]),
+            (Kernel::POWER_LAW, vec![1.0, 0.6]),
+            (Kernel::STRETCHED, vec![0.6, 0.4, 0.35]),
+            (Kernel::STRETCHED, vec![0.9, 3.0, 0.8]),
         ] {
             for span in [Span::WIDEST, Span::of(shortest, 13.0)] {
                 let law =
-                    BaseLaw::fung(1, Separation::Bonded).with(Elastic::Power, kernel).over(span);
+                    BaseLaw::fung(1, Separation::Bonded).with(Elastic::POWER, kernel).over(span);
                 let parameters = [&[0.5, 0.0], &own[..]].concat();
                 let force = law.predict(&parameters, std::slice::from_ref(&motion)).remove(0);
                 for (k, &t) in time.iter().enumerate().skip(1) {

@@ -8,9 +8,10 @@ use serde::{Deserialize, Serialize};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
+use super::laws::{LawParameter, Laws};
 use super::{
-    BaseLaw, Deformation, Elastic, Family, Gauge, Hyperelastic, Kernel, POWER, Parameter,
-    Separation, Stage,
+    BaseLaw, Coordinate, Deformation, Elastic, Gauge, Kernel, MAX_TERMS, Parameter, Separation,
+    Stage,
 };
 use palpate_trace::files::write_whole;
 use palpate_trace::meant::did_you_mean;
@@ -127,54 +128,57 @@ pub struct StoredParameter {
 }
 
 impl Base {
-    /// The law with its options.
-    fn law(&self) -> Result<BaseLaw, String> {
+    /// The law with its options, as one of these.
+    fn law(&self, laws: &Laws) -> Result<BaseLaw, String> {
         let name = self.law.as_str();
-        let family = Family::named(name).ok_or_else(|| {
-            let known = Family::ALL.map(Family::name).join(", ");
-            let meant = did_you_mean(name, Family::ALL.map(Family::name));
-            format!("unknown law `{name}`{meant}; known: {known}")
+        let family = laws.family(name).ok_or_else(|| {
+            let meant = did_you_mean(name, laws.names());
+            format!("unknown law `{name}`{meant}; known: {}", laws.names().join(", "))
         })?;
-        let (elastic, kernel) = (self.elastic()?, self.kernel()?);
-        // One of these stands for each exponential or branch.
-        let each = if family == Family::GeneralizedMaxwell { "eta" } else { "c" };
-        let terms = self.parameters.keys().filter(|name| name.starts_with(each)).count();
-        if family.has_terms() && kernel == Kernel::Exponentials && terms == 0 {
-            return Err(format!("`{name}` lacks {each}1, of its first exponential or branch"));
-        }
-        let law = BaseLaw {
+        let (elastic, kernel) = (self.elastic(laws)?, self.kernel(laws)?);
+        let law = |terms| BaseLaw {
             segments: self.segments,
             exponent: self.exponent,
-            ..BaseLaw::new(family, terms, self.separation)
+            ..BaseLaw::new(family, terms, self.separation).with(elastic, kernel)
         };
-        let law = law.with(elastic, kernel);
+        // One of these stands for each exponential or branch.
+        let each =
+            |parameter: &LawParameter| matches!(parameter.coordinate, Coordinate::Force(1..));
+        let names = law(MAX_TERMS).declared().into_iter().filter(each).map(|one| one.name);
+        let names: Vec<&str> = names.collect();
+        let terms = names.iter().filter(|name| self.parameters.contains_key(**name)).count();
+        if law(1).has_terms() && terms == 0 {
+            let first = names.first().copied().unwrap_or_default();
+            return Err(format!("`{name}` lacks {first}, of its first {}", family.term[0]));
+        }
+        let law = law(terms);
         law.check().map_err(|error| error.to_string())?;
         Ok(law)
     }
 
-    fn elastic(&self) -> Result<Elastic, String> {
-        let name = match self.elastic.as_deref() {
-            None | Some(POWER) => return Ok(Elastic::Power),
-            Some(name) => name,
-        };
-        let law = Hyperelastic::named(name).ok_or_else(|| {
-            let known = Hyperelastic::ALL.map(Hyperelastic::name).join(", ");
-            format!("unknown elastic response `{name}`; known: {POWER}, {known}")
+    fn elastic(&self, laws: &Laws) -> Result<Elastic, String> {
+        let Some(name) = self.elastic.as_deref() else { return Ok(Elastic::POWER) };
+        let law = laws.elastic_law(name).ok_or_else(|| {
+            let known: Vec<&str> = laws.elastic().iter().map(|law| law.name).collect();
+            format!("unknown elastic response `{name}`; known: {}", known.join(", "))
         })?;
+        if !law.needs_gauge() {
+            return Ok(Elastic { law, gauge: None });
+        }
         let missing = |key: &str| format!("`{name}` needs {key} in [base]");
         let length_mm = self.gauge_length_mm.ok_or_else(|| missing("gauge_length_mm"))?;
         let deformation = self.deformation.ok_or_else(|| missing("deformation"))?;
         if !(length_mm > 0.0 && length_mm.is_finite()) {
             return Err(format!("gauge_length_mm = {length_mm}, a length is above 0"));
         }
-        Ok(Elastic::Stretch(law, Gauge { length_mm, deformation }))
+        Ok(Elastic::stretch(law, Gauge { length_mm, deformation }))
     }
 
-    fn kernel(&self) -> Result<Kernel, String> {
-        let Some(name) = self.relaxation.as_deref() else { return Ok(Kernel::default()) };
-        Kernel::named(name).ok_or_else(|| {
-            let known = Kernel::ALL.map(Kernel::name).join(", ");
-            format!("unknown relaxation `{name}`; known: {known}")
+    fn kernel(&self, laws: &Laws) -> Result<&'static Kernel, String> {
+        let Some(name) = self.relaxation.as_deref() else { return Ok(Kernel::EXPONENTIALS) };
+        laws.kernel(name).ok_or_else(|| {
+            let known: Vec<&str> = laws.kernels().iter().map(|kernel| kernel.name).collect();
+            format!("unknown relaxation `{name}`; known: {}", known.join(", "))
         })
     }
 }
@@ -269,12 +273,20 @@ impl Model {
     /// # Errors
     /// When the file cannot be read, is of a newer version, or does not describe a model.
     pub fn read(path: &Path) -> Result<Self, FileError> {
+        Self::read_with(path, &Laws::library())
+    }
+
+    /// Reads a model file whose base law is one of these.
+    ///
+    /// # Errors
+    /// As [`Model::read`].
+    pub fn read_with(path: &Path, laws: &Laws) -> Result<Self, FileError> {
         let failed = |source| FileError::Io { path: path.into(), source };
         if std::fs::metadata(path).map_err(failed)?.len() > MAX_BYTES {
             let problem = format!("larger than {} MiB: not a model file", MAX_BYTES >> 20);
             return Err(FileError::Content { path: path.into(), problem });
         }
-        Self::parse(path, &std::fs::read_to_string(path).map_err(failed)?)
+        Self::parse_with(path, &std::fs::read_to_string(path).map_err(failed)?, laws)
     }
 
     /// Reads a model from the text of a file; `path` is what errors call it.
@@ -282,6 +294,10 @@ impl Model {
     /// # Errors
     /// As [`Model::read`], but for those of the file system.
     pub fn parse(path: &Path, text: &str) -> Result<Self, FileError> {
+        Self::parse_with(path, text, &Laws::library())
+    }
+
+    fn parse_with(path: &Path, text: &str, laws: &Laws) -> Result<Self, FileError> {
         let not_toml = |source| FileError::Toml { path: path.into(), source: Box::new(source) };
         let content = |problem: String| FileError::Content { path: path.into(), problem };
         // The version first: a newer file may hold keys that this program would call wrong.
@@ -299,7 +315,7 @@ impl Model {
         }
         check_finite(text).map_err(content)?;
         let model: Self = toml::from_str(text).map_err(not_toml)?;
-        model.law().map_err(content)?;
+        model.law_of(laws).map_err(content)?;
         Ok(model)
     }
 
@@ -344,10 +360,10 @@ impl Model {
             separation: law.separation,
             segments: law.segments,
             exponent: law.exponent,
-            elastic: law.elastic.gauge().map(|_| law.elastic.name().into()),
-            gauge_length_mm: law.elastic.gauge().map(|gauge| gauge.length_mm),
-            deformation: law.elastic.gauge().map(|gauge| gauge.deformation),
-            relaxation: (law.kernel != Kernel::default()).then(|| law.kernel.name().into()),
+            elastic: (law.elastic != Elastic::POWER).then(|| law.elastic.name().into()),
+            gauge_length_mm: law.elastic.gauge.map(|gauge| gauge.length_mm),
+            deformation: law.elastic.gauge.map(|gauge| gauge.deformation),
+            relaxation: (law.kernel != Kernel::EXPONENTIALS).then(|| law.kernel.name.into()),
             parameters,
         };
         Self {
@@ -367,7 +383,15 @@ impl Model {
     /// # Errors
     /// In words, when the law is unknown or a parameter is missing, unknown or out of its range.
     pub fn law(&self) -> Result<(BaseLaw, Vec<f64>), String> {
-        let law = self.base.law()?;
+        self.law_of(&Laws::library())
+    }
+
+    /// The law, as one of these, and its parameter values, in the order of [`BaseLaw::parameters`].
+    ///
+    /// # Errors
+    /// As [`Model::law`].
+    pub fn law_of(&self, laws: &Laws) -> Result<(BaseLaw, Vec<f64>), String> {
+        let law = self.base.law(laws)?;
         let names = &self.base.parameters;
         let declared = law.parameters();
         if let Some(unknown) =
@@ -394,6 +418,7 @@ impl Model {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::ElasticLaw;
 
     fn example() -> Model {
         let law = BaseLaw::fung(2, Separation::Free);
@@ -418,8 +443,8 @@ mod tests {
     #[test]
     fn elastic_response_and_relaxation_come_back_as_they_were_written() {
         let gauge = Gauge { length_mm: 33.0, deformation: Deformation::Tension };
-        let elastic = Elastic::Stretch(Hyperelastic::Gent, gauge);
-        let law = BaseLaw::fung(2, Separation::Bonded).with(elastic, Kernel::Stretched);
+        let elastic = Elastic::stretch(ElasticLaw::GENT, gauge);
+        let law = BaseLaw::fung(2, Separation::Bonded).with(elastic, Kernel::STRETCHED);
         let values = [3.0, 50.0, 0.4, 2.5, 0.3];
         let model = Model::of(&law, "force_N", &values, &[None; 5]);
         let folder = tempfile::tempdir().unwrap();

@@ -239,7 +239,7 @@ mod tests {
 
     #[test]
     fn the_controller_keeps_the_force_and_the_specimen_creeps_both_ways() {
-        let law = BaseLaw::new(Family::Creep, 2, Separation::Clamp);
+        let law = BaseLaw::new(Family::CREEP, 2, Separation::Clamp);
         let run = programme(0.85).run(&law, &[0.4, 0.0, -0.08, -0.15, 0.8, 0.05]);
         let at = |time: f64| (time * 500.0) as usize;
         let (loaded, eased) = (4.0 / 0.85, 4.0 / 0.85 + 9.5 + 2.0 / 0.85);
@@ -255,7 +255,7 @@ mod tests {
 
     #[test]
     fn a_faster_loading_arrives_at_a_smaller_compression() {
-        let law = BaseLaw::new(Family::Creep, 2, Separation::Clamp);
+        let law = BaseLaw::new(Family::CREEP, 2, Separation::Clamp);
         let reached = |loading: f64| {
             let run = programme(loading).run(&law, &[0.4, 0.0, -0.08, -0.15, 0.8, 0.05]);
             run.displacement[(4.0 / loading * 500.0) as usize]

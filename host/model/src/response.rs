@@ -130,7 +130,7 @@ impl Response {
     ) {
         // What is not bonded carries nothing off the specimen; the power law does not there anyway.
         let bonded = self.hereditary.separation == Separation::Bonded;
-        let x: Cow<[f64]> = if bonded || (self.form, self.elastic) == (Form::Force, Elastic::Power)
+        let x: Cow<[f64]> = if bonded || (self.form, self.elastic) == (Form::Force, Elastic::POWER)
         {
             x.into()
         } else {

@@ -164,7 +164,7 @@ mod tests {
             let law = BaseLaw {
                 segments: Some(8),
                 exponent: Some(exponent),
-                ..BaseLaw::new(Family::LatencyPower, 1, Separation::Bonded)
+                ..BaseLaw::new(Family::LATENCY_POWER, 1, Separation::Bonded)
             };
             let motion =
                 Motion { time: (&time).into(), displacement: (&x).into(), rest_before: None };
@@ -246,7 +246,7 @@ mod tests {
                 let rate = pace / 350f64.powf(exponent - 1.0);
                 let law = BaseLaw {
                     exponent: Some(exponent),
-                    ..BaseLaw::new(Family::LatencyPower, 1, Separation::Clamp)
+                    ..BaseLaw::new(Family::LATENCY_POWER, 1, Separation::Clamp)
                 };
                 let motion =
                     Motion { time: (&time).into(), displacement: (&x).into(), rest_before: None };

@@ -133,14 +133,16 @@ pub fn diagnose_with(
     // Long recordings are searched on their means; the errors are those of all rows in the end.
     let means = block_means(traces);
     let searched = means.as_deref().unwrap_or(traces);
-    let data = Data::of_model(model, searched)?.with_effects(&options.effects);
+    let data =
+        Data::of_model(model, searched)?.with_effects(&options.effects).with_laws(&options.laws);
     let setting = data.setting();
     let (chain, values) = chain_of(model, &setting)?;
     let candidates = candidates(&setting, &model.candidates)?;
     let white = Whitening::none();
     let plain = Problem::new(&chain, &data, &white, None);
     let start = plain.point(&values);
-    let all = Data::of_model(model, traces)?.with_effects(&options.effects);
+    let all =
+        Data::of_model(model, traces)?.with_effects(&options.effects).with_laws(&options.laws);
     let rows = Problem::new(&chain, &all, &white, None);
     let given: f64 =
         rows.trace_squares(&rows.point(&values)).iter().map(|(squares, _)| squares).sum();

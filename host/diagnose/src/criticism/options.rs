@@ -1,5 +1,6 @@
 //! What a diagnosis is asked for.
 
+use palpate_model::Laws;
 use palpate_model::effects::Effects;
 
 use super::diagnose::DiagnoseError;
@@ -9,6 +10,8 @@ use super::diagnose::DiagnoseError;
 pub struct Options {
     /// The effects that are tried, beside laws of one's own in the model file.
     pub effects: Effects,
+    /// The base laws that the model may name.
+    pub laws: Laws,
     /// Chance of naming anything where nothing is missing, over all steps; above 0, below 1.
     pub false_alarms: f64,
     /// Most effects that are added, at least 1.
@@ -19,7 +22,8 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Self {
-        Self { effects: Effects::library(), false_alarms: 0.01, max_effects: 3, seed: 13 }
+        let (effects, laws) = (Effects::library(), Laws::library());
+        Self { effects, laws, false_alarms: 0.01, max_effects: 3, seed: 13 }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::Effects;
 use crate::covariate::Covariate;
-use crate::{Act, Applied, Parameter, Stage};
+use crate::{Act, Applied, Laws, Parameter, Stage};
 
 /// One physical or measuring effect that a base law can lack.
 pub struct Effect {
@@ -167,6 +167,8 @@ pub struct Setting {
     pub channel_ranges: Vec<f64>,
     /// The effects that can be tried on it and that a model of it may name.
     pub effects: Effects,
+    /// The base laws that a model of it may name.
+    pub laws: Laws,
 }
 
 impl Needs {

@@ -41,7 +41,7 @@ pub enum EffectError {
 /// # Errors
 /// When the base law or an effect of the model is not what it can be.
 pub fn chain_of(model: &Model, setting: &Setting) -> Result<(Chain, Vec<f64>), EffectError> {
-    let (base, mut values) = model.law().map_err(EffectError::Base)?;
+    let (base, mut values) = model.law_of(&setting.laws).map_err(EffectError::Base)?;
     let scales = &setting.scales;
     let mut chain = Chain::new(base.over(Span::of(scales.interval, scales.set_duration)));
     for stored in &model.effects {

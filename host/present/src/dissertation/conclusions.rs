@@ -91,7 +91,7 @@ impl Sides {
 
     /// The specimen of the relaxation under a PI controller, and what `palpate creep` finds in its hold.
     fn crept(&self) -> Option<[(f64, Option<f64>); 2]> {
-        let law = BaseLaw::new(Family::Fung, 2, Separation::Clamp);
+        let law = BaseLaw::new(Family::FUNG, 2, Separation::Clamp);
         let [_, c1, c2] = self.shares;
         let profile = ForceProfile {
             version: 1,

@@ -72,7 +72,7 @@ impl Run {
             steps,
         };
         let terms = specimen.terms;
-        let law = BaseLaw::new(Family::Creep, terms.len(), Separation::Clamp);
+        let law = BaseLaw::new(Family::CREEP, terms.len(), Separation::Clamp);
         let mut parameters = vec![FORCE / specimen.settled, 0.0];
         parameters.extend(terms.iter().map(|term| term.0));
         parameters.extend(terms.iter().map(|term| term.1));

@@ -128,7 +128,7 @@ impl Run {
         let force: Vec<f64> = x.iter().zip(&latent).map(|(x, y)| STIFFNESS * (x + y)).collect();
         let law = BaseLaw {
             segments: Some(NODES),
-            ..BaseLaw::new(Family::Latency, 1, Separation::Bonded)
+            ..BaseLaw::new(Family::LATENCY, 1, Separation::Bonded)
         };
         let closed = closed_force(&law, motion);
         // Off the specimen there is no contact to compare.

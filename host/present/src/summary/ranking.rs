@@ -166,7 +166,7 @@ pub fn ranking_json(ranking: &Ranking, signal: &str) -> Value {
             "law": fit.chain.base.name(),
             "terms": fit.chain.base.terms,
             "elastic": fit.chain.base.elastic.name(),
-            "relaxation": fit.chain.base.kernel.name(),
+            "relaxation": fit.chain.base.kernel.name,
             "residual_rms": fit.rms(),
             "heldout_rms": place.held_out,
             "deviation_between_setups": place.typical_deviation(),

@@ -83,7 +83,7 @@ impl FitSummary<'_> {
             "segments": fit.chain.base.segments,
             "exponent": fit.chain.base.exponent,
             "elastic": fit.chain.base.elastic.name(),
-            "relaxation": fit.chain.base.kernel.name(),
+            "relaxation": fit.chain.base.kernel.name,
             "signal": self.signal,
             "unit": unit_of(self.signal),
             "parameters": parameters,
@@ -163,7 +163,7 @@ impl FitSummary<'_> {
             table =
                 table.row([&parameter.name, value.as_str(), &parameter.unit, &parameter.meaning]);
         }
-        if fit.chain.base.family == Family::Fung && fit.chain.base.kernel != Kernel::None {
+        if fit.chain.base.family == Family::FUNG && fit.chain.base.kernel != Kernel::NONE {
             let shares = fit.chain.base.constants(&fit.values).shares;
             let rest = significant(1.0 - shares.iter().sum::<f64>(), 4);
             table = table.row(["c0", &rest, "", "share that never relaxes, 1 − Σ ci"]);

@@ -141,7 +141,7 @@ fn a_law_is_taken_from_a_model_where_its_hold_follows_from_the_signal() {
     assert_eq!(Law::of(&model).unwrap().left_out, ["drift"]);
     model.effects = vec![effect("slow-relaxation")];
     assert_eq!(Law::of(&model), Err(LawError::Effect("slow-relaxation".into())));
-    let power = BaseLaw::fung(1, Separation::Clamp).with(Elastic::Power, Kernel::PowerLaw);
+    let power = BaseLaw::fung(1, Separation::Clamp).with(Elastic::POWER, Kernel::POWER_LAW);
     let values = vec![0.5; power.count()];
     let model = Model::of(&power, "force_N", &values, &vec![None; values.len()]);
     assert!(matches!(Law::of(&model), Err(LawError::Form { .. })));

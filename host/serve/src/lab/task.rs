@@ -5,7 +5,7 @@ use serde::Deserialize;
 use super::error::LabError;
 use palpate_fit::choice::{Choice, Exponent};
 use palpate_fit::hold::Terms;
-use palpate_model::{Elastic, Family, Kernel, Separation, TERMS};
+use palpate_model::{Elastic, Kernel, LawOption, Laws, Separation, TERMS};
 use palpate_trace::FORCE;
 use palpate_trace::files::quoted;
 
@@ -136,7 +136,8 @@ impl FitTask {
     /// When the law is unknown.
     pub fn choice(&self) -> Result<Choice, LabError> {
         let unknown = || LabError::Unknown { what: "law", name: self.law.clone() };
-        let family = Family::named(&self.law).ok_or_else(unknown)?;
+        let laws = Laws::library();
+        let family = laws.family(&self.law).ok_or_else(unknown)?;
         let terms = match self.terms {
             Some(0) => Terms::Auto,
             terms => Terms::Fixed(terms.unwrap_or(TERMS)),
@@ -147,12 +148,12 @@ impl FitTask {
         };
         let unknown = |name: &String| LabError::Unknown { what: "relaxation", name: name.clone() };
         let kernel = match &self.relaxation {
-            Some(name) if family.has_kernel() => {
-                Kernel::named(name).ok_or_else(|| unknown(name))?
+            Some(name) if family.takes(LawOption::Relaxation) => {
+                laws.kernel(name).ok_or_else(|| unknown(name))?
             }
-            _ => Kernel::default(),
+            _ => Kernel::EXPONENTIALS,
         };
-        let (separation, segments, elastic) = (self.separation, self.segments, Elastic::Power);
+        let (separation, segments, elastic) = (self.separation, self.segments, Elastic::POWER);
         Ok(Choice { family, terms, separation, segments, exponent, elastic, kernel })
     }
 
@@ -163,7 +164,7 @@ impl FitTask {
         text += &terms.map_or(String::new(), |terms| format!(" --terms {}", auto(terms as f64)));
         text += &self.segments.map_or(String::new(), |m| format!(" --segments {m}"));
         text += &self.exponent.map_or(String::new(), |n| format!(" --exponent {}", auto(n)));
-        let kernel = self.relaxation.as_deref().filter(|name| *name != Kernel::default().name());
+        let kernel = self.relaxation.as_deref().filter(|name| *name != Kernel::EXPONENTIALS.name);
         text += &kernel.map_or(String::new(), |name| format!(" --relaxation {}", quoted(name)));
         if self.separation != Separation::default() {
             text += &format!(" --separation {}", self.separation.name());

@@ -1,0 +1,41 @@
+//! `maxwell`: a spring and a damper in a row.
+
+use super::declaration::{POSITIVE, divisor};
+use super::{Family, LawOption, LawParameter};
+use crate::coordinate::Coordinate;
+use crate::{Constants, Form};
+
+/// F′/k + F/η = x′ (eq. 2.4).
+pub static FAMILY: Family = Family {
+    name: "maxwell",
+    meaning: "a spring and a damper in a row",
+    formula: "F′/k + F/η = x′",
+    source: "eq. 2.4",
+    drawing: "──/\\/\\/\\──[ ]──",
+    form: Form::Force,
+    retarded: false,
+    linear_memory: true,
+    takes: &[LawOption::Bonded],
+    term: ["exponential", "exponentials"],
+    least_q: 0.0,
+    parameters: |_| {
+        let spring = ("k", "N/mm", "stiffness of the spring");
+        let damper = ("eta", "N·s/mm", "damping of the damper");
+        vec![
+            LawParameter::new(spring.0, spring.1, spring.2, POSITIVE, Coordinate::Force(1))
+                .scaling(),
+            LawParameter::new(damper.0, damper.1, damper.2, POSITIVE, Coordinate::Rate(1)),
+        ]
+    },
+    constants: |_, values| Constants {
+        shares: vec![1.0],
+        rates: vec![values[0] / divisor(values[1])],
+        ..Constants::new(values[0], 0.0)
+    },
+    values: |_, constants| vec![constants.p, constants.p / constants.rates[0]],
+    // The spring of the equilibrium is not there: the branch carries all.
+    starts: |_, beginning| {
+        let alone = |found: &Constants| Constants { shares: vec![1.0], ..found.clone() };
+        beginning.linear.iter().map(alone).collect()
+    },
+};
