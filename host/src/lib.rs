@@ -16,7 +16,7 @@
 //! # }
 //! ```
 //!
-//! [`fit`](fit()) and [`diagnose`] are the short way; the rooms below have everything else. Each is a crate of its own, and
+//! [`fit`](fit()), [`rank`] and [`diagnose`] are the short way; the rooms below have everything else. Each is a crate of its own, and
 //! dependencies between them point one way (`docs/architecture.md` draws them).
 //!
 //! - [`trace`]: one recording and sets of them: read, write, import, find the phases. [`recording`]: what a device says, kept as
@@ -73,6 +73,7 @@ mod diagnosing;
 mod error;
 mod fitting;
 mod law;
+mod ranking;
 mod work;
 
 pub use data_set::DataSet;
@@ -83,4 +84,5 @@ pub use law::Law;
 pub use palpate_fit::watch::Stage;
 pub use palpate_model::effects::{Effect, Effects};
 pub use palpate_model::{Elastic, Family, Kernel, Laws, Model, Separation};
+pub use ranking::{RankingOf, rank};
 pub use work::Cancel;

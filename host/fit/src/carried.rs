@@ -99,7 +99,7 @@ impl Carried {
             form: response.form,
             bonded: law.separation == Separation::Bonded,
             reference: coordinates.reference(),
-            exponent: 1.0,
+            exponent: law.family.shape + 1.0,
             forces: [0.0; MAX_TERMS + 1],
             equilibrium: None,
             rates: [0.0; MAX_TERMS],

@@ -81,7 +81,7 @@ impl Coordinates {
     pub fn declared(&self, point: &[f64]) -> Vec<f64> {
         let terms = self.law.terms;
         let mut forces = vec![0.0; terms + 1];
-        let mut constants = Constants::new(0.0, 0.0);
+        let mut constants = Constants::new(0.0, self.law.family.shape);
         constants.rates = vec![1.0; terms];
         constants.exponent = self.law.exponent.unwrap_or(1.0);
         let mut damping = 0.0;

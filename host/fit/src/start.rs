@@ -62,10 +62,9 @@ const AT_A_TIME: usize = 256;
 /// The best start of Fung's law for each shape of the elastic response, best first.
 fn linear_starts(law: &BaseLaw, data: &Data, reference: f64) -> Vec<Start> {
     let rates = rate_grid(data);
-    let shapes = if law.family.takes(LawOption::Elastic) {
-        law.elastic.shapes(reference)
-    } else {
-        vec![0.0]
+    let shapes = match law.family.takes(LawOption::Elastic) {
+        true => law.elastic.shapes(reference),
+        false => vec![law.family.shape],
     };
     let best = |&shape: &f64| {
         let gram = Gram::of(data, (law.elastic, shape), &rates, reference);

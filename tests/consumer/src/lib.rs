@@ -1,4 +1,7 @@
-//! A program of somebody else's: it depends on `palpate` alone, without its default features, and brings an effect of its own.
+//! A program of somebody else's: it depends on `palpate` alone, without its default features, and brings an effect and laws of its
+//! own.
+
+pub mod laws;
 
 use std::f64::consts::TAU;
 
@@ -52,23 +55,29 @@ pub static TEETH: Effect = Effect {
 pub const NOISE: f64 = 0.01;
 
 /// Three presses of a specimen on a drive whose teeth, 0.9 mm apart, push with 0.05 N.
+#[must_use]
+pub fn specimen() -> DataSet {
+    let law = BaseLaw::fung(2, Separation::Clamp);
+    recorded(law, &[0.28, 0.45, 0.26, 0.24, 4.2, 0.55, 0.05, 0.9])
+}
+
+/// Three presses by a law with these parameters, amplitude and pitch of the teeth last, with noise.
 ///
 /// # Panics
 /// Never: its motions are constants that can be pressed.
 #[must_use]
-pub fn specimen() -> DataSet {
+pub fn recorded(law: BaseLaw, values: &[f64]) -> DataSet {
     let bare: Vec<Trace> = [4.0, 6.0, 8.0].into_iter().zip(0..).map(press).collect();
     let data = Data::of_motions(&bare, FORCE).expect("a motion that can be pressed");
-    let law = TEETH.laws[0].applied(&TEETH, &data.setting());
-    let chain = Chain::new(BaseLaw::fung(2, Separation::Clamp)).with(law);
-    let values = [0.28, 0.45, 0.26, 0.24, 4.2, 0.55, 0.05, 0.9];
+    let teeth = TEETH.laws[0].applied(&TEETH, &data.setting());
+    let chain = Chain::new(law).with(teeth);
     let mut random = Random(7);
     let measured = |(mut trace, force): (Trace, Vec<f64>)| {
         trace.set_column(FORCE, force.into_iter().map(|f| f + NOISE * random.normal()).collect());
         trace
     };
     let traces: Vec<Trace> =
-        bare.clone().into_iter().zip(predict(&chain, &values, &data)).map(measured).collect();
+        bare.clone().into_iter().zip(predict(&chain, values, &data)).map(measured).collect();
     traces.into()
 }
 

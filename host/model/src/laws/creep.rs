@@ -20,6 +20,7 @@ pub static FAMILY: Family = Family {
     takes: &[LawOption::Terms, LawOption::Elastic],
     term: ["exponential", "exponentials"],
     least_q: EXPONENTS_Q.0,
+    shape: 0.0,
     parameters: |law| {
         let shares = LawParameter::each(&SHARES, law.terms, |name, branch| {
             let meaning = "part of the settled compression that comes late, at this rate";

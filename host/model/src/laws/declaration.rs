@@ -33,6 +33,8 @@ pub struct Family {
     pub term: [&'static str; 2],
     /// Least exponent q of its power law.
     pub least_q: f64,
+    /// Shape of the elastic response where no parameter gives it: 0 for a force in proportion to the compression.
+    pub shape: f64,
     /// Its parameters with these options, in the order of model files.
     pub parameters: fn(&BaseLaw) -> Vec<LawParameter>,
     /// The constants that all laws share, from at least as many values as it has parameters.
@@ -48,7 +50,7 @@ pub struct Family {
 pub enum LawOption {
     /// A number of exponentials or branches.
     Terms,
-    /// Another elastic response than the power law; without it the force is proportional to the compression.
+    /// Another elastic response than the power law, whose shape is a parameter; without it the shape is given.
     Elastic,
     /// Another relaxation than exponentials.
     Relaxation,

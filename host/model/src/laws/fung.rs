@@ -18,6 +18,7 @@ pub static FAMILY: Family = Family {
     takes: &[LawOption::Terms, LawOption::Elastic, LawOption::Relaxation, LawOption::Bonded],
     term: ["exponential", "exponentials"],
     least_q: EXPONENTS_Q.0,
+    shape: 0.0,
     parameters: |law| {
         let elastic = law.elastic.parameters(EXPONENTS_Q.0, Coordinate::Force(0));
         [elastic, (law.kernel.parameters)(law.terms)].concat()

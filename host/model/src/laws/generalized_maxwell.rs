@@ -21,6 +21,7 @@ pub static FAMILY: Family = Family {
     takes: &[LawOption::Terms, LawOption::Bonded],
     term: ["branch", "branches"],
     least_q: 0.0,
+    shape: 0.0,
     parameters: |law| {
         let alone = "stiffness of the spring that stands alone";
         let spring = LawParameter::new("k0", "N/mm", alone, POSITIVE, Coordinate::Force(0));

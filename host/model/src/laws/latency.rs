@@ -22,6 +22,7 @@ pub static FAMILY: Family = Family {
     takes: &[LawOption::Elastic, LawOption::Segments, LawOption::Bonded],
     term: ["exponential", "exponentials"],
     least_q: 0.0,
+    shape: 0.0,
     parameters: |law| {
         let meaning = "rate at which the latent strain relaxes";
         let rate = LawParameter::new("v1", "1/s", meaning, POSITIVE, Coordinate::Rate(1));

@@ -29,6 +29,7 @@ pub static FAMILY: Family = Family {
     takes: &[LawOption::Elastic, LawOption::Segments, LawOption::Exponent, LawOption::Bonded],
     term: ["exponential", "exponentials"],
     least_q: 0.0,
+    shape: 0.0,
     parameters: |law| {
         let meaning = "rate, 1/s, at which a latent compression of 1 mm relaxes";
         let unit = "1/(s·mm^(n−1))";

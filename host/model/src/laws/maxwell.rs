@@ -18,6 +18,7 @@ pub static FAMILY: Family = Family {
     takes: &[LawOption::Bonded],
     term: ["exponential", "exponentials"],
     least_q: 0.0,
+    shape: 0.0,
     parameters: |_| {
         let spring = ("k", "N/mm", "stiffness of the spring");
         let damper = ("eta", "N·s/mm", "damping of the damper");
