@@ -58,9 +58,9 @@ pub enum BalanceAnswer {
 #[derive(Clone, Debug, Serialize, JsonSchema)]
 #[schemars(deny_unknown_fields)]
 pub struct BalancedAnswer {
-    /// The normal force that was made least, N, or the factor of the load.
+    /// The normal force that was made least, N, or the factor of the load; null where it is not finite.
     pub value: Option<f64>,
-    /// The value cannot be better than this.
+    /// The value cannot be better than this; null where it is not finite.
     pub bound: Option<f64>,
     /// What each finger does.
     pub fingers: Vec<FingerAnswer>,
