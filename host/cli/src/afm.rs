@@ -10,12 +10,13 @@ use super::output::{Force, Output, print_json, print_sections, write_report};
 use super::{Failure, progress};
 use palpate_contact::afm::curve::ForceCurve;
 use palpate_contact::afm::fit::{Options, fit};
-use palpate_contact::afm::rough::Rough;
+use palpate_contact::afm::rough::{Rough, Spreads};
 use palpate_contact::afm::simulate::Practice;
 use palpate_contact::grasp::PressureLaw;
 use palpate_contact::{Elastic, Tip};
 use palpate_model::Relaxation;
-use palpate_present::summary::{FittedCurve, afm_json, afm_sections, rough_json, rough_sections};
+use palpate_present::answers::{self, AfmAnswer, AfmRoughAnswer};
+use palpate_present::summary::{FittedCurve, afm_sections, rough_sections};
 use palpate_trace::files::plan::{COMPUTED_OR_RECORDING, Plan};
 
 /// Force curves of a tip: modulus, contact point, adhesion, relaxation.
@@ -227,7 +228,7 @@ fn analyse(args: &CurveArgs) -> Result<(), Failure> {
     }
     let sections = afm_sections(&fitted, &options);
     if args.result.json {
-        print_json(&afm_json(&fitted, &options))?;
+        print_json(&answers::json(&AfmAnswer::of(&fitted, &options)))?;
     } else {
         print_sections(&sections)?;
     }
@@ -251,9 +252,10 @@ fn rough(args: &RoughArgs) -> Result<(), Failure> {
     };
     eprintln!("seed: {}", args.seed);
     let trials = rough.run(args.seed).map_err(Failure::input)?;
-    let sections = rough_sections(&rough, &trials);
+    let spreads = Spreads::of(&trials);
+    let sections = rough_sections(&rough, &trials, &spreads);
     if args.result.json {
-        print_json(&rough_json(&trials, args.seed))?;
+        print_json(&answers::json(&AfmRoughAnswer::of(&spreads, trials.len(), args.seed)))?;
     } else {
         print_sections(&sections)?;
     }

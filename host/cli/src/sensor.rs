@@ -11,10 +11,13 @@ use super::output::{Output, OverwriteOnly, print_json, print_sections, write_rep
 use palpate_contact::sensor::{
     Composition, Fingertip, Indenter, Press, Ridges, Shake, Silicone, Slide, Slip, Tones, Touch,
 };
+use palpate_present::answers::{
+    self, SensorFrequencyAnswer, SensorPressAnswer, SensorShakeAnswer, SensorSlideAnswer,
+    SensorSlipAnswer, SensorSpecimenAnswer,
+};
 use palpate_present::summary::{
-    sensor_press_json, sensor_press_sections, sensor_shake_json, sensor_shake_sections,
-    sensor_slide_json, sensor_slide_sections, sensor_slip_json, sensor_slip_sections,
-    sensor_tones_json, sensor_tones_sections,
+    sensor_press_sections, sensor_shake_sections, sensor_slide_sections, sensor_slip_sections,
+    sensor_tones_sections,
 };
 use palpate_report::Section;
 use palpate_trace::files::plan::COMPUTED_OR_RECORDING;
@@ -279,7 +282,8 @@ fn press(args: &PressArgs) -> Result<(), Failure> {
     let seed = args.fingertip.seed;
     let result = press.run(&fingertip, seed).map_err(Failure::input)?;
     let sections = sensor_press_sections(&fingertip, args.indenter, &result);
-    let json = sensor_press_json(&fingertip, args.indenter, &result, seed);
+    let specimen = SensorSpecimenAnswer::of(&fingertip, args.indenter, seed);
+    let json = answers::json(&SensorPressAnswer::of(specimen, &result));
     args.fingertip.give("A press on a simulated fingertip", &result.touch, sections, &json)
 }
 
@@ -297,7 +301,8 @@ fn frequency(args: &FrequencyArgs) -> Result<(), Failure> {
     let seed = args.fingertip.seed;
     let result = tones.run(&fingertip, seed).map_err(Failure::input)?;
     let sections = sensor_tones_sections(&fingertip, args.indenter, &result);
-    let json = sensor_tones_json(&fingertip, args.indenter, &result, seed);
+    let specimen = SensorSpecimenAnswer::of(&fingertip, args.indenter, seed);
+    let json = answers::json(&SensorFrequencyAnswer::of(specimen, &result));
     args.fingertip.give("Tones on a simulated fingertip", &result.touch, sections, &json)
 }
 
@@ -315,7 +320,8 @@ fn slide(args: &SlideArgs) -> Result<(), Failure> {
     let seed = args.fingertip.seed;
     let result = slide.run(&fingertip, seed).map_err(Failure::input)?;
     let sections = sensor_slide_sections(&fingertip, args.indenter, &result);
-    let json = sensor_slide_json(&fingertip, args.indenter, &result, seed);
+    let specimen = SensorSpecimenAnswer::of(&fingertip, args.indenter, seed);
+    let json = answers::json(&SensorSlideAnswer::of(specimen, &result));
     args.fingertip.give("A slide over a simulated fingertip", &result.touch, sections, &json)
 }
 
@@ -338,7 +344,8 @@ fn slip(args: &SlipArgs) -> Result<(), Failure> {
     let seed = args.fingertip.seed;
     let result = slip.run(&fingertip, seed).map_err(Failure::input)?;
     let sections = sensor_slip_sections(&fingertip, args.indenter, &result);
-    let json = sensor_slip_json(&fingertip, args.indenter, &result, seed);
+    let specimen = SensorSpecimenAnswer::of(&fingertip, args.indenter, seed);
+    let json = answers::json(&SensorSlipAnswer::of(specimen, &result));
     args.fingertip.give("A pull on a simulated fingertip", &result.touch, sections, &json)
 }
 
@@ -356,7 +363,8 @@ fn shake(args: &ShakeArgs) -> Result<(), Failure> {
     let seed = args.fingertip.seed;
     let touch = shake.run(&fingertip, seed).map_err(Failure::input)?;
     let sections = sensor_shake_sections(&fingertip, args.indenter, &touch);
-    let json = sensor_shake_json(&fingertip, args.indenter, &touch, seed);
+    let specimen = SensorSpecimenAnswer::of(&fingertip, args.indenter, seed);
+    let json = answers::json(&SensorShakeAnswer::of(specimen, &touch));
     args.fingertip.give("A simulated fingertip that shakes", &touch, sections, &json)
 }
 

@@ -11,7 +11,8 @@ use crate::output::Output;
 use palpate_contact::grasp::friction::{Friction, Sliding, friction};
 use palpate_contact::grasp::history::MOMENT;
 use palpate_contact::grasp::{Body, Load, PressureLaw};
-use palpate_present::summary::{friction_json, friction_sections};
+use palpate_present::answers::{self, GraspFrictionAnswer};
+use palpate_present::summary::friction_sections;
 use palpate_report::Section;
 use palpate_trace::{DISPLACEMENT, FORCE, TANGENTIAL, Trace, read};
 
@@ -104,7 +105,7 @@ impl Answer for Slid {
     }
 
     fn json(&self) -> Value {
-        friction_json(&self.found)
+        answers::json(&GraspFrictionAnswer::from(&self.found))
     }
 
     fn sections(&self) -> Result<Vec<Section>, Failure> {

@@ -11,7 +11,8 @@ use crate::output::{Output, OverwriteOnly};
 use palpate_contact::grasp::growth::{creep, growth, relaxation};
 use palpate_contact::grasp::{Body, Grown, Held, Material};
 use palpate_model::{Model, Relaxation};
-use palpate_present::summary::{growth_json, growth_sections};
+use palpate_present::answers::{self, GraspGrowthAnswer};
+use palpate_present::summary::growth_sections;
 use palpate_report::Section;
 
 /// How the limit surface grows under creep or shrinks under relaxation.
@@ -112,7 +113,7 @@ impl Answer for OverTime {
     }
 
     fn json(&self) -> Value {
-        growth_json(&self.grown)
+        answers::json(&GraspGrowthAnswer::from(&self.grown[..]))
     }
 
     fn sections(&self) -> Result<Vec<Section>, Failure> {

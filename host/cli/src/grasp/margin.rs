@@ -13,7 +13,8 @@ use palpate_analysis::decomposition::{decompose, relaxation_of};
 use palpate_contact::grasp::history::{MOMENT, history};
 use palpate_contact::grasp::{Body, Grip, History, Source, Sources};
 use palpate_model::Model;
-use palpate_present::summary::{HISTORY_HEADER, histories_json, history_csv, history_sections};
+use palpate_present::answers::{self, GraspMarginAnswer};
+use palpate_present::summary::{HISTORY_HEADER, history_csv, history_sections};
 use palpate_report::Section;
 use palpate_trace::files::plan::table;
 use palpate_trace::{FORCE, TANGENTIAL, Trace, read_set};
@@ -159,7 +160,7 @@ impl Answer for Followed {
     }
 
     fn json(&self) -> Value {
-        histories_json(&self.each())
+        answers::json(&GraspMarginAnswer::from(&self.each()[..]))
     }
 
     fn sections(&self) -> Result<Vec<Section>, Failure> {

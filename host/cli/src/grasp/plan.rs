@@ -11,7 +11,8 @@ use crate::{Failure, progress};
 use palpate_contact::grasp::hand::Hand;
 use palpate_contact::grasp::{BalanceError, Least};
 use palpate_model::Model;
-use palpate_present::summary::{Forecast, HandPlan, plan_json, plan_sections};
+use palpate_present::answers::{self, GraspPlanAnswer};
+use palpate_present::summary::{Forecast, HandPlan, plan_sections};
 use palpate_report::Section;
 
 /// Several fingers on one object: least grip, margin, and when it will slip.
@@ -113,7 +114,7 @@ impl Answer for Planned {
     }
 
     fn json(&self) -> Value {
-        plan_json(&self.hand, &self.plan)
+        answers::json(&GraspPlanAnswer::of(&self.hand, &self.plan))
     }
 
     fn sections(&self) -> Result<Vec<Section>, Failure> {

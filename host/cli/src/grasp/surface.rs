@@ -9,6 +9,7 @@ use crate::Failure;
 use crate::answer::Answer;
 use crate::output::{Output, OverwriteOnly, write_file};
 use palpate_contact::grasp::{Body, Contact, Load, Margin, SurfacePoint, limit_surface, margin};
+use palpate_present::answers::{self, GraspSurfaceAnswer};
 use palpate_present::summary::{SURFACE_HEADER, SurfaceSummary, surface_csv};
 use palpate_report::Section;
 use palpate_trace::files::plan::table;
@@ -125,7 +126,7 @@ impl Answer for Scanned {
     }
 
     fn json(&self) -> Value {
-        self.summary().json()
+        answers::json(&GraspSurfaceAnswer::from(&self.summary()))
     }
 
     fn sections(&self) -> Result<Vec<Section>, Failure> {

@@ -15,7 +15,8 @@ use palpate_contact::grasp::live::{Felt, Fingertip, Growing, Reading, Watch, Wei
 use palpate_contact::grasp::{Body, Material};
 use palpate_link::device::watch::watch;
 use palpate_model::Model;
-use palpate_present::summary::{reading_json, reading_line};
+use palpate_present::answers::{self, GraspWatchAnswer};
+use palpate_present::summary::reading_line;
 use palpate_trace::{self as trace, Trace, read_set};
 
 /// The margin as a fingertip feels it, while it grasps.
@@ -156,8 +157,11 @@ impl<'a> Watcher<'a> {
 
     /// Writes a line; breaks where nobody reads any more.
     fn say(&mut self, reading: &Reading) -> ControlFlow<()> {
-        let line =
-            if self.args.json { reading_json(reading).to_string() } else { reading_line(reading) };
+        let line = if self.args.json {
+            answers::json(&GraspWatchAnswer::from(reading)).to_string()
+        } else {
+            reading_line(reading)
+        };
         let mut out = io::stdout().lock();
         match writeln!(out, "{line}").and_then(|()| out.flush()) {
             Ok(()) => Continue(()),

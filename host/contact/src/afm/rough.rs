@@ -56,6 +56,29 @@ pub struct Spread {
     pub middle: (f64, f64),
 }
 
+/// The spread of every figure over the trials.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spreads {
+    /// Apparent modulus over the true one.
+    pub modulus_ratio: Spread,
+    /// Apparent contact point, m above the mean surface.
+    pub contact_m: Spread,
+    /// Asperities that bear at the largest force.
+    pub touching: Spread,
+}
+
+impl Spreads {
+    /// The spreads over trials; there are two at least.
+    #[must_use]
+    pub fn of(trials: &[Trial]) -> Self {
+        Self {
+            modulus_ratio: spread(trials, |trial| trial.modulus_ratio),
+            contact_m: spread(trials, |trial| trial.contact_m),
+            touching: spread(trials, |trial| trial.touching as f64),
+        }
+    }
+}
+
 /// Forces, as parts of the largest, at which a curve is read.
 const READ: [f64; 12] = [0.08, 0.16, 0.24, 0.32, 0.40, 0.48, 0.56, 0.64, 0.72, 0.80, 0.90, 1.0];
 /// Heights beyond so many deviations are not waited for.

@@ -185,6 +185,15 @@ impl Contact {
         self.arm
     }
 
+    /// Pressure in the middle over mean pressure, Ck.
+    #[must_use]
+    pub fn middle_over_mean_pressure(&self) -> f64 {
+        match self.shape {
+            Shape::Rectangle { .. } => self.law.strip_constant(),
+            Shape::Circle { .. } | Shape::Ellipse { .. } => self.law.circular_constant(),
+        }
+    }
+
     /// The load on the limit surface at which the contact slips with this motion, for a friction force μN of
     /// 1 N (eqs 6.7, 6.8). Nothing moves, nothing is carried.
     #[must_use]

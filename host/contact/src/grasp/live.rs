@@ -122,6 +122,14 @@ pub struct Hold {
     pub margin: Option<f64>,
 }
 
+impl Hold {
+    /// Share of what the contact can carry that is in use, 1/margin; none where nothing is held.
+    #[must_use]
+    pub fn used(&self) -> Option<f64> {
+        self.margin.map(f64::recip)
+    }
+}
+
 /// How a grasp is at one time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reading {

@@ -20,6 +20,14 @@ pub struct Margin {
     pub motion: Option<Motion>,
 }
 
+impl Margin {
+    /// Whether the contact slips under the load.
+    #[must_use]
+    pub fn slips(&self) -> bool {
+        self.factor <= 1.0
+    }
+}
+
 /// Steps of the search at most; it takes about ten.
 const STEPS: usize = 200;
 /// Halvings of one step at most.

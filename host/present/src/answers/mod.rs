@@ -3,11 +3,31 @@
 //! One file an answer: its type, and how it follows from what was computed. Nothing is computed here; what an answer states, its
 //! result has found. Sections for people are in [`summary`](crate::summary).
 
+mod afm;
 mod compare;
+mod grasp;
 mod preparation;
+mod sensor;
 
+pub use afm::{
+    AfmAnswer, AfmCurveAnswer, AfmEstimate, AfmExponentialAnswer, AfmFitAnswer, AfmHoldAnswer,
+    AfmLatencyAnswer, AfmRefusedAnswer, AfmRefusedHoldAnswer, AfmRelaxedAnswer, AfmRetreatAnswer,
+    AfmRoughAnswer, AfmTermAnswer, SpreadAnswer,
+};
 pub use compare::{ComparisonAnswer, DependenceAnswer, PlaceAnswer};
+pub use grasp::{
+    BalanceAnswer, BalancedAnswer, ContactAnswer, ContactShapeAnswer, FingerAnswer,
+    GraspForecastAnswer, GraspFrictionAnswer, GraspGrowthAnswer, GraspHoldAnswer, GraspLoadAnswer,
+    GraspMarginAnswer, GraspPlanAnswer, GraspState, GraspSurfaceAnswer, GraspWatchAnswer,
+    GrownAnswer, InstantAnswer, LeastAnswer, MarginHistoryAnswer, SlipAnswer, SurfacePointAnswer,
+    UnbalancedAnswer,
+};
 pub use preparation::{PreparationAnswer, Prepared};
+pub use sensor::{
+    SensorFrequencyAnswer, SensorGaugeAnswer, SensorPressAnswer, SensorRelaxationAnswer,
+    SensorResponseAnswer, SensorShakeAnswer, SensorSlideAnswer, SensorSlipAnswer,
+    SensorSpecimenAnswer, SensorStimulus, SensorToneAnswer,
+};
 
 use schemars::{JsonSchema, Schema, SchemaGenerator, generate::SchemaSettings};
 use serde::Serialize;
@@ -43,7 +63,22 @@ pub fn finite(number: f64) -> Option<f64> {
 /// The JSON schema of every answer, by the name of its file in `docs/schema/`.
 #[must_use]
 pub fn schemas() -> Vec<(&'static str, Schema)> {
-    vec![("compare", schema::<Prepared<ComparisonAnswer>>())]
+    vec![
+        ("afm", schema::<AfmAnswer>()),
+        ("afm-rough", schema::<AfmRoughAnswer>()),
+        ("compare", schema::<Prepared<ComparisonAnswer>>()),
+        ("grasp-friction", schema::<GraspFrictionAnswer>()),
+        ("grasp-growth", schema::<GraspGrowthAnswer>()),
+        ("grasp-margin", schema::<GraspMarginAnswer>()),
+        ("grasp-plan", schema::<GraspPlanAnswer>()),
+        ("grasp-surface", schema::<GraspSurfaceAnswer>()),
+        ("grasp-watch", schema::<GraspWatchAnswer>()),
+        ("sensor-frequency", schema::<SensorFrequencyAnswer>()),
+        ("sensor-press", schema::<SensorPressAnswer>()),
+        ("sensor-shake", schema::<SensorShakeAnswer>()),
+        ("sensor-slide", schema::<SensorSlideAnswer>()),
+        ("sensor-slip", schema::<SensorSlipAnswer>()),
+    ]
 }
 
 /// What a program that reads an answer may rely on: the schema of what is written, not of what would be read.

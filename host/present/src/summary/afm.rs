@@ -1,14 +1,12 @@
 //! Force curves of a tip: what they say of the specimen.
 
-use serde_json::{Value, json};
-
 use super::{CONCISE, concise, estimate};
 use palpate_contact::Tip;
 use palpate_contact::afm::curve::ForceCurve;
 use palpate_contact::afm::fit::{CurveFit, Held, Options, Retreat, TERMS};
 use palpate_contact::afm::hold::{Latency, Relaxed};
 use palpate_contact::afm::pressure::modulus_factor;
-use palpate_contact::afm::rough::{Rough, Spread, Trial, spread};
+use palpate_contact::afm::rough::{Rough, Spread, Spreads, Trial};
 use palpate_contact::afm::{AfmError, Estimate};
 use palpate_contact::grasp::PressureLaw;
 use palpate_report::number::{engineering, significant};
@@ -32,7 +30,7 @@ pub fn afm_sections(curves: &[FittedCurve], options: &Options) -> Vec<Section> {
     for (curve, fit) in curves {
         let mut points = curve.notes.clone();
         match fit {
-            Ok(fit) => points.extend(remarks(fit)),
+            Ok(fit) => points.extend(curve_remarks(fit)),
             Err(error) => {
                 section = section.callout(Callout::Warning, "Not analysed", error.to_string());
             }
@@ -126,7 +124,7 @@ fn table(curves: &[FittedCurve]) -> Table {
 }
 
 /// What is to be said of a fit.
-fn remarks(fit: &CurveFit) -> Vec<String> {
+pub(crate) fn curve_remarks(fit: &CurveFit) -> Vec<String> {
     let mut remarks = Vec::new();
     if let Some(why) = &fit.no_modulus {
         remarks.push(format!("no modulus: {why}"));
@@ -286,109 +284,9 @@ pub(crate) fn hold_figure(held: &Relaxed) -> Plot {
         )
 }
 
-/// All curves as a JSON object.
-#[must_use]
-pub fn afm_json(curves: &[FittedCurve], options: &Options) -> Value {
-    let curves: Vec<Value> = curves
-        .iter()
-        .map(|(curve, fit)| match fit {
-            Ok(fit) => fit_json(curve, fit),
-            Err(error) => {
-                json!({"curve": curve.label, "notes": curve.notes, "error": error.to_string()})
-            }
-        })
-        .collect();
-    json!({
-        "palpate_afm": 1,
-        "poisson_ratio": options.poisson_ratio,
-        "modulus_factor": modulus_factor(options.pressure),
-        "curves": curves,
-    })
-}
-
-fn value(found: Estimate) -> Value {
-    json!({"value": found.value, "standard_error": found.standard_error})
-}
-
-fn fit_json(curve: &ForceCurve, fit: &CurveFit) -> Value {
-    let latency = |l: &Latency| {
-        json!({
-            "order": l.order,
-            "rate_per_s": value(l.rate),
-            "equilibrium": value(l.equilibrium),
-            "start": value(l.start),
-            "rms": l.rms,
-        })
-    };
-    let hold = |held: &Held| match &held.relaxed {
-        Ok(held) => {
-            let sum = &held.exponentials.sum;
-            let terms: Vec<Value> = sum
-                .terms
-                .iter()
-                .map(|term| json!({"coefficient": term.coefficient, "rate_per_s": term.rate}))
-                .collect();
-            json!({
-                "duration_s": held.duration_s,
-                "force_N": sum.scale,
-                "c0": sum.constant,
-                "terms": terms,
-                "latency_linear": latency(&held.linear),
-                "latency_power": latency(&held.power),
-            })
-        }
-        Err(why) => json!({"error": why}),
-    };
-    let relaxation: Vec<Value> = fit
-        .relaxation
-        .iter()
-        .map(|term| json!({"share": value(term.share), "rate_per_s": value(term.rate)}))
-        .collect();
-    let retreat = fit.retreat.as_ref().map(|retreat| {
-        json!({
-            "adheres": retreat.adheres,
-            "pull_off_N": retreat.pull_off_n,
-            "energy_J": retreat.energy_j,
-            "work_DMT_J_per_m2": retreat.work_dmt,
-            "work_JKR_J_per_m2": retreat.work_jkr,
-            "tabor": retreat.tabor,
-        })
-    });
-    json!({
-        "curve": curve.label,
-        "notes": curve.notes,
-        "remarks": remarks(fit),
-        "spring_constant_N_per_m": curve.spring_n_per_m,
-        "modulus_Pa": fit.modulus_pa.map(value),
-        "equilibrium_modulus_Pa": fit.equilibrium_modulus_pa.map(value),
-        "relaxation": relaxation,
-        "way_back_fitted": fit.follows_back,
-        "drag_N": fit.drag_n,
-        "no_modulus": fit.no_modulus,
-        "contact_m": value(fit.contact_m),
-        "baseline_N": fit.offset_n,
-        "tilt_N_per_m": fit.tilt_n_per_m,
-        "approach_pull_N": fit.approach_pull_n.map(value),
-        "noise_N": fit.noise_n,
-        "residual_rms_N": fit.residual_rms_n,
-        "samples": fit.samples,
-        "outliers": fit.left_out,
-        "depth_m": fit.depth_m,
-        "force_N": fit.force_n,
-        "slope_over_spring_constant": fit.slope_over_spring,
-        "retreat": retreat,
-        "hold": fit.longest_hold().map(hold),
-        "holds": fit.holds.iter().map(|held| {
-            let mut told = hold(held);
-            told["from_s"] = curve.time_s[held.range.start].into();
-            told
-        }).collect::<Vec<Value>>(),
-    })
-}
-
 /// What a rough surface does, in words, as a table and as a figure.
 #[must_use]
-pub fn rough_sections(rough: &Rough, trials: &[Trial]) -> Vec<Section> {
+pub fn rough_sections(rough: &Rough, trials: &[Trial], spreads: &Spreads) -> Vec<Section> {
     let columns = vec![
         Column::text("figure"),
         Column::number("mean", ""),
@@ -396,22 +294,19 @@ pub fn rough_sections(rough: &Rough, trials: &[Trial]) -> Vec<Section> {
         Column::number("5 %", ""),
         Column::number("95 %", ""),
     ];
-    let row = |name: &str, spread: Spread| {
+    let row = |name: &str, spread: Spread, factor: f64| {
         [
             name.to_owned(),
-            significant(spread.mean, 4),
-            significant(spread.deviation, 3),
-            significant(spread.middle.0, 3),
-            significant(spread.middle.1, 3),
+            significant(spread.mean * factor, 4),
+            significant(spread.deviation * factor, 3),
+            significant(spread.middle.0 * factor, 3),
+            significant(spread.middle.1 * factor, 3),
         ]
     };
     let table = Table::new(format!("{} places of a rough surface", trials.len()), columns)
-        .row(row("apparent modulus over the true one", spread(trials, |t| t.modulus_ratio)))
-        .row(row(
-            "contact point above the mean surface (nm)",
-            spread(trials, |t| t.contact_m * 1e9),
-        ))
-        .row(row("asperities that bear", spread(trials, |t| t.touching as f64)));
+        .row(row("apparent modulus over the true one", spreads.modulus_ratio, 1.0))
+        .row(row("contact point above the mean surface (nm)", spreads.contact_m, 1e9))
+        .row(row("asperities that bear", spreads.touching, 1.0));
     let words = format!(
         "Heights of {} nm RMS, {} asperities per µm² of radius {} nm, under a tip of radius {} nm, to the force that a smooth specimen bears at {} nm.",
         significant(rough.rms_m * 1e9, 4),
@@ -440,24 +335,4 @@ fn rough_figure(trials: &[Trial]) -> Plot {
     .summary("Apparent modulus over apparent contact point at many places of a rough surface")
     .series(Series::points("places", contact, ratio))
     .level(1.0, "smooth")
-}
-
-/// The same as a JSON object.
-#[must_use]
-pub fn rough_json(trials: &[Trial], seed: u64) -> Value {
-    let of = |spread: Spread| {
-        json!({
-            "mean": spread.mean,
-            "standard_deviation": spread.deviation,
-            "middle_90": [spread.middle.0, spread.middle.1],
-        })
-    };
-    json!({
-        "palpate_afm_rough": 1,
-        "seed": seed,
-        "trials": trials.len(),
-        "modulus_ratio": of(spread(trials, |t| t.modulus_ratio)),
-        "contact_m": of(spread(trials, |t| t.contact_m)),
-        "touching": of(spread(trials, |t| t.touching as f64)),
-    })
 }

@@ -35,8 +35,8 @@ mod survey;
 mod terms;
 mod whole_motion;
 
-pub(crate) use afm::hold_figure;
-pub use afm::{FittedCurve, afm_json, afm_sections, rough_json, rough_sections};
+pub use afm::{FittedCurve, afm_sections, rough_sections};
+pub(crate) use afm::{curve_remarks, hold_figure};
 pub use change::{change_json, change_report, change_sections};
 pub use compare::{compare_sections, overlays};
 pub use contract::{contract_json, contract_section};
@@ -57,9 +57,9 @@ pub use effects::{
 };
 pub use events::{events_json, events_sections};
 pub use grasp::{
-    Forecast, HISTORY_HEADER, HandPlan, SURFACE_HEADER, SurfaceSummary, friction_json,
-    friction_sections, growth_json, growth_sections, histories_json, history_csv, history_sections,
-    plan_json, plan_sections, pressure_plot, reading_json, reading_line, surface_csv,
+    Forecast, HISTORY_HEADER, HandPlan, SURFACE_HEADER, SurfaceSummary, friction_sections,
+    growth_sections, history_csv, history_sections, plan_sections, pressure_plot, reading_line,
+    surface_csv,
 };
 pub use holds::{hold_json, hold_sections};
 pub use ladder::ladder;
@@ -77,9 +77,8 @@ pub use relaxation::{relaxation_json, relaxation_sections};
 pub use segment::{segment_json, segment_sections};
 pub use segment_run::{segment_run_json, segment_run_section};
 pub use sensor::{
-    sensor_press_json, sensor_press_sections, sensor_shake_json, sensor_shake_sections,
-    sensor_slide_json, sensor_slide_sections, sensor_slip_json, sensor_slip_sections,
-    sensor_tones_json, sensor_tones_sections,
+    sensor_press_sections, sensor_shake_sections, sensor_slide_sections, sensor_slip_sections,
+    sensor_tones_sections,
 };
 pub(crate) use sensor::{spectrum_figure, tones_figure};
 pub use strain_rate::{strain_rate_json, strain_rate_sections};

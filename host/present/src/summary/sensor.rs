@@ -1,7 +1,5 @@
 //! What a simulated fingertip felt: a press, tones, a slide, a pull, shaking.
 
-use serde_json::{Value, json};
-
 use palpate_contact::sensor::{
     Fingertip, Indenter, PressResult, Response, SlideResult, SlipResult, Tone, TonesResult, Touch,
 };
@@ -27,22 +25,6 @@ fn specimen(fingertip: &Fingertip, indenter: Indenter) -> String {
         significant(g.v2, 3),
         indenter.radius_mm,
     )
-}
-
-fn specimen_json(fingertip: &Fingertip, indenter: Indenter, seed: u64) -> Value {
-    let silicone = &fingertip.silicone;
-    let g = fingertip.relaxation_of_readings();
-    json!({
-        "share_of_silicone": silicone.composition.share(),
-        "thickness_mm": fingertip.thickness_mm,
-        "cover_mm": fingertip.cover_mm,
-        "modulus_Pa": silicone.elastic.modulus_pa,
-        "relaxation": {"c0": g.c0(), "c1": g.c1, "c2": g.c2, "v1": g.v1, "v2": g.v2},
-        "tip_radius_mm": indenter.radius_mm,
-        "limit_ustrain": fingertip.limit_ustrain,
-        "noise_ustrain": fingertip.noise_ustrain,
-        "seed": seed,
-    })
 }
 
 /// A press in words, as a table and as a figure.
@@ -122,38 +104,6 @@ fn press_figure(result: &PressResult) -> Panels {
         .plot(force)
 }
 
-/// A press as a JSON object.
-#[must_use]
-pub fn sensor_press_json(
-    fingertip: &Fingertip,
-    indenter: Indenter,
-    result: &PressResult,
-    seed: u64,
-) -> Value {
-    let gauges: Vec<Value> = result
-        .felt
-        .iter()
-        .map(|felt| {
-            json!({
-                "peak_ustrain": felt.peak,
-                "end_of_hold_ustrain": felt.end_of_hold,
-                "saturated_after_s": felt.saturated_after_s,
-                "after_release_ustrain": felt.left,
-                "half_recovered_s": felt.half_recovered_s,
-                "peak_fa_ustrain": felt.peak_fa,
-            })
-        })
-        .collect();
-    json!({
-        "palpate_sensor": 1,
-        "stimulus": "press",
-        "specimen": specimen_json(fingertip, indenter, seed),
-        "depth_mm": result.depth_mm,
-        "peak_force_N": result.peak_force_n,
-        "gauges": gauges,
-    })
-}
-
 /// Gain and phase over frequency in words, as a table and as a figure.
 #[must_use]
 pub fn sensor_tones_sections(
@@ -227,37 +177,6 @@ pub(crate) fn tones_figure(tones: &[Tone]) -> Panels {
         .plot(plot(Axis::new("Phase", "°"), |response| response.phase_deg).legend(Legend::Hidden))
 }
 
-/// Tones as a JSON object.
-#[must_use]
-pub fn sensor_tones_json(
-    fingertip: &Fingertip,
-    indenter: Indenter,
-    result: &TonesResult,
-    seed: u64,
-) -> Value {
-    let response = |r: &Response| json!({"gain": r.gain, "phase_deg": r.phase_deg});
-    let tones: Vec<Value> = result
-        .tones
-        .iter()
-        .map(|tone| {
-            json!({
-                "frequency_Hz": tone.frequency_hz,
-                "fa": response(&tone.fa),
-                "sa": response(&tone.sa),
-                "fa_formula": response(&tone.fa_formula),
-                "sa_formula": response(&tone.sa_formula),
-                "distance": tone.distance,
-            })
-        })
-        .collect();
-    json!({
-        "palpate_sensor": 1,
-        "stimulus": "frequency",
-        "specimen": specimen_json(fingertip, indenter, seed),
-        "tones": tones,
-    })
-}
-
 /// A slide in words and as figures.
 #[must_use]
 pub fn sensor_slide_sections(
@@ -312,25 +231,6 @@ pub(crate) fn spectrum_figure(result: &SlideResult) -> Plot {
         .mark(result.expected_hz, "speed / period")
 }
 
-/// A slide as a JSON object.
-#[must_use]
-pub fn sensor_slide_json(
-    fingertip: &Fingertip,
-    indenter: Indenter,
-    result: &SlideResult,
-    seed: u64,
-) -> Value {
-    json!({
-        "palpate_sensor": 1,
-        "stimulus": "slide",
-        "specimen": specimen_json(fingertip, indenter, seed),
-        "expected_Hz": result.expected_hz,
-        "line_Hz": result.line.map(|line| line.0),
-        "line_ustrain": result.line.map(|line| line.1),
-        "through_contact": result.through_contact,
-    })
-}
-
 /// A pull until it slides in words and as a figure.
 #[must_use]
 pub fn sensor_slip_sections(
@@ -360,24 +260,6 @@ pub fn sensor_slip_sections(
     ]
 }
 
-/// A pull until it slides as a JSON object.
-#[must_use]
-pub fn sensor_slip_json(
-    fingertip: &Fingertip,
-    indenter: Indenter,
-    result: &SlipResult,
-    seed: u64,
-) -> Value {
-    json!({
-        "palpate_sensor": 1,
-        "stimulus": "slip",
-        "specimen": specimen_json(fingertip, indenter, seed),
-        "contact_radius_mm": result.contact_mm,
-        "nubs_let_go_s": result.let_go_s,
-        "slides_s": result.slides_s,
-    })
-}
-
 /// A fingertip that shakes in words and as a figure.
 #[must_use]
 pub fn sensor_shake_sections(
@@ -390,22 +272,6 @@ pub fn sensor_shake_sections(
             .paragraph(specimen(fingertip, indenter))
             .figure(readings_figure("Held while it shakes", touch, &[]), "What the gauges read."),
     ]
-}
-
-/// A fingertip that shakes as a JSON object.
-#[must_use]
-pub fn sensor_shake_json(
-    fingertip: &Fingertip,
-    indenter: Indenter,
-    touch: &Touch,
-    seed: u64,
-) -> Value {
-    json!({
-        "palpate_sensor": 1,
-        "stimulus": "shake",
-        "specimen": specimen_json(fingertip, indenter, seed),
-        "left_at_s": touch.left_at_s,
-    })
 }
 
 /// Readings of all gauges over time.

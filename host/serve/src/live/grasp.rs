@@ -10,7 +10,7 @@ use shared::wire::Row;
 use palpate_contact::grasp::live::{Felt, Fingertip, Watch, Weights, weights};
 use palpate_contact::grasp::{Body, Contact, PressureLaw};
 use palpate_link::robots::Listener;
-use palpate_present::summary::reading_json;
+use palpate_present::answers::{self, GraspWatchAnswer};
 
 /// Time between two readings, s, as of the command.
 const EVERY_S: f64 = 0.2;
@@ -192,7 +192,7 @@ impl Grasp {
                 if let Some(listener) = &mut listener {
                     listener.margin(&reading);
                 }
-                let mut json = reading_json(&reading);
+                let mut json = answers::json(&GraspWatchAnswer::from(&reading));
                 json["session_s"] = (now_s - (end.time_us as f64 * 1e-6 - felt.time)).into();
                 readings.push(json);
             }

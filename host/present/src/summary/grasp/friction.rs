@@ -1,8 +1,6 @@
 //! Friction from a slide, in words and numbers.
 
-use serde_json::{Value, json};
-
-use super::{exponent_words, finite};
+use super::exponent_words;
 use crate::summary::estimate;
 use palpate_contact::grasp::PressureLaw;
 use palpate_contact::grasp::friction::Friction;
@@ -43,21 +41,4 @@ pub fn friction_sections(found: &Friction, law: PressureLaw) -> Vec<Section> {
 
 fn words(exponent: f64) -> String {
     if exponent.is_infinite() { "∞".into() } else { significant(exponent, 3) }
-}
-
-/// The same as a JSON object; an infinite exponent is null.
-#[must_use]
-pub fn friction_json(found: &Friction) -> Value {
-    json!({
-        "palpate_grasp_friction": 1,
-        "friction": found.coefficient.0,
-        "friction_standard_error": found.coefficient.1,
-        "exponent_is_told": found.exponent.is_some(),
-        "exponent": found.exponent.and_then(|(k, ..)| finite(k)),
-        "exponent_least": found.exponent.and_then(|(_, low, _)| finite(low)),
-        "exponent_largest": found.exponent.and_then(|(.., high)| finite(high)),
-        "scatter": found.scatter,
-        "samples": found.samples,
-        "moment_share": [found.moment_share.0, found.moment_share.1],
-    })
 }

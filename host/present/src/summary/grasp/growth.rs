@@ -1,7 +1,5 @@
 //! A limit surface that grows under creep or shrinks under relaxation.
 
-use serde_json::{Value, json};
-
 use palpate_contact::grasp::{Grown, Shape};
 use palpate_report::number::{percent, significant};
 use palpate_report::{Axis, Callout, Colour, Column, Panels, Plot, Section, Series, Table};
@@ -80,23 +78,4 @@ fn panels(grown: &[Grown]) -> Panels {
         .plot(line("largest force", "N", |grown| grown.force, 0))
         .plot(line("largest moment", "N mm", |grown| grown.moment, 1))
         .summary(format!("{} times over a hold", grown.len()))
-}
-
-/// What the contact carries over time as a JSON object.
-#[must_use]
-pub fn growth_json(grown: &[Grown]) -> Value {
-    let course: Vec<Value> = grown
-        .iter()
-        .map(|grown| {
-            json!({
-                "time_s": grown.held.time,
-                "compression_mm": grown.held.compression,
-                "normal_N": grown.held.normal,
-                "area_mm2": grown.shape.area(),
-                "largest_force_N": grown.force,
-                "largest_moment_Nmm": grown.moment,
-            })
-        })
-        .collect();
-    json!({"palpate_grasp_growth": 1, "course": course})
 }

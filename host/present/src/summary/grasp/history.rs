@@ -1,9 +1,7 @@
 //! The margin over a recording.
 
-use serde_json::{Value, json};
-
-use super::{finite, margin_words};
-use palpate_contact::grasp::{History, Slip};
+use super::margin_words;
+use palpate_contact::grasp::History;
 use palpate_report::number::{percent, significant};
 use palpate_report::{Axis, Callout, Colour, Column, Plot, Section, Series, Table};
 use palpate_trace::Trace;
@@ -120,34 +118,6 @@ fn plot(trace: &Trace, history: &History) -> Plot {
         percent(history.most_used.0, 3),
         significant(history.most_used.1, 4)
     ))
-}
-
-/// The margins of all traces as a JSON object.
-#[must_use]
-pub fn histories_json(histories: &[(&Trace, &History)]) -> Value {
-    let traces: Vec<Value> = histories
-        .iter()
-        .map(|(trace, history)| {
-            let shares = |used: &[f64]| used.iter().map(|&used| finite(used)).collect::<Vec<_>>();
-            json!({
-                "trace": trace.label(),
-                "first_slip_s": history.first_slip(),
-                "slips": history.slips.iter().map(slip_json).collect::<Vec<_>>(),
-                "smallest_margin": finite(history.smallest_margin()),
-                "smallest_margin_at_s": history.most_used.1,
-                "slipping_share": history.slipping,
-                "contact_above_N": history.threshold,
-                "time_s": trace.time,
-                "used": shares(&history.used),
-                "used_once_settled": history.settled.as_deref().map(shares),
-            })
-        })
-        .collect();
-    json!({"palpate_grasp_margin": 1, "traces": traces})
-}
-
-fn slip_json(slip: &Slip) -> Value {
-    json!({"from_s": slip.from, "to_s": slip.to, "from_touch": slip.from_touch})
 }
 
 /// Beginning of the header row of [`history_csv`].

@@ -1,17 +1,15 @@
 //! The margin as it comes, line by line.
 
-use serde_json::{Value, json};
-
-use super::finite;
+use crate::answers::GraspState;
 use palpate_contact::grasp::live::{Hold, Reading};
 
-/// How a grasp is, in a word.
-const fn state(held: bool, slips: bool, will_slip: bool) -> (&'static str, &'static str) {
-    match (held, slips, will_slip) {
-        (false, ..) => ("none", "no grasp"),
-        (true, true, _) => ("slips", "SLIPS"),
-        (true, false, true) => ("will-slip", "will slip once settled"),
-        (true, false, false) => ("holds", "holds"),
+/// How a grasp is, in words.
+const fn words_of(state: GraspState) -> &'static str {
+    match state {
+        GraspState::None => "no grasp",
+        GraspState::Slips => "SLIPS",
+        GraspState::WillSlip => "will slip once settled",
+        GraspState::Holds => "holds",
     }
 }
 
@@ -24,7 +22,7 @@ pub fn reading_line(reading: &Reading) -> String {
         Some(margin) => format!("{margin:5.2}"),
     };
     let now = &reading.now;
-    let (_, words) = state(now.margin.is_some(), reading.slips(), reading.will_slip());
+    let words = words_of(GraspState::from(reading));
     let words = match (reading.slips_in, reading.tighten) {
         (Some(time), Some(more)) if !reading.slips() => {
             format!("slips in {time:.1} s, needs {more:.3} N more")
@@ -42,29 +40,4 @@ pub fn reading_line(reading: &Reading) -> String {
         margin(now),
         margin(&reading.settled),
     )
-}
-
-/// One JSON object for a program. A margin is none without a grasp and without a load.
-#[must_use]
-pub fn reading_json(reading: &Reading) -> Value {
-    let hold = |hold: &Hold| {
-        json!({
-            "normal_N": hold.normal,
-            "force_N": hold.load.force[0],
-            "moment_Nmm": hold.load.moment,
-            "margin": hold.margin.and_then(finite),
-            "used": hold.margin.and_then(|margin| finite(margin.recip())),
-        })
-    };
-    let (name, _) = state(reading.now.margin.is_some(), reading.slips(), reading.will_slip());
-    json!({
-        "palpate_grasp_reading": 1,
-        "time_s": reading.time,
-        "state": name,
-        "now": hold(&reading.now),
-        "settled": hold(&reading.settled),
-        "compression_mm": reading.compression,
-        "slips_in_s": reading.slips_in,
-        "tighten_N": reading.tighten,
-    })
 }

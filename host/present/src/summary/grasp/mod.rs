@@ -7,11 +7,11 @@ mod live;
 mod plan;
 mod surface;
 
-pub use friction::{friction_json, friction_sections};
-pub use growth::{growth_json, growth_sections};
-pub use history::{HISTORY_HEADER, histories_json, history_csv, history_sections};
-pub use live::{reading_json, reading_line};
-pub use plan::{Forecast, HandPlan, plan_json, plan_sections};
+pub use friction::friction_sections;
+pub use growth::growth_sections;
+pub use history::{HISTORY_HEADER, history_csv, history_sections};
+pub use live::reading_line;
+pub use plan::{Forecast, HandPlan, plan_sections};
 pub use surface::{SURFACE_HEADER, SurfaceSummary, pressure_plot, surface_csv};
 
 use palpate_contact::grasp::Shape;
@@ -42,9 +42,4 @@ fn exponent_words(exponent: f64) -> String {
 /// A margin in words; without a load there is none.
 fn margin_words(margin: f64) -> String {
     if margin.is_infinite() { "∞".into() } else { significant(margin, 4) }
-}
-
-/// A number, or nothing where it is none: JSON has no infinity.
-fn finite(value: f64) -> Option<f64> {
-    value.is_finite().then_some(value)
 }

@@ -1,9 +1,8 @@
 //! A grasp with several contacts, in words, tables and pictures.
 
 use nalgebra::Vector3;
-use serde_json::{Value, json};
 
-use super::{finite, margin_words};
+use super::margin_words;
 use palpate_contact::grasp::hand::{Hand, Instant};
 use palpate_contact::grasp::{Balance, BalanceError, Closure, Least};
 use palpate_report::number::{percent, significant};
@@ -41,6 +40,14 @@ pub struct Forecast {
     pub below_margin: Option<f64>,
     /// By how many times to strengthen the grip now; none where nothing helps.
     pub tighten: Option<f64>,
+}
+
+impl Forecast {
+    /// Until when it is looked ahead, s since the grasp was made.
+    #[must_use]
+    pub fn until(&self) -> f64 {
+        self.from + self.lasts
+    }
 }
 
 /// Closure, least grip, margin and forecast.
@@ -193,8 +200,8 @@ fn forecast_section(hand: &Hand, plan: &HandPlan, forecast: &Forecast) -> Sectio
 }
 
 fn forecast_words(plan: &HandPlan, forecast: &Forecast) -> String {
-    let Forecast { from, lasts, slips, below_margin, tighten, .. } = forecast;
-    let until = significant(from + lasts, 4);
+    let Forecast { from, slips, below_margin, tighten, .. } = forecast;
+    let until = significant(forecast.until(), 4);
     let slip = match slips {
         Some(time) if *time <= *from => "It slips now.".to_owned(),
         Some(time) => format!("Held on like this it slips after {} s.", significant(*time, 4)),
@@ -254,56 +261,5 @@ fn pictured(section: Section, hand: &Hand, normals: &[f64]) -> Section {
             ""
         };
         section.figure(plot, words)
-    })
-}
-
-/// The plan as a JSON object.
-#[must_use]
-pub fn plan_json(hand: &Hand, plan: &HandPlan) -> Value {
-    let balance = |found: &Balance| {
-        let shares: Vec<Value> = hand
-            .fingers
-            .iter()
-            .zip(&found.shares)
-            .map(|(finger, share)| {
-                json!({
-                    "finger": finger.name,
-                    "normal_N": share.normal,
-                    "tangential_N": share.load.force,
-                    "moment_Nmm": share.load.moment,
-                    "used": finite(share.used),
-                })
-            })
-            .collect();
-        json!({"value": finite(found.value), "bound": finite(found.bound), "fingers": shares})
-    };
-    let result = |found: &Result<Balance, BalanceError>| match found {
-        Ok(found) => balance(found),
-        Err(error) => json!({"value": null, "reason": error.to_string()}),
-    };
-    let forecast = |forecast: &Forecast| {
-        json!({
-            "from_s": forecast.from,
-            "until_s": forecast.from + forecast.lasts,
-            "slips_after_s": forecast.slips,
-            "below_margin_after_s": forecast.below_margin,
-            "tighten_by": forecast.tighten,
-            "course": forecast.course.iter().map(|instant| json!({
-                "time_s": instant.time,
-                "normal_N": instant.normals,
-                "margin": finite(instant.margin),
-            })).collect::<Vec<_>>(),
-        })
-    };
-    json!({
-        "palpate_grasp_plan": 1,
-        "rank": plan.closure.rank,
-        "reserve": plan.closure.reserve,
-        "force_closed": plan.closure.is_force_closed(),
-        "margin_asked": plan.margin,
-        "least": if plan.least == Least::Sum { "sum" } else { "largest" },
-        "least_grip_N": result(&plan.grip),
-        "now": plan.now.as_ref().map(|(found, _)| result(found)),
-        "forecast": plan.forecast.as_ref().map(forecast),
     })
 }

@@ -2,9 +2,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use serde_json::{Value, json};
-
-use super::{exponent_words, finite, margin_words, shape_words};
+use super::{exponent_words, margin_words, shape_words};
 use palpate_contact::grasp::{Contact, Load, Margin, Shape, SurfacePoint, limit_curve};
 use palpate_report::number::significant;
 use palpate_report::{Axis, Callout, Colour, Column, Plot, Section, Series, Table};
@@ -45,35 +43,21 @@ impl SurfaceSummary<'_> {
         vec![section]
     }
 
-    /// The surface as a JSON object.
+    /// Largest tangential force, in every direction, N.
     #[must_use]
-    pub fn json(&self) -> Value {
-        let points: Vec<Value> = self.surface.iter().map(point_json).collect();
-        let margin = self.load.map(|(load, margin)| {
-            json!({
-                "force_N": load.force,
-                "moment_Nmm": load.moment,
-                "margin": finite(margin.factor),
-                "slips": margin.factor <= 1.0,
-                "slip_centre_mm": margin.motion.and_then(|motion| motion.centre()),
-            })
-        });
-        json!({
-            "palpate_grasp_surface": 1,
-            "contact": contact_json(self.contact),
-            "friction": self.friction,
-            "normal_N": self.normal,
-            "largest_force_N": self.friction * self.normal,
-            "largest_moment_Nmm": self.friction * self.normal * self.contact.arm(),
-            "load": margin,
-            "points": points,
-        })
+    pub fn largest_force(&self) -> f64 {
+        self.friction * self.normal
+    }
+
+    /// Largest moment about the normal, N mm.
+    #[must_use]
+    pub fn largest_moment(&self) -> f64 {
+        self.largest_force() * self.contact.arm()
     }
 
     fn table(&self) -> Table {
-        let limit = self.friction * self.normal;
         let shape = self.contact.shape();
-        let middle = middle_constant(self.contact);
+        let middle = self.contact.middle_over_mean_pressure();
         let mean = self.normal / shape.area();
         let columns = vec![Column::text(""), Column::number("value", ""), Column::text("unit")];
         let row = |name: &str, value: f64, unit: &str| {
@@ -87,8 +71,8 @@ impl SurfaceSummary<'_> {
             self.normal,
         );
         Table::new(caption, columns)
-            .row(row("largest tangential force, in every direction", limit, "N"))
-            .row(row("largest moment about the normal", limit * self.contact.arm(), "N mm"))
+            .row(row("largest tangential force, in every direction", self.largest_force(), "N"))
+            .row(row("largest moment about the normal", self.largest_moment(), "N mm"))
             .row(row("its arm", self.contact.arm(), "mm"))
             .row(row("contact area", shape.area(), "mm²"))
             .row(row("pressure in the middle", 1e3 * mean * middle, "kPa"))
@@ -96,7 +80,7 @@ impl SurfaceSummary<'_> {
     }
 
     fn plot(&self) -> Plot {
-        let limit = self.friction * self.normal;
+        let limit = self.largest_force();
         let axes = Plot::new(
             "Limit surface",
             Axis::new("tangential force", "N"),
@@ -128,7 +112,7 @@ impl SurfaceSummary<'_> {
         }
         plot.summary(format!(
             "Largest moment {} N mm without force, falling to none at {} N",
-            significant(limit * self.contact.arm(), 4),
+            significant(self.largest_moment(), 4),
             significant(limit, 4)
         ))
     }
@@ -176,47 +160,13 @@ pub fn pressure_plot(contact: &Contact, normal: f64) -> Plot {
         .iter()
         .map(|x| {
             let rho = (x / half).abs();
-            1e3 * mean * middle_constant(contact) * contact.law().shape(rho)
+            1e3 * mean * contact.middle_over_mean_pressure() * contact.law().shape(rho)
         })
         .collect();
     Plot::new("Pressure", Axis::new("x", "mm"), Axis::new("pressure", "kPa"))
         .series(Series::line(exponent_words(contact.law().exponent()), x, pressure))
         .height(160.0)
         .summary(format!("Pressure along x, mean {} kPa", significant(1e3 * mean, 3)))
-}
-
-/// Pressure in the middle over mean pressure.
-fn middle_constant(contact: &Contact) -> f64 {
-    match contact.shape() {
-        Shape::Rectangle { .. } => contact.law().strip_constant(),
-        Shape::Circle { .. } | Shape::Ellipse { .. } => contact.law().circular_constant(),
-    }
-}
-
-fn contact_json(contact: &Contact) -> Value {
-    let shape = match contact.shape() {
-        Shape::Rectangle { length, width } => {
-            json!({"shape": "rectangle", "length_mm": length, "width_mm": width})
-        }
-        Shape::Circle { radius } => json!({"shape": "circle", "radius_mm": radius}),
-        Shape::Ellipse { x, y } => json!({"shape": "ellipse", "x_mm": x, "y_mm": y}),
-    };
-    json!({
-        "contact": shape,
-        "exponent": finite(contact.law().exponent()),
-        "middle_over_mean_pressure": middle_constant(contact),
-        "arm_mm": contact.arm(),
-    })
-}
-
-fn point_json(point: &SurfacePoint) -> Value {
-    json!({
-        "velocity": point.motion.velocity,
-        "turn": point.motion.turn,
-        "centre_mm": point.motion.centre(),
-        "force_N": point.load.force,
-        "moment_Nmm": point.load.moment,
-    })
 }
 
 /// Header row of [`surface_csv`].
