@@ -68,6 +68,10 @@ pub use palpate_survey as survey;
 pub use palpate_trace as trace;
 pub use palpate_trace::{files, recording};
 
+/// What runs on the fingertip itself: filter, calibration, messages; the same code as in the firmware.
+#[cfg(feature = "device")]
+pub use shared as fingertip;
+
 mod data_set;
 mod diagnosing;
 mod error;
