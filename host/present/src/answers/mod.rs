@@ -4,11 +4,18 @@
 //! result has found. Sections for people are in [`summary`](crate::summary).
 
 mod compare;
+mod conversion;
 mod preparation;
+mod recorded_motion;
+mod recording_plan;
 
 pub use compare::{ComparisonAnswer, DependenceAnswer, PlaceAnswer};
+pub use conversion::{ConversionAnswer, WrittenAnswer};
 pub use preparation::{PreparationAnswer, Prepared};
+pub use recorded_motion::RecordedMotionAnswer;
+pub use recording_plan::{PlannedRecordingAnswer, RecordingPlanAnswer};
 
+use palpate_link::device::answers as device;
 use schemars::{JsonSchema, Schema, SchemaGenerator, generate::SchemaSettings};
 use serde::Serialize;
 use serde_json::Value;
@@ -43,7 +50,20 @@ pub fn finite(number: f64) -> Option<f64> {
 /// The JSON schema of every answer, by the name of its file in `docs/schema/`.
 #[must_use]
 pub fn schemas() -> Vec<(&'static str, Schema)> {
-    vec![("compare", schema::<Prepared<ComparisonAnswer>>())]
+    vec![
+        ("compare", schema::<Prepared<ComparisonAnswer>>()),
+        ("convert", schema::<ConversionAnswer>()),
+        ("device-calibrate", schema::<device::CalibrationAnswer>()),
+        ("device-info", schema::<device::DeviceAnswer>()),
+        ("device-list", schema::<device::PortsAnswer>()),
+        ("device-self-test", schema::<device::SelfTestAnswer>()),
+        ("device-set", schema::<device::SetAnswer>()),
+        ("device-tare", schema::<device::TareAnswer>()),
+        ("hide-record", schema::<RecordedMotionAnswer>()),
+        ("plan", schema::<RecordingPlanAnswer>()),
+        ("record", schema::<device::RecordedAnswer>()),
+        ("record-second", schema::<device::SecondAnswer>()),
+    ]
 }
 
 /// What a program that reads an answer may rely on: the schema of what is written, not of what would be read.
