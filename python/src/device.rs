@@ -5,7 +5,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use numpy::{PyArray1, PyArray2};
-use palpate::device::describe::{identity_json, settings_json};
+use palpate::device::answers::{IdentityAnswer, SettingsAnswer};
 use palpate::device::heard::Said;
 use palpate::device::session::{LinkError, Session};
 use palpate::device::stream::Stream;
@@ -57,8 +57,8 @@ impl Device {
         let link = self.link();
         let (identity, settings) = (link.0.identity(), link.0.settings().1);
         serde_json::json!({
-            "device": identity_json(identity),
-            "settings": settings_json(settings, identity.converter_clock_hz),
+            "device": IdentityAnswer::from(identity),
+            "settings": SettingsAnswer::of(settings, identity.converter_clock_hz),
         })
         .to_string()
     }

@@ -4,10 +4,10 @@ use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 use miette::miette;
-use serde_json::{Value, json};
 
 use super::Failure;
 use super::output::{Force, cannot_write, print_json};
+use palpate_present::answers::{self, ConversionAnswer};
 use palpate_trace::files::plan::{CONVERTED, Plan};
 use palpate_trace::files::write_whole;
 use palpate_trace::recordable::{RecordableError, settings_of, write_recording};
@@ -78,7 +78,11 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     for warning in warnings(&read) {
         eprintln!("! {warning}");
     }
-    if args.json { print_json(&to_json(&read, &files)) } else { Ok(()) }
+    if args.json {
+        print_json(&answers::json(&ConversionAnswer::of(&read, &files)))
+    } else {
+        Ok(())
+    }
 }
 
 /// What can be written.
@@ -187,29 +191,4 @@ fn warnings(read: &Recorded) -> Vec<String> {
         "the recording was not ended in order; it is read up to its last whole frame".into(),
     );
     warnings
-}
-
-fn to_json(read: &Recorded, files: &[PathBuf]) -> Value {
-    let written: Vec<Value> = read
-        .traces
-        .iter()
-        .zip(files)
-        .map(|(trace, file)| {
-            json!({
-                "file": file.display().to_string(),
-                "trace": trace.label(),
-                "samples": trace.len(),
-                "duration_s": trace.duration(),
-                "gaps": trace::gaps(&trace.time).len(),
-            })
-        })
-        .collect();
-    json!({
-        "palpate_conversion": 1,
-        "written": written,
-        "rows_lost": read.rows_lost,
-        "rows_without_settings": read.rows_unknown,
-        "damaged_frames": read.damaged,
-        "ended_in_order": read.closed,
-    })
 }

@@ -10,6 +10,7 @@ use super::{Failure, progress, simulate};
 use palpate_diagnose::practice::{
     Choice, Practice, check_empty, hide, open, record, seed_from_clock, write_set,
 };
+use palpate_present::answers::{self, RecordedMotionAnswer};
 use palpate_present::summary::{
     practice_json, practice_sections, trace_panels, truth_json, truth_sections,
 };
@@ -97,7 +98,7 @@ fn record_into(folder: &Path, path: &Path, result: &Output) -> Result<(), Failur
     let section =
         Section::new("One more recording").paragraph(words).figure(trace_panels(&trace), "");
     eprintln!("trace: {recorded}");
-    let json = || serde_json::json!({ "recorded": recorded, "duration_s": trace.duration() });
+    let json = || answers::json(&RecordedMotionAnswer::of(&trace, &output));
     result.give("One more recording", "", vec![recorded.clone()], &[section], json)
 }
 

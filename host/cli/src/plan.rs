@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use serde_json::{Value, json};
+use serde_json::Value;
 
 use super::answer::Answer;
 use super::output::{print_json, print_sections};
@@ -10,6 +10,7 @@ use super::{Failure, progress};
 use palpate_fit::exponentials::plan::{Experiment, Plan, Recording, Wanted};
 use palpate_fit::exponentials::{Bound, ExponentialSum, Normalisation, Parameter, Term};
 use palpate_model::{EQUATION_3_6, Model};
+use palpate_present::answers::{self, RecordingPlanAnswer};
 use palpate_present::dissertation::EQUATION_3_5;
 use palpate_present::summary::plan_section;
 use palpate_report::Section;
@@ -127,37 +128,12 @@ impl Answer for Planned {
 
     fn json(&self) -> Value {
         let Self { experiment, recording, bound, plans } = self;
-        json!({
-            "palpate_plan": 1,
-            "noise": experiment.noise,
-            "rate_hz": recording.rate,
-            "duration_s": recording.duration(),
-            "standard_errors": Parameter::all(experiment.sum.terms.len())
-                .map(|p| (p.to_string(), json!(bound.standard_error(p))))
-                .collect::<serde_json::Map<String, Value>>(),
-            "longer": plans.first().map(plan_json),
-            "faster": plans.get(1).map(plan_json),
-        })
+        answers::json(&RecordingPlanAnswer::of(experiment, recording, bound, plans))
     }
 
     fn sections(&self) -> Result<Vec<Section>, Failure> {
         let Self { experiment, recording, bound, plans } = self;
         Ok(vec![plan_section(experiment, *recording, bound, plans)])
-    }
-}
-
-fn plan_json(plan: &Plan) -> Value {
-    match plan {
-        Plan::Enough { recording, .. } => {
-            json!({"enough": true, "rate_hz": recording.rate, "duration_s": recording.duration()})
-        }
-        Plan::OutOfReach { recording, parameter, relative } => json!({
-            "enough": false,
-            "rate_hz": recording.rate,
-            "duration_s": recording.duration(),
-            "parameter": parameter.to_string(),
-            "relative_standard_error": relative,
-        }),
     }
 }
 

@@ -4,15 +4,16 @@ use std::io::IsTerminal;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-use serde_json::{Value, json};
 use shared::wire::{Columns, Felt, Row, Source, Start};
 
 use super::device::At;
 use super::output::{Force, print};
 use super::{Failure, interrupt};
-use palpate_link::device::describe::{felt_in_words, felt_json, live_line, view_json};
+use palpate_link::device::answers::{EventAnswer, RecordedAnswer, SecondAnswer};
+use palpate_link::device::describe::{felt_in_words, live_line};
 use palpate_link::device::record::{Beside, Plan, RecordError, View, overload, record};
 use palpate_link::robots::McapFile;
+use palpate_present::answers;
 use palpate_trace::files::plan::{self, MESSAGES, RECORDING};
 
 /// Record a device into a file.
@@ -70,7 +71,7 @@ struct Screen {
     json: bool,
     shown_s: u64,
     /// Events since the last object.
-    felt: Vec<Value>,
+    felt: Vec<EventAnswer>,
     mcap: Option<McapFile>,
     ended: fn() -> bool,
 }
@@ -94,7 +95,7 @@ impl Beside for Screen {
             eprintln!("\r{}\x1b[K", felt_in_words(felt));
         }
         if self.json {
-            self.felt.push(felt_json(felt));
+            self.felt.push(felt.into());
         }
     }
 
@@ -104,8 +105,8 @@ impl Beside for Screen {
         }
         if self.json && view.passed.as_secs() > self.shown_s {
             self.shown_s = view.passed.as_secs();
-            let mut object = view_json(view);
-            object["events"] = std::mem::take(&mut self.felt).into();
+            let events = std::mem::take(&mut self.felt);
+            let object = answers::json(&SecondAnswer { view: view.into(), events });
             // A reader that has gone away is no reason to end a recording.
             let _ = print(&format!("{object}\n"));
         }
@@ -144,11 +145,8 @@ pub fn run(args: &Args) -> Result<(), Failure> {
 fn summarise(args: &Args, view: &View) -> Result<(), Failure> {
     let file = args.output.display();
     if args.json {
-        let mut object = json!({ "file": args.output, "summary": view_json(view) });
-        if let Some(mcap) = &args.mcap {
-            object["mcap"] = json!(mcap);
-        }
-        return print(&format!("{object}\n"));
+        let answer = RecordedAnswer::of(&args.output, args.mcap.as_deref(), view);
+        return print(&format!("{}\n", answers::json(&answer)));
     }
     if args.quiet {
         return Ok(());

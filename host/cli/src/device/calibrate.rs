@@ -5,15 +5,16 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use miette::miette;
-use serde_json::{Value, json};
 use shared::wire::ToDevice;
 
 use super::{At, failed};
 use crate::Failure;
 use crate::output::{print_json, print_sections};
+use palpate_link::device::answers::CalibrationAnswer;
 use palpate_link::device::calibrate::{Calibrated, Point, Points, read_points};
 use palpate_link::device::measure;
 use palpate_link::device::session::Session;
+use palpate_present::answers;
 use palpate_report::number::significant;
 use palpate_report::{Block, Column, Section, Table};
 
@@ -129,8 +130,7 @@ fn ask(session: &mut Session, gauge: u8, args: &Args) -> Result<Vec<Point>, Fail
 
 fn give(calibrated: &[Calibrated], json: bool) -> Result<(), Failure> {
     if json {
-        let gauges: Vec<Value> = calibrated.iter().map(Calibrated::json).collect();
-        return print_json(&json!({ "palpate_calibration": 1, "gauges": gauges }));
+        return print_json(&answers::json(&CalibrationAnswer::from(calibrated)));
     }
     let columns = vec![
         Column::text("Gauge"),

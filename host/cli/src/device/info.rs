@@ -1,11 +1,10 @@
 //! `palpate device info`.
 
-use serde_json::json;
-
 use super::{At, failed};
 use crate::Failure;
 use crate::output::{print_json, print_sections};
-use palpate_link::device::describe;
+use palpate_link::device::answers::DeviceAnswer;
+use palpate_present::answers;
 use palpate_present::summary::device_sections;
 
 /// Say who the device is, its settings, and what it lost.
@@ -29,14 +28,8 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let identity = session.identity();
     let (generation, settings) = session.settings();
     if args.json {
-        return print_json(&json!({
-            "palpate_device": 1,
-            "port": port,
-            "device": describe::identity_json(identity),
-            "settings": describe::settings_json(settings, identity.converter_clock_hz),
-            "generation": generation,
-            "status": describe::status_json(&status),
-        }));
+        let answer = DeviceAnswer::of(&port, identity, (generation, settings), &status);
+        return print_json(&answers::json(&answer));
     }
     print_sections(&device_sections(identity, settings, &status))
 }

@@ -2,12 +2,12 @@
 
 use std::path::PathBuf;
 
-use serde_json::{Value, json};
-
 use crate::Failure;
 use crate::output::{print, print_json};
+use palpate_link::device::answers::PortsAnswer;
 use palpate_link::device::describe::one_line;
 use palpate_link::device::discover::{Found, ask, ports};
+use palpate_present::answers;
 
 /// Say which ports have a device.
 #[derive(clap::Args)]
@@ -35,8 +35,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     );
     let found = ask(&asked);
     if args.json {
-        let ports: Vec<Value> = found.iter().map(Found::json).collect();
-        return print_json(&json!({ "palpate_devices": 1, "ports": ports }));
+        return print_json(&answers::json(&PortsAnswer::from(&found[..])));
     }
     if found.is_empty() {
         return print("no serial port\n");

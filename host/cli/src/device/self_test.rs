@@ -6,8 +6,10 @@ use shared::wire::{Done, ToDevice};
 use super::{At, failed};
 use crate::Failure;
 use crate::output::{print_json, print_sections};
+use palpate_link::device::answers::SelfTestAnswer;
 use palpate_link::device::self_test;
 use palpate_link::device::session::LinkError;
+use palpate_present::answers;
 use palpate_present::summary::self_test_sections;
 
 /// Test converter, bridges and rate.
@@ -35,7 +37,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         other => return Err(failed(LinkError::Unsuited(other))),
     };
     if args.json {
-        print_json(&self_test::json(&test))?;
+        print_json(&answers::json(&SelfTestAnswer::from(&test)))?;
     } else {
         print_sections(&self_test_sections(&test, session.settings().1))?;
     }

@@ -2,7 +2,6 @@
 
 use std::path::PathBuf;
 
-use serde_json::json;
 use shared::adaptation::Relaxation;
 use shared::pipeline::GAUGES;
 use shared::wire::ToDevice;
@@ -11,9 +10,10 @@ use super::{At, failed};
 use crate::Failure;
 use crate::output::{print_json, print_sections};
 use palpate_analysis::decomposition::relaxation_of;
+use palpate_link::device::answers::SetAnswer;
 use palpate_link::device::change::{Change, Threshold, rate_note};
-use palpate_link::device::describe;
 use palpate_model::Model;
+use palpate_present::answers;
 use palpate_present::summary::settings_blocks;
 use palpate_report::Section;
 
@@ -100,11 +100,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         eprintln!("! {note}");
     }
     if args.json {
-        return print_json(&json!({
-            "palpate_settings": 1,
-            "saved": args.save,
-            "settings": describe::settings_json(now, clock_hz),
-        }));
+        return print_json(&answers::json(&SetAnswer::of(now, clock_hz, args.save)));
     }
     let blocks = settings_blocks(now, clock_hz);
     print_sections(&[Section { title: "Settings".into(), blocks }])

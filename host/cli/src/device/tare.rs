@@ -1,13 +1,13 @@
 //! `palpate device tare`.
 
-use serde_json::json;
-use shared::fixed::microstrain;
 use shared::wire::ToDevice;
 
 use super::{At, failed};
 use crate::Failure;
 use crate::output::{print, print_json};
+use palpate_link::device::answers::TareAnswer;
 use palpate_link::device::measure;
+use palpate_present::answers;
 
 /// Read zero from now on, on every gauge.
 #[derive(clap::Args)]
@@ -45,10 +45,10 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     }
     // The settings after the change have been heard before the status.
     session.status().map_err(failed)?;
-    let tare = session.settings().1.tare.map(microstrain);
+    let answer = TareAnswer::of(session.settings().1, args.save);
     if args.json {
-        return print_json(&json!({ "palpate_tare": 1, "saved": args.save, "tare_ustrain": tare }));
+        return print_json(&answers::json(&answer));
     }
-    let [a, b, c, d] = tare;
+    let [a, b, c, d] = answer.tare_ustrain;
     print(&format!("zero is now at {a:.1}, {b:.1}, {c:.1}, {d:.1} µε\n"))
 }

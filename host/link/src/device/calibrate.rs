@@ -5,7 +5,6 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
-use serde_json::{Value, json};
 use shared::calibration::{Calibration, CalibrationError, Sheet};
 use shared::pipeline::GAUGES;
 
@@ -217,25 +216,12 @@ impl Calibrated {
         let wrong = |source| SheetError::Range { gauge: self.gauge, source };
         Calibration::new(&self.sheet).map(|_| self).map_err(wrong)
     }
-
-    /// For a program.
-    #[must_use]
-    pub fn json(&self) -> Value {
-        let errors = self.line.and_then(|line| line.errors);
-        json!({
-            "gauge": self.gauge + 1,
-            "ustrain_per_count": self.sheet.gain,
-            "ustrain_per_count_standard_error": errors.map(|(gain, _)| gain),
-            "offset_counts": self.sheet.offset,
-            "offset_counts_standard_error": errors.map(|(_, offset)| offset),
-            "nonlinearity": self.line.map(|line| line.nonlinearity),
-        })
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::device::answers::CalibratedAnswer;
 
     fn points(given: &[(f64, f64)]) -> Vec<Point> {
         given.iter().map(|&(strain, counts)| Point { strain, counts }).collect()
@@ -277,7 +263,7 @@ mod tests {
         let given = points(&[(0.0, 100.0), (500.0, 250_100.0)]);
         let made = Calibrated::by_points(2, &given, &before).unwrap();
         assert_eq!((made.sheet.offset, made.sheet.temperature_coefficient), (100, 0.5));
-        assert_eq!(made.json()["gauge"], 3);
+        assert_eq!(CalibratedAnswer::from(&made).gauge, 3);
         let steep = points(&[(0.0, 0.0), (500.0, 1.0)]);
         let refused = Calibrated::by_points(2, &steep, &before).unwrap_err().to_string();
         assert!(refused.starts_with("gauge 3: gain of 500"), "{refused}");

@@ -1,13 +1,9 @@
-//! A device in words, and as JSON.
+//! A device in words.
 
-use serde_json::{Value, json};
-use shared::fixed::{celsius, microstrain};
-use shared::wire::{ClockSource, Counters, Felt, Kept, ResetCause, Settings, Source, Status};
+use shared::wire::{ClockSource, Counters, Felt, Kept, ResetCause};
 
-use super::change::{Threshold, rate_hz};
 use super::heard::Identity;
 use super::record::View;
-use super::refusal::Fault;
 use palpate_analysis::events::name;
 use palpate_trace::recording::parts;
 
@@ -71,67 +67,6 @@ pub fn named(counters: &Counters) -> [(&'static str, u32); 8] {
     ]
 }
 
-/// Who a device is.
-#[must_use]
-pub fn identity_json(identity: &Identity) -> Value {
-    json!({
-        "board": identity.board,
-        "version": identity.version,
-        "git": identity.git,
-        "serial": identity.serial_number(),
-        "channels": identity.channels,
-        "converter_clock_hz": identity.converter_clock_hz,
-        "clock": clock_in_words(identity.clock),
-        "reset": reset_in_words(identity.reset),
-        "panic": identity.panic,
-        "settings": identity.kept.and_then(kept_in_words),
-    })
-}
-
-/// Settings.
-#[must_use]
-pub fn settings_json(settings: &Settings, converter_clock_hz: u32) -> Value {
-    let gauge = |gauge: usize| {
-        let sheet = &settings.calibration[gauge];
-        json!({
-            "gain": settings.gain[gauge],
-            "ustrain_per_count": sheet.gain,
-            "offset_counts": sheet.offset,
-            "temperature_coefficient_ustrain_per_celsius": sheet.temperature_coefficient,
-            "reference_celsius": sheet.reference_celsius,
-            "tare_ustrain": microstrain(settings.tare[gauge]),
-        })
-    };
-    let thresholds = Threshold::ALL.map(|(threshold, name, _)| (name, threshold.of(settings)));
-    let relaxation = settings.relaxation;
-    json!({
-        "rate_hz": rate_hz(settings.oversampling, converter_clock_hz),
-        "relaxation": {
-            "c1": relaxation.c1, "v1": relaxation.v1, "c2": relaxation.c2, "v2": relaxation.v2,
-        },
-        "thresholds": thresholds.into_iter().map(|(name, value)| (name.to_owned(), json!(value)))
-            .collect::<serde_json::Map<_, _>>(),
-        "gauges": [gauge(0), gauge(1), gauge(2), gauge(3)],
-    })
-}
-
-/// How a device is.
-#[must_use]
-pub fn status_json(status: &Status) -> Value {
-    let counters = named(&status.counters).map(|(name, count)| (name.to_owned(), json!(count)));
-    json!({
-        "counters": counters.into_iter().collect::<serde_json::Map<_, _>>(),
-        "rows": status.rows,
-        "streaming": status.streaming.map(|source| match source {
-            Source::Converter => "converter",
-            Source::Link { .. } => "link",
-        }),
-        "temperature_celsius": status.temperature.map(celsius),
-        "converter": status.converter.map(|fault| Fault(fault).to_string()),
-        "stack_used_bytes": status.stack_used,
-    })
-}
-
 /// How a recording goes, in one line.
 #[must_use]
 pub fn live_line(view: &View) -> String {
@@ -154,40 +89,4 @@ pub fn live_line(view: &View) -> String {
 pub fn felt_in_words(felt: &Felt) -> String {
     let (time_s, gauge) = (felt.time_us as f64 * 1e-6, felt.event.channel + 1);
     format!("{} at {time_s:.3} s of the device, gauge {gauge}", name(felt.event.kind))
-}
-
-/// An event that a device tells, for programs.
-#[must_use]
-pub fn felt_json(felt: &Felt) -> Value {
-    json!({
-        "event": name(felt.event.kind),
-        "number": felt.number,
-        "row": felt.row,
-        "device_time_s": felt.time_us as f64 * 1e-6,
-        "began_rows_before": felt.event.began_samples_ago,
-        "gauge": u32::from(felt.event.channel) + 1,
-    })
-}
-
-/// How a recording goes.
-#[must_use]
-pub fn view_json(view: &View) -> Value {
-    let gauges = view.row.as_ref().map(|row| {
-        parts(row).map(|(fa, sa)| json!({ "fa_ustrain": fa, "sa_ustrain": sa })).to_vec()
-    });
-    json!({
-        "time_s": view.passed.as_secs_f64(),
-        "linked": view.linked,
-        "rate_hz": view.rate_hz,
-        "rows": view.tally.rows,
-        "rows_lost": view.tally.rows_lost,
-        "frames_lost": view.tally.frames_lost,
-        "frames_damaged": view.tally.damaged,
-        "bytes": view.tally.bytes,
-        "gaps": view.gaps,
-        "drops": view.drops,
-        "backlog_frames": view.backlog.0,
-        "backlog_frames_most": view.backlog.1,
-        "gauges": gauges,
-    })
 }

@@ -3,9 +3,6 @@
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use serde_json::{Value, json};
-
-use super::describe::identity_json;
 use super::heard::Identity;
 use super::session::{LinkError, Session};
 
@@ -21,18 +18,6 @@ pub struct Found {
     pub port: PathBuf,
     /// Who answered, or why nobody did.
     pub answer: Result<Identity, LinkError>,
-}
-
-impl Found {
-    /// For a program.
-    #[must_use]
-    pub fn json(&self) -> Value {
-        json!({
-            "port": self.port,
-            "device": self.answer.as_ref().ok().map(identity_json),
-            "error": self.answer.as_ref().err().map(ToString::to_string),
-        })
-    }
 }
 
 /// Why no device was chosen.

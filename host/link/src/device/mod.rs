@@ -19,8 +19,10 @@
 //! - [`release`]: whether firmware and program go together.
 //! - [`log`]: the device's log in words.
 //! - [`describe`]: everything else in words.
+//! - [`answers`]: what commands answer, as types.
 //! - [`simulate`]: a device without hardware, behind a pseudo-terminal.
 
+pub mod answers;
 pub mod calibrate;
 pub mod change;
 pub mod describe;

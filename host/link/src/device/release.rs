@@ -2,8 +2,6 @@
 
 use std::cmp::Ordering;
 
-use serde_json::{Value, json};
-
 use super::session::VERSION;
 
 /// How the firmware's release is to the program's.
@@ -55,20 +53,6 @@ fn numbers(version: &str) -> Option<[u32; 3]> {
     let plain = version.split(['-', '+']).next()?;
     let parts: Option<Vec<u32>> = plain.split('.').map(|part| part.parse().ok()).collect();
     parts?.try_into().ok()
-}
-
-impl Verdict {
-    /// For a program.
-    #[must_use]
-    pub fn json(&self) -> Value {
-        json!({
-            "speaks": self.speaks,
-            "firmware": self.firmware,
-            "program": VERSION,
-            "words": self.words,
-            "advice": self.advice,
-        })
-    }
 }
 
 #[cfg(test)]

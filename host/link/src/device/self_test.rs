@@ -1,6 +1,5 @@
 //! A device's test of itself, in words: what was measured, and within which limits it must be.
 
-use serde_json::{Value, json};
 use shared::wire::{SelfTest, Settings};
 
 use super::refusal::Fault;
@@ -75,37 +74,10 @@ pub fn noise(test: &SelfTest, settings: &Settings) -> Vec<f64> {
     sheets.map(|(sheet, noise)| f64::from(noise) * sheet.gain.abs()).collect()
 }
 
-/// For a program.
-#[must_use]
-pub fn json(test: &SelfTest) -> Value {
-    json!({
-        "passed": faults(test).is_empty(),
-        "faults": faults(test),
-        "samples": test.samples,
-        "rate_ratio": test.rate_ratio,
-        "mean_counts": test.mean_counts,
-        "noise_counts": test.noise_counts,
-    })
-}
-
-/// For the page: the same, with every check and the noise as strain.
-#[must_use]
-pub fn page_json(test: &SelfTest, settings: &Settings) -> Value {
-    let checks: Vec<Value> = checks(test)
-        .into_iter()
-        .map(|Check { name, measured, limits, fault }| {
-            json!({ "name": name, "measured": measured, "limits": limits, "passed": fault.is_none(), "fault": fault })
-        })
-        .collect();
-    let mut all = json(test);
-    all["checks"] = checks.into();
-    all["noise_ustrain"] = noise(test, settings).into();
-    all
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::device::answers::SelfTestInFull;
     use shared::wire::ConverterFault;
 
     const WELL: SelfTest = SelfTest {
@@ -122,11 +94,9 @@ mod tests {
         assert_eq!(checks.len(), 6);
         assert!(checks.iter().all(|check| check.fault.is_none()), "{checks:?}");
         assert_eq!(checks[4].measured, "94.2 % of full scale");
-        let json = page_json(&WELL, &Settings::DEFAULT);
-        assert_eq!(
-            (&json["passed"], &json["checks"][5]["limits"]),
-            (&json!(true), &json!("0.98 to 1.02"))
-        );
+        assert_eq!(checks[5].limits, "0.98 to 1.02");
+        let answer = SelfTestInFull::of(&WELL, &Settings::DEFAULT);
+        assert!(answer.found.passed && answer.checks.iter().all(|check| check.passed));
     }
 
     #[test]

@@ -5,8 +5,11 @@
 
 mod afm;
 mod compare;
+mod conversion;
 mod grasp;
 mod preparation;
+mod recorded_motion;
+mod recording_plan;
 mod sensor;
 
 pub use afm::{
@@ -15,6 +18,7 @@ pub use afm::{
     AfmRoughAnswer, AfmTermAnswer, SpreadAnswer,
 };
 pub use compare::{ComparisonAnswer, DependenceAnswer, PlaceAnswer};
+pub use conversion::{ConversionAnswer, WrittenAnswer};
 pub use grasp::{
     BalanceAnswer, BalancedAnswer, ContactAnswer, ContactShapeAnswer, FingerAnswer,
     GraspForecastAnswer, GraspFrictionAnswer, GraspGrowthAnswer, GraspHoldAnswer, GraspLoadAnswer,
@@ -23,12 +27,15 @@ pub use grasp::{
     UnbalancedAnswer,
 };
 pub use preparation::{PreparationAnswer, Prepared};
+pub use recorded_motion::RecordedMotionAnswer;
+pub use recording_plan::{PlannedRecordingAnswer, RecordingPlanAnswer};
 pub use sensor::{
     SensorFrequencyAnswer, SensorGaugeAnswer, SensorPressAnswer, SensorRelaxationAnswer,
     SensorResponseAnswer, SensorShakeAnswer, SensorSlideAnswer, SensorSlipAnswer,
     SensorSpecimenAnswer, SensorStimulus, SensorToneAnswer,
 };
 
+use palpate_link::device::answers as device;
 use schemars::{JsonSchema, Schema, SchemaGenerator, generate::SchemaSettings};
 use serde::Serialize;
 use serde_json::Value;
@@ -67,12 +74,23 @@ pub fn schemas() -> Vec<(&'static str, Schema)> {
         ("afm", schema::<AfmAnswer>()),
         ("afm-rough", schema::<AfmRoughAnswer>()),
         ("compare", schema::<Prepared<ComparisonAnswer>>()),
+        ("convert", schema::<ConversionAnswer>()),
+        ("device-calibrate", schema::<device::CalibrationAnswer>()),
+        ("device-info", schema::<device::DeviceAnswer>()),
+        ("device-list", schema::<device::PortsAnswer>()),
+        ("device-self-test", schema::<device::SelfTestAnswer>()),
+        ("device-set", schema::<device::SetAnswer>()),
+        ("device-tare", schema::<device::TareAnswer>()),
         ("grasp-friction", schema::<GraspFrictionAnswer>()),
         ("grasp-growth", schema::<GraspGrowthAnswer>()),
         ("grasp-margin", schema::<GraspMarginAnswer>()),
         ("grasp-plan", schema::<GraspPlanAnswer>()),
         ("grasp-surface", schema::<GraspSurfaceAnswer>()),
         ("grasp-watch", schema::<GraspWatchAnswer>()),
+        ("hide-record", schema::<RecordedMotionAnswer>()),
+        ("plan", schema::<RecordingPlanAnswer>()),
+        ("record", schema::<device::RecordedAnswer>()),
+        ("record-second", schema::<device::SecondAnswer>()),
         ("sensor-frequency", schema::<SensorFrequencyAnswer>()),
         ("sensor-press", schema::<SensorPressAnswer>()),
         ("sensor-shake", schema::<SensorShakeAnswer>()),

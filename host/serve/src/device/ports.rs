@@ -7,9 +7,11 @@ use serde_json::{Value, json};
 
 use crate::live::lock;
 use crate::live::store::Store;
+use palpate_link::device::answers::{PortAnswer, ReleaseAnswer};
 use palpate_link::device::discover::{ask, ports};
 use palpate_link::device::release::verdict;
 use palpate_link::device::session::LinkError;
+use palpate_present::answers;
 
 /// Ours first, then all others but those of the fingers `beside` it.
 pub(super) fn list(ours: &Path, beside: &[PathBuf], store: &Mutex<Store>) -> Value {
@@ -22,7 +24,7 @@ pub(super) fn list(ours: &Path, beside: &[PathBuf], store: &Mutex<Store>) -> Val
             "port": ours,
             "device": linked.then(|| store.health.device()),
             "error": if linked { None } else { store.health.trouble.clone() },
-            "release": store.bench.release.as_ref().map(palpate_link::device::release::Verdict::json),
+            "release": store.bench.release.as_ref().map(ReleaseAnswer::from),
             "ours": true,
         })
     };
@@ -33,8 +35,8 @@ pub(super) fn list(ours: &Path, beside: &[PathBuf], store: &Mutex<Store>) -> Val
             Err(LinkError::Schema { theirs, .. }) => Some(verdict(theirs, false)),
             Err(_) => None,
         };
-        let mut json = found.json();
-        json["release"] = release.map_or(Value::Null, |release| release.json());
+        let mut json = answers::json(&PortAnswer::from(found));
+        json["release"] = answers::json(&release.as_ref().map(ReleaseAnswer::from));
         json["ours"] = false.into();
         json
     });

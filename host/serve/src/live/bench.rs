@@ -6,6 +6,7 @@ use serde_json::{Value, json};
 
 use super::foretold::Foretold;
 use super::grasp::Readings;
+use palpate_link::device::answers::ReleaseAnswer;
 use palpate_link::device::release::Verdict;
 
 /// Counts that are older than this are of a stream that stands.
@@ -34,7 +35,7 @@ impl Bench {
     pub fn json(&self, from: u64) -> Value {
         let fresh = self.counts.as_ref().filter(|(at, _)| at.elapsed() < FRESH);
         json!({
-            "release": self.release.as_ref().map(Verdict::json),
+            "release": self.release.as_ref().map(ReleaseAnswer::from),
             "generation": self.generation,
             "counts": fresh.map(|(_, counts)| counts),
             "holding": self.holding,

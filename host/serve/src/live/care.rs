@@ -7,11 +7,12 @@ use shared::wire::{Done, ToDevice};
 
 use super::feed::{Feed, Trouble, lock};
 use super::wish::{Basis, Setting, change};
+use palpate_link::device::answers::{CalibratedAnswer, SelfTestInFull, SettingsAnswer};
 use palpate_link::device::calibrate::{Calibrated, from_one};
 use palpate_link::device::change::rate_note;
-use palpate_link::device::describe::settings_json;
 use palpate_link::device::self_test;
 use palpate_link::device::session::{LinkError, Session};
+use palpate_present::answers;
 
 impl Feed {
     /// Checks settings, sets them, and says what they are then.
@@ -48,7 +49,11 @@ impl Feed {
         let words =
             if setting.save { "settings are set and saved" } else { "other settings from here on" };
         lock(&self.store).say(words);
-        Ok(json!({ "settings": settings_json(now, clock_hz), "note": note, "saved": setting.save }))
+        Ok(json!({
+            "settings": SettingsAnswer::of(now, clock_hz),
+            "note": note,
+            "saved": setting.save,
+        }))
     }
 
     /// The device tests itself.
@@ -60,7 +65,7 @@ impl Feed {
             0 => "the self-test passed".to_owned(),
             _ => format!("the self-test found {faults} faults"),
         });
-        Ok(self_test::page_json(&test, session.settings().1))
+        Ok(answers::json(&SelfTestInFull::of(&test, session.settings().1)))
     }
 
     /// Sets and saves a calibration.
@@ -113,14 +118,14 @@ pub(super) fn calibration(
         let gauge = from_one(gauge).map_err(Trouble::Words)?;
         let made = Calibrated::by_numbers(gauge, gain, offset, &before[usize::from(gauge)]);
         let made = made.map_err(words)?;
-        return Ok((vec![made], json!({ "gauges": [made.json()] })));
+        return Ok((vec![made], json!({ "gauges": [CalibratedAnswer::from(&made)] })));
     }
     let mut all = Vec::new();
     let mut told = Vec::new();
     for (gauge, points) in basis.points().map_err(Trouble::Words)? {
         let sheet = &before[usize::from(gauge)];
         let made = Calibrated::by_points(gauge, &points, sheet).map_err(words)?;
-        let mut json = made.json();
+        let mut json = answers::json(&CalibratedAnswer::from(&made));
         json["before"] = json!({ "ustrain_per_count": sheet.gain, "offset_counts": sheet.offset });
         json["points"] = points
             .iter()

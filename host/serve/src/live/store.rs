@@ -12,9 +12,10 @@ use shared::wire::{Row, Settings, Status};
 use super::bench::Bench;
 use super::pyramid::{Pyramid, SIGNALS, Values};
 use palpate_analysis::regions::{code, name, numeral};
-use palpate_link::device::describe::{identity_json, settings_json, status_json};
+use palpate_link::device::answers::{IdentityAnswer, SettingsAnswer, StatusAnswer};
 use palpate_link::device::heard::Identity;
 use palpate_link::device::stream::Tally;
+use palpate_present::answers;
 
 /// Events kept; older ones are forgotten first.
 const EVENTS: usize = 16_384;
@@ -117,17 +118,17 @@ impl Health {
 
     /// Who the device is.
     pub fn identify(&mut self, identity: &Identity) {
-        self.device = identity_json(identity);
+        self.device = answers::json(&IdentityAnswer::from(identity));
     }
 
     /// Its settings.
     pub fn set(&mut self, settings: &Settings, converter_clock_hz: u32) {
-        self.settings = settings_json(settings, converter_clock_hz);
+        self.settings = answers::json(&SettingsAnswer::of(settings, converter_clock_hz));
     }
 
     /// What it last said of itself.
     pub fn status(&mut self, status: &Status) {
-        self.status = status_json(status);
+        self.status = answers::json(&StatusAnswer::from(status));
     }
 }
 

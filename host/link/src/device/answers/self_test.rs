@@ -1,0 +1,85 @@
+//! `palpate device self-test`: what the device's test of itself found.
+
+use schemars::JsonSchema;
+use serde::Serialize;
+use shared::pipeline::GAUGES;
+use shared::wire::{SelfTest, Settings};
+
+use crate::device::self_test::{Check, checks, faults, noise};
+
+/// What a device's test of itself found.
+#[derive(Clone, Debug, Serialize, JsonSchema)]
+#[schemars(deny_unknown_fields)]
+pub struct SelfTestAnswer {
+    /// Whether nothing is wrong.
+    pub passed: bool,
+    /// What is wrong, one sentence each; empty where nothing is.
+    pub faults: Vec<String>,
+    /// Number of samples that were taken.
+    pub samples: u16,
+    /// Measured sample rate over the one that is set; 0 where too few samples came.
+    pub rate_ratio: f32,
+    /// Mean of each gauge, counts of the converter.
+    pub mean_counts: [i32; GAUGES],
+    /// Standard deviation of the noise of each gauge, counts of the converter.
+    pub noise_counts: [f32; GAUGES],
+}
+
+/// The same with every check and the noise as strain, as the page reads it.
+#[derive(Clone, Debug, Serialize)]
+pub struct SelfTestInFull {
+    /// What was found.
+    #[serde(flatten)]
+    pub found: SelfTestAnswer,
+    /// Everything that was tested.
+    pub checks: Vec<CheckAnswer>,
+    /// Standard deviation of the noise of each gauge, µε.
+    pub noise_ustrain: Vec<f64>,
+}
+
+/// One thing that was tested.
+#[derive(Clone, Debug, Serialize)]
+pub struct CheckAnswer {
+    /// What was tested.
+    pub name: String,
+    /// What was measured, with its unit.
+    pub measured: String,
+    /// Within which limits it must be.
+    pub limits: String,
+    /// Whether it is.
+    pub passed: bool,
+    /// What is wrong; null where it passed.
+    pub fault: Option<String>,
+}
+
+impl From<&SelfTest> for SelfTestAnswer {
+    fn from(test: &SelfTest) -> Self {
+        let faults = faults(test);
+        Self {
+            passed: faults.is_empty(),
+            faults,
+            samples: test.samples,
+            rate_ratio: test.rate_ratio,
+            mean_counts: test.mean_counts,
+            noise_counts: test.noise_counts,
+        }
+    }
+}
+
+impl SelfTestInFull {
+    /// Of a test with these settings.
+    #[must_use]
+    pub fn of(test: &SelfTest, settings: &Settings) -> Self {
+        Self {
+            found: test.into(),
+            checks: checks(test).into_iter().map(CheckAnswer::from).collect(),
+            noise_ustrain: noise(test, settings),
+        }
+    }
+}
+
+impl From<Check> for CheckAnswer {
+    fn from(Check { name, measured, limits, fault }: Check) -> Self {
+        Self { name, measured, limits, passed: fault.is_none(), fault }
+    }
+}
