@@ -1,6 +1,6 @@
 //! Hides a physical effect in simulated recordings, then asks which one Fung's law lacks.
 //!
-//! `cargo run --example diagnose`
+//! `cargo run --package palpate --example diagnose`
 
 use palpate::practice::hidden::{Choice, hide};
 use palpate::{DataSet, Law};
@@ -21,4 +21,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         println!("{:<10} {:.4} N RMS", rung.add, rung.fitted_rms);
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn it_runs() {
+        super::main().unwrap();
+    }
 }

@@ -1,12 +1,18 @@
 //! Fits Fung's law to a recording, and prints what it found.
 //!
-//! `cargo run --example fit -- tests/traces/press.csv`
+//! `cargo run --package palpate --example fit -- tests/traces/press.csv`
 
 use palpate::{DataSet, Error, Law};
 
+/// The recording that comes with the project.
+const PRESS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/traces/press.csv");
+
 fn main() -> Result<(), Error> {
-    let set =
-        DataSet::read(std::env::args().nth(1).as_deref().unwrap_or("tests/traces/press.csv"))?;
+    fit(std::env::args().nth(1).as_deref().unwrap_or(PRESS))
+}
+
+fn fit(recording: &str) -> Result<(), Error> {
+    let set = DataSet::read(recording)?;
     let fit = palpate::fit(Law::fung().terms(2), &set).run()?;
     let fitted = fit.fitted();
     for ((parameter, value), error) in
@@ -20,4 +26,12 @@ fn main() -> Result<(), Error> {
         println!("beware: {warning}");
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn it_runs() {
+        super::fit(super::PRESS).unwrap();
+    }
 }

@@ -1,6 +1,6 @@
 //! Follows a fingertip for two seconds: here a simulated one, behind a pseudo-terminal; give a port for a real one.
 //!
-//! `cargo run --example live` or `cargo run --example live -- /dev/ttyACM0`
+//! `cargo run --package palpate --example live` or `cargo run --example live -- /dev/ttyACM0`
 
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -16,9 +16,14 @@ use palpate::fingertip::fixed::microstrain;
 const SHOWN: u64 = 500;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    if let Some(port) = std::env::args().nth(1) {
-        return follow(Path::new(&port));
+    match std::env::args().nth(1) {
+        Some(port) => follow(Path::new(&port)),
+        None => without_hardware(),
     }
+}
+
+/// Follows a fingertip that the computer simulates.
+fn without_hardware() -> Result<(), Box<dyn std::error::Error>> {
     let mut simulated = Simulated::new(&Simulation::default())?;
     let port: PathBuf = simulated.path().into();
     let ended = AtomicBool::new(false);
@@ -47,4 +52,12 @@ fn follow(port: &Path) -> Result<(), Box<dyn std::error::Error>> {
     )?;
     println!("{tally:?}");
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn it_runs() {
+        super::without_hardware().unwrap();
+    }
 }

@@ -1,6 +1,6 @@
 //! A base law and an effect of one's own: a tissue that stiffens exponentially, on a drive whose teeth push.
 //!
-//! `cargo run --example own`; [`docs/new-law.md`](../../docs/new-law.md) and [`docs/new-effect.md`](../../docs/new-effect.md)
+//! `cargo run --package palpate --example own`; [`docs/new-law.md`](../../docs/new-law.md) and [`docs/new-effect.md`](../../docs/new-effect.md)
 //! explain the declarations.
 
 use std::f64::consts::TAU;
@@ -74,8 +74,11 @@ static TEETH: Effect = Effect {
 /// The motions of a recording, with what such a specimen would answer to them: p, α, shares, rates, amplitude and pitch.
 const SPECIMEN: [f64; 8] = [0.15, 0.2, 0.26, 0.24, 4.2, 0.55, 0.05, 0.9];
 
+/// The recording that comes with the project.
+const PRESS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/traces/press.csv");
+
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let motions = DataSet::read("tests/traces/press.csv")?.traces().to_vec();
+    let motions = DataSet::read(PRESS)?.traces().to_vec();
     let data = Data::of_motions(&motions, FORCE)?;
     let elastic = Elastic { law: &EXPONENTIAL, gauge: None };
     let law = BaseLaw::fung(2, Separation::Clamp).with(elastic, Kernel::EXPONENTIALS);
@@ -102,4 +105,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         .run()?;
     println!("{}: {}", found.verdict().word(), found.effects().join(", "));
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn it_runs() {
+        super::main().unwrap();
+    }
 }
