@@ -4,14 +4,53 @@
 //! result has found. Sections for people are in [`summary`](crate::summary).
 
 mod compare;
+mod creep;
+mod decomposition;
+mod dissertation;
+mod events;
 mod holds;
+mod markers;
 mod preparation;
+mod pull_off;
+mod rates;
+mod relaxation;
+mod segment;
+mod strain_rate;
+mod survey;
 mod terms;
+mod uncertain;
 
 pub use compare::{ComparisonAnswer, DependenceAnswer, PlaceAnswer};
+pub use creep::{ConditioningAnswer, CreepAnswer, CreepHold};
+pub use decomposition::{
+    DecomposedChannel, DecomposedTrace, DecompositionAnswer, FilterRelaxation, GraspRegion,
+};
+pub use dissertation::{
+    DissertationAnswer, DrawnFigure, EvidenceKind, EvidenceTally, PrintedComparison, PrintedFigure,
+    PrintedNumber,
+};
+pub use events::{
+    EventAnswer, EventKind, EventSettings, EventsAnswer, HappenedAnswer, TraceEvents,
+};
 pub use holds::{CorrelationAnswer, HoldFitAnswer, HoldParameter, HoldsAnswer, SpreadAnswer};
+pub use markers::{GapAnswer, MarkersAnswer};
 pub use preparation::{PreparationAnswer, Prepared};
+pub use pull_off::{PullOffAnswer, PullOffGrowthAnswer, PullOffLaw, PullOffsAtSpeed};
+pub use rates::{RateGroup, RateRun, RateTrend, RatesAnswer};
+pub use relaxation::{
+    FormAnswer, FormsAnswer, LatencyAnswer, RelaxationAnswer, RelaxationHold, StrainReference,
+};
+pub use segment::{
+    ControlSource, ControlledQuantity, CycleAnswer, CyclePoint, CycleRegion, ForceLimit,
+    InertiaAnswer, LoopDirection, SegmentationAnswer, SegmentedTraceAnswer,
+};
+pub use strain_rate::{DerivativeAnswer, SimulatedRun, StrainRateAnswer, StrainRateHold};
+pub use survey::{
+    EstimateDistribution, FarOutAnswer, GroupFailure, GroupStatus, MedianAt, MissingEffect,
+    MissingSince, SurveyAnswer, SurveyQuestion,
+};
 pub use terms::{NumberAnswer, TermsAnswer};
+pub use uncertain::Uncertain;
 
 use schemars::{JsonSchema, Schema, SchemaGenerator, generate::SchemaSettings};
 use serde::Serialize;
@@ -49,7 +88,17 @@ pub fn finite(number: f64) -> Option<f64> {
 pub fn schemas() -> Vec<(&'static str, Schema)> {
     vec![
         ("compare", schema::<Prepared<ComparisonAnswer>>()),
+        ("creep", schema::<CreepAnswer>()),
+        ("decompose", schema::<DecompositionAnswer>()),
+        ("dissertation", schema::<DissertationAnswer>()),
+        ("events", schema::<EventsAnswer>()),
         ("fit-holds", schema::<Prepared<HoldsAnswer>>()),
+        ("markers", schema::<MarkersAnswer>()),
+        ("rates", schema::<RatesAnswer>()),
+        ("relaxation", schema::<RelaxationAnswer>()),
+        ("segment", schema::<SegmentationAnswer>()),
+        ("strain-rate", schema::<StrainRateAnswer>()),
+        ("survey-report", schema::<SurveyAnswer>()),
     ]
 }
 

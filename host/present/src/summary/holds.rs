@@ -1,9 +1,6 @@
 //! Relaxation during holds, as tables and plots: Tables 3.1–3.4 and A.1 for one's own data.
 
-use serde_json::Value;
-
 use super::{CONCISE, concise, name_of, unit_of};
-use crate::answers::{self, HoldFitAnswer, SpreadAnswer};
 use palpate_analysis::regions::numeral;
 use palpate_fit::exponentials::{Correlated, Fit, Parameter};
 use palpate_fit::hold::{HoldError, HoldFit, Spread, spreads};
@@ -49,19 +46,6 @@ pub fn hold_sections(
 /// Why holds could not be fitted, one sentence each.
 pub(super) fn left_out_words(left_out: &[HoldError]) -> Vec<String> {
     left_out.iter().map(ToString::to_string).collect()
-}
-
-/// One coefficient over repeats; `level` names what was held, with its unit.
-pub(super) fn spread_json(spread: &Spread, level: &str) -> Value {
-    answers::json(&match level {
-        "force_N" => SpreadAnswer::at_force(spread),
-        _ => SpreadAnswer::at_displacement(spread),
-    })
-}
-
-/// One hold as a JSON object.
-pub(super) fn one_json(hold: &HoldFit) -> Value {
-    answers::json(&HoldFitAnswer::from(hold))
 }
 
 /// The coefficients of every hold.

@@ -1,9 +1,6 @@
 //! How many exponentials each hold shows, as a table and a plot.
 
-use serde_json::Value;
-
 use super::{name_of, unit_of};
-use crate::answers::{self, TermsAnswer};
 use palpate_analysis::terms::Terms;
 use palpate_fit::hold::HoldFit;
 use palpate_report::number::significant;
@@ -134,9 +131,4 @@ fn fiftieths(time: &[f64], values: &[f64]) -> (Vec<f64>, Vec<f64>) {
     let size = time.len().div_ceil(50).max(1);
     let mean = |part: &[f64]| part.iter().sum::<f64>() / part.len() as f64;
     time.chunks(size).map(mean).zip(values.chunks(size).map(mean)).unzip()
-}
-
-/// The comparison as JSON.
-pub(super) fn terms_json(terms: &Terms) -> Value {
-    answers::json(&TermsAnswer::from(terms))
 }
