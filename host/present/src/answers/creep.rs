@@ -48,6 +48,7 @@ pub struct ConditioningAnswer {
 
 /// One hold of a force.
 #[derive(Clone, Debug, Serialize, JsonSchema)]
+#[schemars(deny_unknown_fields)]
 pub struct CreepHold {
     /// Its creep function (eq. 6.2); `N` is D, the signal after infinite time, and `c0` is 1.
     #[serde(flatten)]

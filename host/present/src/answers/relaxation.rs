@@ -32,6 +32,7 @@ pub struct RelaxationAnswer {
 
 /// One hold of a displacement.
 #[derive(Clone, Debug, Serialize, JsonSchema)]
+#[schemars(deny_unknown_fields)]
 pub struct RelaxationHold {
     /// Its relaxation function (eq. 3.4).
     #[serde(flatten)]
