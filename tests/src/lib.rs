@@ -9,6 +9,7 @@ pub mod fuzz;
 pub mod hidden;
 #[cfg(unix)]
 pub mod server;
+pub mod specimens;
 pub mod tip;
 
 use std::path::{Path, PathBuf};

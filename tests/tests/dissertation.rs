@@ -2,7 +2,8 @@
 
 use std::fs;
 
-use palpate_tests::palpate;
+use boon::{Compiler, Schemas};
+use palpate_tests::{palpate, workspace};
 use serde_json::Value;
 
 #[test]
@@ -14,6 +15,10 @@ fn kinds_of_evidence_are_told_apart_and_the_report_has_every_chapter() {
     assert!(output.status.success(), "{said}");
     let answer: Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(answer["palpate_dissertation"], 1);
+    let schema = workspace().join("docs/schema/dissertation.json");
+    let (mut known, mut compiler) = (Schemas::new(), Compiler::new());
+    let schema = compiler.compile(&schema.to_string_lossy(), &mut known).unwrap();
+    assert!(known.validate(&answer, schema).is_ok());
     // Kinds of evidence are told apart, and only what should agree must.
     let kind = |name: &str| {
         let kinds = answer["kinds"].as_array().unwrap();
@@ -45,7 +50,7 @@ fn kinds_of_evidence_are_told_apart_and_the_report_has_every_chapter() {
     }
     assert!(page.contains("Appendices A and B") && page.contains("Slips in the text"));
     // The documentation states the same counts.
-    let measured = fs::read_to_string(palpate_tests::workspace().join("docs/measured.md")).unwrap();
+    let measured = fs::read_to_string(workspace().join("docs/measured.md")).unwrap();
     for (name, words) in [
         ("derived", "derived from other printed numbers"),
         ("found_again", "fed into a rebuilt recording"),

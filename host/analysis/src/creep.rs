@@ -7,7 +7,7 @@ use shared::phase::RelaxationType;
 
 use super::terms::{self, Terms};
 use palpate_fit::exponentials::{Fit, Parameter};
-use palpate_fit::hold::{self, HoldError, HoldFit, Holds, Response};
+use palpate_fit::hold::{self, HoldError, HoldFit, Holds, Response, Spread, spreads_by};
 use palpate_trace::{Control, FORCE, Trace, control};
 
 /// Relative standard error above which a value is not told by a hold.
@@ -24,6 +24,17 @@ pub struct Hold {
     pub terms: Terms,
     /// What the hold does not identify, in words.
     pub doubts: Vec<String>,
+}
+
+/// Each coefficient over holds of one type at one force.
+#[must_use]
+pub fn spreads(holds: &[Hold]) -> Vec<Spread> {
+    let fits: Vec<HoldFit> = holds.iter().map(|hold| hold.fit.clone()).collect();
+    let force = |fit: &HoldFit| {
+        let same = |hold: &&Hold| hold.fit.trace == fit.trace && hold.fit.range == fit.range;
+        holds.iter().find(same).and_then(|hold| hold.force).map(|force| force.0)
+    };
+    spreads_by(&fits, force)
 }
 
 /// Why creep cannot be analysed.

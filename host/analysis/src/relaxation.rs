@@ -12,6 +12,8 @@ use palpate_trace::Trace;
 
 /// Instants at which the strain rate of a hold is drawn.
 const INSTANTS: usize = 120;
+/// Share of a relaxation after which it counts as over.
+pub const OVER: f64 = 0.99;
 
 /// One hold of a recording.
 #[derive(Clone, Debug)]
@@ -41,6 +43,15 @@ pub struct Latency {
     pub scale: StrainScale,
     /// Strain and strain rate as measured.
     pub measured: Option<Derivative>,
+}
+
+impl Latency {
+    /// When this share of the gap between the strain at first and the equilibrium is left, s (4.10).
+    #[must_use]
+    pub fn time_with_left(&self, share: f64) -> Option<f64> {
+        let (start, end) = (self.law.strain(0.0), self.law.equilibrium());
+        self.law.time_at(end + share * (start - end))
+    }
 }
 
 /// What a strain is measured in.

@@ -8,7 +8,8 @@ use super::{Failure, progress};
 use palpate_analysis::conditioning::Butterworth;
 use palpate_analysis::creep::creep;
 use palpate_fit::hold::Terms;
-use palpate_present::summary::{Conditioning, creep_json, creep_sections};
+use palpate_present::answers::{self, CreepAnswer};
+use palpate_present::summary::{Conditioning, creep_sections};
 use palpate_trace::{DISPLACEMENT, FORCE, Trace, read_set, sampling};
 
 /// Creep in holds of a force: eq. 6.2, Type I and II, what is not identified.
@@ -72,7 +73,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     wait.finish_and_clear();
     let sections = creep_sections(&holds, &left_out, &traces, &args.signal, conditioning);
     let names = traces.iter().map(Trace::label).collect();
-    let json = || creep_json(&holds, &left_out, &args.signal, conditioning);
+    let json = || answers::json(&CreepAnswer::of(&holds, &left_out, &args.signal, conditioning));
     args.result.give("Creep", &args.signal, names, &sections, json)
 }
 

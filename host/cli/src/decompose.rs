@@ -14,7 +14,8 @@ use palpate_analysis::decomposition::{
 };
 use palpate_analysis::regions::{Regions, regions};
 use palpate_model::Model;
-use palpate_present::summary::{decomposed_trace, decomposition_json, decomposition_sections};
+use palpate_present::answers::{self, DecompositionAnswer};
+use palpate_present::summary::{decomposed_trace, decomposition_sections};
 use palpate_report::Section;
 use palpate_trace::files::plan::COMPUTED;
 use palpate_trace::{Trace, read_set, write};
@@ -124,7 +125,8 @@ impl Answer for Decomposed {
     }
 
     fn json(&self) -> Value {
-        decomposition_json(&self.each().collect::<Vec<_>>(), &self.relaxation)
+        let each: Vec<_> = self.each().collect();
+        answers::json(&DecompositionAnswer::of(&each, &self.relaxation))
     }
 
     fn sections(&self) -> Result<Vec<Section>, Failure> {

@@ -4,10 +4,10 @@ use std::path::PathBuf;
 
 use super::output::{Force, print_json, print_sections, write_file, write_report};
 use super::{Failure, progress};
+use palpate_present::answers::{self, DissertationAnswer};
 use palpate_present::dissertation::{Comparison, chapters};
 use palpate_present::summary::{
-    COMPARISONS_HEADER, comparisons_csv, dissertation_json, dissertation_overview,
-    dissertation_report,
+    COMPARISONS_HEADER, comparisons_csv, dissertation_overview, dissertation_report,
 };
 use palpate_trace::files::plan::{Plan, REPORT, table};
 
@@ -56,7 +56,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         dissertation_report(&chapters),
     )?;
     if args.json {
-        print_json(&dissertation_json(&chapters))?;
+        print_json(&answers::json(&DissertationAnswer::of(&chapters)))?;
     } else {
         print_sections(&[dissertation_overview(&chapters)])?;
     }

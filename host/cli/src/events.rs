@@ -7,7 +7,8 @@ use super::output::Output;
 use palpate_analysis::decomposition::{default_relaxation, relaxation_of};
 use palpate_analysis::events::{Asked, contacts, events, relaxation_of_device};
 use palpate_model::Model;
-use palpate_present::summary::{events_json, events_sections};
+use palpate_present::answers::{self, EventsAnswer};
+use palpate_present::summary::events_sections;
 use palpate_trace::{Trace, read_set};
 
 /// Touch, release and incipient slip, found in FA as a device finds them.
@@ -93,6 +94,6 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let sections: Vec<_> =
         found.iter().map(|(trace, found)| events_sections(trace, found)).collect();
     let names = traces.iter().map(Trace::label).collect();
-    let json = || events_json(&found);
+    let json = || answers::json(&EventsAnswer::of(&found));
     args.result.give("Touch, release and slip", "", names, &sections, json)
 }

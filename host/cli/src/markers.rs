@@ -7,7 +7,8 @@ use super::output::Output;
 use super::strain_rate::parse_order;
 use palpate_analysis::markers::markers;
 use palpate_analysis::strain_rate::Order;
-use palpate_present::summary::{markers_json, markers_sections};
+use palpate_present::answers::{self, MarkersAnswer};
+use palpate_present::summary::markers_sections;
 use palpate_trace::{Trace, read_set};
 
 /// Markers that a camera follows: the latency model of the gaps between them.
@@ -41,5 +42,6 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let study = markers(&traces, args.order).map_err(Failure::input)?;
     let names = traces.iter().map(Trace::label).collect();
     let sections = markers_sections(&study);
-    args.result.give("Gaps between markers", "", names, &sections, || markers_json(&study))
+    let json = || answers::json(&MarkersAnswer::from(&study));
+    args.result.give("Gaps between markers", "", names, &sections, json)
 }

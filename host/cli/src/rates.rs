@@ -6,7 +6,8 @@ use super::Failure;
 use super::output::Output;
 use super::specimen::SpecimenArgs;
 use palpate_analysis::rates::rates;
-use palpate_present::summary::{rates_json, rates_sections};
+use palpate_present::answers::{self, RatesAnswer};
+use palpate_present::summary::rates_sections;
 use palpate_trace::{Trace, read_set};
 
 /// One specimen at several loading rates: stiffness, surface strain, asymptotes, stiffening.
@@ -44,5 +45,6 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         rates(&traces, usize::from(args.terms), args.specimen.faces()).map_err(Failure::input)?;
     let sections = rates_sections(&study, &traces);
     let names = traces.iter().map(Trace::label).collect();
-    args.result.give("Loading rates", "", names, &sections, || rates_json(&study))
+    let json = || answers::json(&RatesAnswer::from(&study));
+    args.result.give("Loading rates", "", names, &sections, json)
 }

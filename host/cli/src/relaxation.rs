@@ -11,7 +11,8 @@ use super::output::Output;
 use super::{Failure, progress};
 use palpate_analysis::relaxation::{Hold, relaxation};
 use palpate_fit::hold::{HoldError, Terms};
-use palpate_present::summary::{relaxation_json, relaxation_sections};
+use palpate_present::answers::{self, RelaxationAnswer};
+use palpate_present::summary::relaxation_sections;
 use palpate_report::Section;
 use palpate_trace::{FORCE, Trace, read_set};
 
@@ -97,7 +98,7 @@ impl Answer for Relaxed {
     }
 
     fn json(&self) -> Value {
-        relaxation_json(&self.holds, &self.left_out, &self.signal)
+        answers::json(&RelaxationAnswer::of(&self.holds, &self.left_out, &self.signal))
     }
 
     fn sections(&self) -> Result<Vec<Section>, Failure> {

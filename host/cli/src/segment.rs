@@ -3,16 +3,15 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use serde_json::{Value, json};
+use serde_json::Value;
 
 use super::Failure;
 use super::answer::{Answer, labels};
 use super::output::Output;
 use palpate_analysis::cycles::{Segmentation, segment};
 use palpate_analysis::pull_off_growth::{Growth, growth};
-use palpate_present::summary::{
-    growth_section, pull_off_growth_json, segment_json, segment_sections,
-};
+use palpate_present::answers::{self, SegmentationAnswer};
+use palpate_present::summary::{growth_section, segment_sections};
 use palpate_report::Section;
 use palpate_trace::{Trace, read_set};
 
@@ -76,12 +75,7 @@ impl Answer for Segmented {
     }
 
     fn json(&self) -> Value {
-        let traces = self.each().map(|(trace, found)| segment_json(trace, found));
-        json!({
-            "palpate_segment": 1,
-            "traces": traces.collect::<Vec<_>>(),
-            "pull_off_growth": self.growth.as_ref().map(pull_off_growth_json),
-        })
+        answers::json(&SegmentationAnswer::of(self.each(), self.growth.as_ref()))
     }
 
     fn sections(&self) -> Result<Vec<Section>, Failure> {

@@ -8,9 +8,8 @@ use super::specimen::{SpecimenArgs, positive};
 use palpate_analysis::geometry::Geometry;
 use palpate_analysis::segment_run::{SegmentRun, Setting, segment_run};
 use palpate_analysis::strain_rate::{Order, Study, strain_rate};
-use palpate_present::summary::{
-    segment_run_json, segment_run_section, strain_rate_json, strain_rate_sections,
-};
+use palpate_present::answers::{self, StrainRateAnswer};
+use palpate_present::summary::{segment_run_section, strain_rate_sections};
 use palpate_trace::{Trace, read_set};
 
 /// Strain and strain rate from force, and the power law ε̇ = −ν (ε − ε_e)^n of every hold.
@@ -68,13 +67,8 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let runs = simulated(args, &traces, &study)?;
     sections.extend(runs.iter().map(segment_run_section));
     let names = traces.iter().map(Trace::label).collect();
-    let json = || {
-        let mut answer = strain_rate_json(&study);
-        if args.simulate.is_some() {
-            answer["simulated"] = runs.iter().map(segment_run_json).collect();
-        }
-        answer
-    };
+    let simulated = args.simulate.map(|_| &runs[..]);
+    let json = || answers::json(&StrainRateAnswer::of(&study, simulated));
     args.result.give("Strain and strain rate", "", names, &sections, json)
 }
 

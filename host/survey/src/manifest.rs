@@ -1,5 +1,6 @@
 //! What a folder of results is the result of.
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
@@ -29,7 +30,7 @@ pub struct Manifest {
     /// The command that makes the results, or goes on with them.
     pub command: String,
     /// The seeds of what is random in the answers, by what they are for.
-    pub seeds: Map<String, Value>,
+    pub seeds: BTreeMap<String, u64>,
     /// What was read.
     pub inputs: Inputs,
     /// Number of groups.

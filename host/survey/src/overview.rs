@@ -143,6 +143,21 @@ impl Overview {
         }
     }
 
+    /// Number of rows of a status.
+    #[must_use]
+    pub fn count(&self, status: Status) -> u64 {
+        self.status.get(&status).copied().unwrap_or(0)
+    }
+
+    /// The effects that are missing, most frequent first.
+    #[must_use]
+    pub fn most_frequent_effects(&self) -> Vec<(&str, &Effect)> {
+        let mut all: Vec<_> =
+            self.effects.iter().map(|(name, effect)| (name.as_str(), effect)).collect();
+        all.sort_by_key(|(_, effect)| std::cmp::Reverse(effect.rows.len()));
+        all
+    }
+
     /// The key that tells the order of time.
     #[must_use]
     pub fn order(&self) -> Option<&str> {
@@ -318,7 +333,7 @@ mod tests {
             by: vec!["finger".into(), "day".into()],
             options: Map::new(),
             command: String::new(),
-            seeds: Map::new(),
+            seeds: BTreeMap::new(),
             inputs,
             groups: 0,
             groups_in_a_part: 1000,

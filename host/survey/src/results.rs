@@ -44,7 +44,7 @@ pub struct Plan {
     /// The command.
     pub command: String,
     /// The seeds of what is random in the answers.
-    pub seeds: Map<String, Value>,
+    pub seeds: BTreeMap<String, u64>,
     /// What is read.
     pub sources: Sources,
 }

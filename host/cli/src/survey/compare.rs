@@ -2,8 +2,6 @@
 
 use std::path::PathBuf;
 
-use serde_json::json;
-
 use super::asking::Asking;
 use super::fleet::{Fleet, Given, Survey};
 use crate::preparation::Prepare;
@@ -31,7 +29,7 @@ pub struct Args {
 pub fn survey(args: &Args) -> Result<Survey<'_>, Failure> {
     let model = Model::read(&args.model).map_err(Failure::input)?;
     let given = Given::new(&args.model, &model)?;
-    let seeds = [("dependence".to_owned(), json!(dependence::SEED))].into_iter().collect();
+    let seeds = [("dependence", dependence::SEED)];
     let ask = move |_: &_, traces| compare::ask(&args.prepare, model.clone(), traces);
     Ok(Survey::new(&args.fleet, Asking::new(Asked::Compare, ask)).of(Some(given)).with(seeds))
 }

@@ -2,8 +2,6 @@
 
 use std::path::PathBuf;
 
-use serde_json::json;
-
 use super::asking::Asking;
 use super::fleet::{Fleet, Given, Survey};
 use crate::preparation::Prepare;
@@ -40,13 +38,12 @@ pub fn survey(args: &Args) -> Result<Survey<'_>, Failure> {
         let next = diagnose::next(&args.model, &files(group), &args.prepare.flags());
         diagnose::ask(&args.prepare, model.clone(), traces, next)
     };
-    let seeds = json!({
-        "null": screen::SEED,
-        "resampling": Options::default().seed,
-        "dependence": dependence::SEED,
-        "agreement": agreement::SEED,
-    });
-    let seeds = seeds.as_object().cloned().unwrap_or_default();
+    let seeds = [
+        ("null", screen::SEED),
+        ("resampling", Options::default().seed),
+        ("dependence", dependence::SEED),
+        ("agreement", agreement::SEED),
+    ];
     Ok(Survey::new(&args.fleet, Asking::new(Asked::Diagnose, ask)).of(Some(given)).with(seeds))
 }
 

@@ -1,5 +1,6 @@
 //! What every survey needs: which traces, grouped by what, and where the results go.
 
+use std::collections::BTreeMap;
 use std::io;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -62,14 +63,14 @@ impl<'a> Given<'a> {
 pub struct Survey<'a> {
     fleet: &'a Fleet,
     given: Option<Given<'a>>,
-    seeds: Map<String, Value>,
+    seeds: BTreeMap<String, u64>,
     question: Asking<'a>,
 }
 
 impl<'a> Survey<'a> {
     /// A question that depends on no model and no seed.
     pub fn new(fleet: &'a Fleet, question: Asking<'a>) -> Self {
-        Self { fleet, given: None, seeds: Map::new(), question }
+        Self { fleet, given: None, seeds: BTreeMap::new(), question }
     }
 
     /// The same where rows depend on a model.
@@ -77,8 +78,9 @@ impl<'a> Survey<'a> {
         Self { given, ..self }
     }
 
-    /// The same where rows depend on seeds.
-    pub fn with(self, seeds: Map<String, Value>) -> Self {
+    /// The same where rows depend on seeds, each by what it is for.
+    pub fn with<const COUNT: usize>(self, seeds: [(&str, u64); COUNT]) -> Self {
+        let seeds = seeds.map(|(name, seed)| (name.to_owned(), seed)).into();
         Self { seeds, ..self }
     }
 

@@ -8,7 +8,8 @@ use super::fleet::wrong;
 use crate::Failure;
 use crate::answer::Answer;
 use crate::output::Output;
-use palpate_present::summary::{survey_json, survey_sections};
+use palpate_present::answers::{self, SurveyAnswer};
+use palpate_present::summary::survey_sections;
 use palpate_report::Section;
 use palpate_survey::overview::Overview;
 use palpate_survey::results::{About, about, read_rows};
@@ -68,7 +69,7 @@ impl Answer for Found {
     }
 
     fn json(&self) -> Value {
-        survey_json(&self.about, &self.overview, &self.folder)
+        answers::json(&SurveyAnswer::of(&self.about, &self.overview, &self.folder))
     }
 
     fn sections(&self) -> Result<Vec<Section>, Failure> {

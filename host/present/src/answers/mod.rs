@@ -6,11 +6,25 @@
 mod afm;
 mod compare;
 mod conversion;
+mod creep;
+mod decomposition;
+mod dissertation;
+mod events;
 mod grasp;
+mod holds;
+mod markers;
 mod preparation;
+mod pull_off;
+mod rates;
 mod recorded_motion;
 mod recording_plan;
+mod relaxation;
+mod segment;
 mod sensor;
+mod strain_rate;
+mod survey;
+mod terms;
+mod uncertain;
 
 pub use afm::{
     AfmAnswer, AfmCurveAnswer, AfmEstimate, AfmExponentialAnswer, AfmFitAnswer, AfmHoldAnswer,
@@ -19,6 +33,17 @@ pub use afm::{
 };
 pub use compare::{ComparisonAnswer, DependenceAnswer, PlaceAnswer};
 pub use conversion::{ConversionAnswer, WrittenAnswer};
+pub use creep::{ConditioningAnswer, CreepAnswer, CreepHold};
+pub use decomposition::{
+    DecomposedChannel, DecomposedTrace, DecompositionAnswer, FilterRelaxation, GraspRegion,
+};
+pub use dissertation::{
+    DissertationAnswer, DrawnFigure, EvidenceKind, EvidenceTally, PrintedComparison, PrintedFigure,
+    PrintedNumber,
+};
+pub use events::{
+    EventAnswer, EventKind, EventSettings, EventsAnswer, HappenedAnswer, TraceEvents,
+};
 pub use grasp::{
     BalanceAnswer, BalancedAnswer, ContactAnswer, ContactShapeAnswer, FingerAnswer,
     GraspForecastAnswer, GraspFrictionAnswer, GraspGrowthAnswer, GraspHoldAnswer, GraspLoadAnswer,
@@ -26,14 +51,32 @@ pub use grasp::{
     GrownAnswer, InstantAnswer, LeastAnswer, MarginHistoryAnswer, SlipAnswer, SurfacePointAnswer,
     UnbalancedAnswer,
 };
+pub use holds::{CorrelationAnswer, HoldFitAnswer, HoldParameter, HoldsAnswer, SpreadAnswer};
+pub use markers::{GapAnswer, MarkersAnswer};
 pub use preparation::{PreparationAnswer, Prepared};
+pub use pull_off::{PullOffAnswer, PullOffGrowthAnswer, PullOffLaw, PullOffsAtSpeed};
+pub use rates::{RateGroup, RateRun, RateTrend, RatesAnswer};
 pub use recorded_motion::RecordedMotionAnswer;
 pub use recording_plan::{PlannedRecordingAnswer, RecordingPlanAnswer};
+pub use relaxation::{
+    FormAnswer, FormsAnswer, LatencyAnswer, RelaxationAnswer, RelaxationHold, StrainReference,
+};
+pub use segment::{
+    ControlSource, ControlledQuantity, CycleAnswer, CyclePoint, CycleRegion, ForceLimit,
+    InertiaAnswer, LoopDirection, SegmentationAnswer, SegmentedTraceAnswer,
+};
 pub use sensor::{
     SensorFrequencyAnswer, SensorGaugeAnswer, SensorPressAnswer, SensorRelaxationAnswer,
     SensorResponseAnswer, SensorShakeAnswer, SensorSlideAnswer, SensorSlipAnswer,
     SensorSpecimenAnswer, SensorStimulus, SensorToneAnswer,
 };
+pub use strain_rate::{DerivativeAnswer, SimulatedRun, StrainRateAnswer, StrainRateHold};
+pub use survey::{
+    EstimateDistribution, FarOutAnswer, GroupFailure, GroupStatus, MedianAt, MissingEffect,
+    MissingSince, SurveyAnswer, SurveyQuestion,
+};
+pub use terms::{NumberAnswer, TermsAnswer};
+pub use uncertain::Uncertain;
 
 use palpate_link::device::answers as device;
 use schemars::{JsonSchema, Schema, SchemaGenerator, generate::SchemaSettings};
@@ -75,12 +118,17 @@ pub fn schemas() -> Vec<(&'static str, Schema)> {
         ("afm-rough", schema::<AfmRoughAnswer>()),
         ("compare", schema::<Prepared<ComparisonAnswer>>()),
         ("convert", schema::<ConversionAnswer>()),
+        ("creep", schema::<CreepAnswer>()),
+        ("decompose", schema::<DecompositionAnswer>()),
         ("device-calibrate", schema::<device::CalibrationAnswer>()),
         ("device-info", schema::<device::DeviceAnswer>()),
         ("device-list", schema::<device::PortsAnswer>()),
         ("device-self-test", schema::<device::SelfTestAnswer>()),
         ("device-set", schema::<device::SetAnswer>()),
         ("device-tare", schema::<device::TareAnswer>()),
+        ("dissertation", schema::<DissertationAnswer>()),
+        ("events", schema::<EventsAnswer>()),
+        ("fit-holds", schema::<Prepared<HoldsAnswer>>()),
         ("grasp-friction", schema::<GraspFrictionAnswer>()),
         ("grasp-growth", schema::<GraspGrowthAnswer>()),
         ("grasp-margin", schema::<GraspMarginAnswer>()),
@@ -88,14 +136,20 @@ pub fn schemas() -> Vec<(&'static str, Schema)> {
         ("grasp-surface", schema::<GraspSurfaceAnswer>()),
         ("grasp-watch", schema::<GraspWatchAnswer>()),
         ("hide-record", schema::<RecordedMotionAnswer>()),
+        ("markers", schema::<MarkersAnswer>()),
         ("plan", schema::<RecordingPlanAnswer>()),
+        ("rates", schema::<RatesAnswer>()),
         ("record", schema::<device::RecordedAnswer>()),
         ("record-second", schema::<device::SecondAnswer>()),
+        ("relaxation", schema::<RelaxationAnswer>()),
+        ("segment", schema::<SegmentationAnswer>()),
         ("sensor-frequency", schema::<SensorFrequencyAnswer>()),
         ("sensor-press", schema::<SensorPressAnswer>()),
         ("sensor-shake", schema::<SensorShakeAnswer>()),
         ("sensor-slide", schema::<SensorSlideAnswer>()),
         ("sensor-slip", schema::<SensorSlipAnswer>()),
+        ("strain-rate", schema::<StrainRateAnswer>()),
+        ("survey-report", schema::<SurveyAnswer>()),
     ]
 }
 

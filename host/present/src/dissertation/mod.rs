@@ -25,12 +25,14 @@ mod simulated;
 mod strain_inside;
 mod strain_rate;
 mod tactile_sensor;
+mod tally;
 
 pub use comparison::{Check, Comparison, Evidence};
 pub use figures::{Counterpart, counterparts};
 pub use relaxation_tables::{
     EQUATION_3_5, RelaxationRow, Statistic, TABLE_3_1, TABLE_3_2, TABLE_3_3, TABLE_3_4,
 };
+pub use tally::{Tally, comparisons, tallies};
 
 use rayon::prelude::*;
 

@@ -1,16 +1,11 @@
 //! Creep in holds of a force: chapter 6 and appendix B for one's own data.
 
-use serde_json::{Value, json};
-
-use super::holds::{
-    chance, coefficient_table, left_out_words, one_json, plot, spread_json, spread_table,
-};
-use super::terms::{place, residual_plot, terms_json, terms_tables};
-use super::unit_of;
+use super::holds::{chance, coefficient_table, left_out_words, plot, spread_table};
+use super::terms::{place, residual_plot, terms_tables};
 use palpate_analysis::conditioning::Butterworth;
-use palpate_analysis::creep::Hold;
+use palpate_analysis::creep::{Hold, spreads};
 use palpate_fit::exponentials::Parameter;
-use palpate_fit::hold::{HoldError, HoldFit, Spread, spreads_by};
+use palpate_fit::hold::{HoldError, HoldFit, Spread};
 use palpate_report::number::significant;
 use palpate_report::{Callout, Column, Section, Table};
 use palpate_trace::Trace;
@@ -30,7 +25,7 @@ pub fn creep_sections(
     signal: &str,
     conditioning: Option<Conditioning>,
 ) -> Vec<Section> {
-    let fits = fits(holds);
+    let fits: Vec<HoldFit> = holds.iter().map(|hold| hold.fit.clone()).collect();
     let mut table = coefficient_table(&fits, signal);
     table.caption = "Creep of each hold: N (1 + Σ ci e^(−vi t)), N is D (6.1, 6.2)".into();
     table.notes[0] = table.notes[0].replace(
@@ -73,54 +68,6 @@ pub fn creep_sections(
         }
     }
     vec![first, number]
-}
-
-/// Every hold as a JSON object.
-#[must_use]
-pub fn creep_json(
-    holds: &[Hold],
-    left_out: &[HoldError],
-    signal: &str,
-    conditioning: Option<Conditioning>,
-) -> Value {
-    let each: Vec<Value> = holds
-        .iter()
-        .map(|hold| {
-            let mut value = one_json(&hold.fit);
-            value["force_N"] = json!(hold.force.map(|force| force.0));
-            value["force_scatter_N"] = json!(hold.force.map(|force| force.1));
-            value["terms"] = terms_json(&hold.terms);
-            value["not_identified"] = json!(hold.doubts);
-            value
-        })
-        .collect();
-    json!({
-        "palpate_creep": 1,
-        "signal": signal,
-        "unit": unit_of(signal),
-        "conditioning": conditioning.map(|(filter, rate)| json!({
-            "filter": "Butterworth",
-            "cutoff_Hz": filter.cutoff_hz,
-            "order": filter.order,
-            "zero_phase": filter.zero_phase,
-            "minus_3_dB_Hz": filter.three_db_hz(rate),
-        })),
-        "holds": each,
-        "left_out": left_out_words(left_out),
-        "spread": spreads(holds).iter().map(|s| spread_json(s, "force_N")).collect::<Vec<_>>(),
-    })
-}
-
-fn fits(holds: &[Hold]) -> Vec<HoldFit> {
-    holds.iter().map(|hold| hold.fit.clone()).collect()
-}
-
-fn spreads(holds: &[Hold]) -> Vec<Spread> {
-    let force = |fit: &HoldFit| {
-        let same = |hold: &&Hold| hold.fit.trace == fit.trace && hold.fit.range == fit.range;
-        holds.iter().find(same).and_then(|hold| hold.force).map(|force| force.0)
-    };
-    spreads_by(&fits(holds), force)
 }
 
 fn force_table(holds: &[Hold]) -> Table {

@@ -1,7 +1,5 @@
 //! A decomposed recording: its regions as a table, FA and SA as plots, all of it as columns.
 
-use serde_json::{Value, json};
-use shared::adaptation::Relaxation;
 use shared::phase::{Region, RelaxationType};
 
 use super::{name_of, unit_of};
@@ -151,52 +149,4 @@ pub fn decomposed_trace(trace: &Trace, channels: &[(Channel, Regions)]) -> Trace
         result.set_column(format!("{stem}_relaxation"), types);
     }
     result
-}
-
-/// The regions of every channel as one JSON object.
-#[must_use]
-pub fn decomposition_json(
-    parts: &[(&Trace, &[(Channel, Regions)])],
-    relaxation: &Relaxation,
-) -> Value {
-    let channel = |trace: &Trace, (channel, regions): &(Channel, Regions)| {
-        let stretches: Vec<Value> = regions
-            .stretches()
-            .iter()
-            .map(|stretch| {
-                let (points, word) = name(stretch.region);
-                json!({
-                    "region": word,
-                    "points": points,
-                    "from_s": trace.time[stretch.range.start],
-                    "to_s": trace.time[stretch.range.end.min(trace.len() - 1)],
-                    "relaxation": type_code(stretch.relaxation),
-                })
-            })
-            .collect();
-        json!({
-            "signal": channel.signal,
-            "lsb": channel.lsb,
-            "saturated": channel.saturated,
-            "regions": stretches,
-        })
-    };
-    let traces: Vec<Value> = parts
-        .iter()
-        .map(|(trace, channels)| {
-            let channels: Vec<Value> = channels.iter().map(|both| channel(trace, both)).collect();
-            json!({"trace": trace.label(), "channels": channels})
-        })
-        .collect();
-    json!({
-        "palpate_decomposition": 1,
-        "relaxation": {
-            "c0": relaxation.c0(),
-            "c1": relaxation.c1,
-            "v1": relaxation.v1,
-            "c2": relaxation.c2,
-            "v2": relaxation.v2,
-        },
-        "traces": traces,
-    })
 }

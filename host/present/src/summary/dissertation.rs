@@ -1,43 +1,11 @@
 //! The dissertation recomputed: how much of it agrees, and chapter by chapter.
 
-use serde_json::{Value, json};
-
-use crate::dissertation::{Chapter, Check, Comparison, Counterpart, Evidence, SLIPS, counterparts};
+use crate::dissertation::{
+    Chapter, Check, Comparison, Counterpart, Evidence, SLIPS, Tally, comparisons, counterparts,
+    tallies,
+};
 use palpate_report::number::significant;
 use palpate_report::{Block, Callout, Column, Section, Table};
-
-fn comparisons(chapters: &[Chapter]) -> impl Iterator<Item = &Comparison> {
-    chapters.iter().flat_map(|chapter| &chapter.comparisons)
-}
-
-/// How the figures of one kind of evidence came out.
-struct Tally {
-    evidence: Evidence,
-    figures: usize,
-    /// Within half of the last printed digit.
-    exact: usize,
-    /// Within what is allowed.
-    agree: usize,
-}
-
-/// The kinds of evidence that the chapters have.
-fn tallies(chapters: &[Chapter]) -> Vec<Tally> {
-    let of = |evidence: Evidence| {
-        let checks = || {
-            comparisons(chapters)
-                .filter(move |comparison| comparison.evidence == evidence)
-                .flat_map(|comparison| &comparison.checks)
-        };
-        let count = |passes: fn(&Check) -> bool| checks().filter(|check| passes(check)).count();
-        Tally {
-            evidence,
-            figures: checks().count(),
-            exact: count(Check::is_exact),
-            agree: count(Check::agrees),
-        }
-    };
-    Evidence::ALL.map(of).into_iter().filter(|tally| tally.figures > 0).collect()
-}
 
 /// The first page: what agrees, what that shows, and what does not agree.
 #[must_use]
@@ -261,55 +229,4 @@ pub fn comparisons_csv(chapters: &[Chapter]) -> String {
         .into_inner()
         .map(|bytes| String::from_utf8_lossy(&bytes).into_owned())
         .unwrap_or_default()
-}
-
-/// The comparisons as one JSON object.
-#[must_use]
-pub fn dissertation_json(chapters: &[Chapter]) -> Value {
-    let tally = |Tally { evidence, figures, exact, agree }| {
-        json!({
-            "evidence": evidence.names().1,
-            "figures": figures,
-            "within_half_of_the_last_digit": exact,
-            "agree": agree,
-            "shows": evidence.shows(),
-        })
-    };
-    let check = |check: &Check| {
-        json!({
-            "quantity": check.quantity,
-            "unit": check.unit,
-            "printed": check.printed,
-            "last_digit": check.digit,
-            "recomputed": check.recomputed.is_finite().then_some(check.recomputed),
-            "allowed": check.tolerance,
-            "agrees": check.agrees(),
-        })
-    };
-    let comparison = |comparison: &Comparison| {
-        json!({
-            "printed_in": comparison.source,
-            "evidence": comparison.evidence.names().1,
-            "reason": comparison.reason,
-            "checks": comparison.checks.iter().map(check).collect::<Vec<_>>(),
-        })
-    };
-    let figure = |figure: &Counterpart| {
-        json!({
-            "figure": figure.number,
-            "of": figure.subject,
-            "drawn": figure
-                .drawn
-                .iter()
-                .map(|(chapter, words)| json!({"chapter": chapter, "figure": words}))
-                .collect::<Vec<_>>(),
-            "reason": figure.reason,
-        })
-    };
-    json!({
-        "palpate_dissertation": 1,
-        "kinds": tallies(chapters).into_iter().map(tally).collect::<Vec<_>>(),
-        "comparisons": comparisons(chapters).map(comparison).collect::<Vec<_>>(),
-        "figures": counterparts(chapters).iter().map(figure).collect::<Vec<_>>(),
-    })
 }

@@ -1,6 +1,5 @@
-//! Touch, release and slip: a table, a plot, a JSON object.
+//! Touch, release and slip: a table and a plot.
 
-use serde_json::{Value, json};
 use shared::events::Kind;
 
 use super::{name_of, unit_of};
@@ -138,53 +137,4 @@ fn figure(trace: &Trace, events: &Events) -> Panels {
         .summary("Readings and their fast adapting part over time, with events marked")
         .plot(reading)
         .plot(fa)
-}
-
-/// The events of all traces as one JSON object.
-#[must_use]
-pub fn events_json(traces: &[(&Trace, Events)]) -> Value {
-    let one = |(trace, events): &(&Trace, Events)| {
-        let known = happened(trace);
-        let judged = judge(&known, &events.found);
-        let settings = &events.settings;
-        let found: Vec<Value> = events
-            .found
-            .iter()
-            .enumerate()
-            .map(|(place, found)| {
-                json!({
-                    "kind": name(found.kind),
-                    "told_s": found.told_s,
-                    "began_s": found.began_s,
-                    "delay_s": found.told_s - found.began_s,
-                    "signal": signal_of(events, found.channel),
-                    "false_alarm": (!known.is_empty()).then(|| judged.false_alarms.contains(&place)),
-                })
-            })
-            .collect();
-        let happened: Vec<Value> = known
-            .iter()
-            .zip(&judged.delay_s)
-            .map(|((kind, at), (_, delay))| {
-                json!({"kind": name(*kind), "time_s": at, "told_after_s": delay})
-            })
-            .collect();
-        json!({
-            "trace": trace.label(),
-            "signals": events.channels.iter().map(|channel| &channel.signal).collect::<Vec<_>>(),
-            "unit": unit(events),
-            "noise": events.noise,
-            "rate_Hz": events.rate_hz,
-            "settings": {
-                "burst": settings.burst,
-                "jolt": settings.jolt,
-                "jolts": settings.jolts,
-                "within_s": settings.within_s,
-                "corner_Hz": settings.corner_hz,
-            },
-            "events": found,
-            "happened": (!known.is_empty()).then_some(happened),
-        })
-    };
-    json!({"palpate_events": 1, "traces": traces.iter().map(one).collect::<Vec<_>>()})
 }

@@ -1,6 +1,4 @@
-//! What markers say: the law of every gap between them, as a table, plots and a JSON object.
-
-use serde_json::{Value, json};
+//! What markers say: the law of every gap between them, as a table and plots.
 
 use super::{CONCISE, concise, name_of};
 use palpate_analysis::markers::{Gap, Study};
@@ -101,35 +99,4 @@ pub fn markers_figure(gap: &Gap) -> Plot {
                 .colour(Colour::MODEL),
         )
         .level(gap.fit.law.equilibrium, "ends at")
-}
-
-/// The study as a JSON object.
-#[must_use]
-pub fn markers_json(study: &Study) -> Value {
-    let gap = |gap: &Gap| {
-        let fit = &gap.fit;
-        json!({
-            "trace": gap.trace,
-            "between": gap.between,
-            "from_s": gap.from_s,
-            "duration_s": gap.time.last(),
-            "order": fit.order.0,
-            "order_standard_error": fit.order.1,
-            "rate_per_s": fit.rate.0,
-            "rate_logarithm_standard_error": fit.rate.1,
-            "initial_mm": fit.initial.0,
-            "initial_mm_standard_error": fit.initial.1,
-            "equilibrium_mm": fit.equilibrium.0,
-            "equilibrium_mm_standard_error": fit.equilibrium.1,
-            "gap_left_at_the_end": fit.left,
-            "residual_rms_mm": fit.noise,
-            "odd_orders_that_fit": [gap.odd_orders.0, gap.odd_orders.1],
-            "not_identified": fit.doubts,
-        })
-    };
-    json!({
-        "palpate_markers": 1,
-        "order": study.order,
-        "gaps": study.gaps.iter().map(gap).collect::<Vec<_>>(),
-    })
 }

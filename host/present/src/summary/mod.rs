@@ -40,49 +40,50 @@ pub(crate) use afm::{curve_remarks, hold_figure};
 pub use change::{change_json, change_report, change_sections};
 pub use compare::{compare_sections, overlays};
 pub use contract::{contract_json, contract_section};
-pub use creep::{Conditioning, creep_json, creep_sections};
+pub use creep::{Conditioning, creep_sections};
 pub use decomposition::{
-    decomposed_trace, decomposition_json, decomposition_sections, part_panels, region_spans,
-    region_table, shaded,
+    decomposed_trace, decomposition_sections, part_panels, region_spans, region_table, shaded,
 };
 pub use device::{device_sections, self_test_sections, settings_blocks};
 pub use diagnosis::{DiagnosisSummary, NextCommand};
 pub use discovery::DiscoverySummary;
 pub use dissertation::{
-    COMPARISONS_HEADER, comparisons_csv, dissertation_json, dissertation_overview,
-    dissertation_report,
+    COMPARISONS_HEADER, comparisons_csv, dissertation_overview, dissertation_report,
 };
 pub use effects::{
     effect_figures, effect_json, effect_pages, effect_section, library_json, library_section,
 };
-pub use events::{events_json, events_sections};
+pub use events::events_sections;
 pub use grasp::{
     Forecast, HISTORY_HEADER, HandPlan, SURFACE_HEADER, SurfaceSummary, friction_sections,
     growth_sections, history_csv, history_sections, plan_sections, pressure_plot, reading_line,
     surface_csv,
 };
-pub use holds::{hold_json, hold_sections};
+pub use holds::hold_sections;
+pub(crate) use holds::{NO_BETTER, warnings as hold_warnings};
 pub use ladder::ladder;
-pub use markers::{markers_figure, markers_json, markers_sections};
+pub use markers::{markers_figure, markers_sections};
 pub use next_motion::{motion_file, next_motion_json, next_motion_section, no_motion};
 pub use outliers::{Preparation, Refit};
 pub use plan::plan_section;
 pub use practice::{practice_json, practice_sections, truth_json, truth_sections};
 pub use press::press_sections;
-pub use pull_off::{growth_section, pull_off_growth_json};
+pub use pull_off::growth_section;
 pub use ranking::{ranking_json, ranking_sections};
-pub use rates::{rates_json, rates_sections};
+pub use rates::rates_sections;
+pub(crate) use rates::warnings as rates_warnings;
 pub use recording::{loops, overview, trace_panels};
-pub use relaxation::{relaxation_json, relaxation_sections};
-pub use segment::{segment_json, segment_sections};
-pub use segment_run::{segment_run_json, segment_run_section};
+pub use relaxation::relaxation_sections;
+pub use segment::segment_sections;
+pub(crate) use segment::{region_of, type_of, warnings as segment_warnings};
+pub use segment_run::segment_run_section;
 pub use sensor::{
     sensor_press_sections, sensor_shake_sections, sensor_slide_sections, sensor_slip_sections,
     sensor_tones_sections,
 };
 pub(crate) use sensor::{spectrum_figure, tones_figure};
-pub use strain_rate::{strain_rate_json, strain_rate_sections};
-pub use survey::{survey_json, survey_sections};
+pub use strain_rate::strain_rate_sections;
+pub use survey::survey_sections;
 pub use terms::number_table;
 pub use whole_motion::FitSummary;
 

@@ -1,15 +1,11 @@
-//! Pull-offs of adhesive contacts, and their growth with the speed, as tables, a figure and JSON.
-
-use serde_json::{Value, json};
+//! Pull-offs of adhesive contacts, and their growth with the speed, as tables and a figure.
 
 use super::{CONCISE, concise, estimate};
 use palpate_analysis::cycles::Segmentation;
-use palpate_analysis::pull_off::PullOff;
 use palpate_analysis::pull_off_growth::{Growth, Law};
 use palpate_analysis::rates::Estimate;
 use palpate_report::number::significant;
 use palpate_report::{Axis, Colour, Column, Plot, Section, Series, Table};
-use palpate_trace::Trace;
 
 /// Points of the curve of the law.
 const DRAWN: usize = 100;
@@ -44,21 +40,6 @@ pub(super) fn pull_off_table(found: &Segmentation) -> Option<Table> {
         table.note(format!(
             "The largest pull, counted from the force after the separation (zero); the area under the pull; the displacement at which it has gone. Speed: the mean while it pulls. {CONCISE}"
         ))
-    })
-}
-
-/// One pull-off as a JSON object.
-pub(super) fn pull_off_json(trace: &Trace, pull: &PullOff) -> Value {
-    json!({
-        "speed_mm_per_s": pull.speed_mm_per_s,
-        "force_N": pull.force_n,
-        "force_standard_error_N": pull.force_error_n,
-        "time_s": trace.time[pull.sample],
-        "displacement_mm": pull.displacement_mm,
-        "separation_mm": pull.separation_mm,
-        "work_of_adhesion_mJ": pull.work_mj,
-        "work_of_adhesion_standard_error_mJ": pull.work_error_mj,
-        "zero_N": pull.zero_n,
     })
 }
 
@@ -131,34 +112,4 @@ fn growth_plot(growth: &Growth) -> Plot {
         plot = plot.series(Series::line("law", speeds, forces).colour(Colour::Hue(0)));
     }
     plot
-}
-
-/// The same as a JSON object.
-#[must_use]
-pub fn pull_off_growth_json(growth: &Growth) -> Value {
-    let pair = |(value, error): Estimate| json!({"value": value, "standard_error": error});
-    let told = |(value, error): (f64, f64)| pair((value, Some(error)));
-    let speeds: Vec<Value> = growth
-        .speeds
-        .iter()
-        .map(|speed| {
-            json!({
-                "speed_mm_per_s": speed.speed_mm_per_s,
-                "pull_offs": speed.count,
-                "force_N": pair(speed.force_n),
-                "work_of_adhesion_mJ": pair(speed.work_mj),
-                "separation_mm": pair(speed.separation_mm),
-            })
-        })
-        .collect();
-    json!({
-        "speeds": speeds,
-        "exponent_of_a_power": growth.slope.map(told),
-        "law": growth.law.as_ref().ok().map(|law| json!({
-            "F0_N": told(law.force_n),
-            "v0_mm_per_s": told(law.speed_mm_per_s),
-            "n": told(law.exponent),
-        })),
-        "not_identifiable": growth.law.as_ref().err(),
-    })
 }

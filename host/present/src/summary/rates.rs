@@ -1,7 +1,5 @@
 //! Runs at several loading rates: chapter 5 for one's own data.
 
-use serde_json::{Value, json};
-
 use super::holds::chance;
 use super::{CONCISE, concise, estimate};
 use palpate_analysis::geometry::{Faces, Geometry};
@@ -43,72 +41,6 @@ pub fn rates_sections(study: &Study, traces: &[Trace]) -> Vec<Section> {
         );
     }
     vec![first, strains]
-}
-
-/// The study as a JSON object.
-#[must_use]
-pub fn rates_json(study: &Study) -> Value {
-    let runs: Vec<Value> = study
-        .runs
-        .iter()
-        .map(|run| {
-            json!({
-                "trace": run.trace,
-                "rate_mm_per_s": run.rate_mm_per_s,
-                "displacement_mm": run.displacement_mm,
-                "peak_N": run.peak_n.0,
-                "peak_standard_error_N": run.peak_n.1,
-                "asymptote_N": run.asymptote_n.0,
-                "asymptote_standard_error_N": run.asymptote_n.1,
-                "v1_per_s": run.v1.0,
-                "v1_standard_error_per_s": run.v1.1,
-                "area_mm2": run.area_mm2,
-                "equilibrium_strain": run.equilibrium_strain,
-                "specific_stiffness_Pa": run.stiffness_pa.0,
-                "specific_stiffness_standard_error_Pa": run.stiffness_pa.1,
-                "r_squared": run.fit.r_squared,
-                "notes": run.fit.notes.iter().map(ToString::to_string).collect::<Vec<_>>(),
-            })
-        })
-        .collect();
-    let trend = |trend: &Trend| {
-        json!({
-            "slope_N_per_decade": trend.slope_n.0,
-            "standard_error_N": trend.slope_n.1,
-            "p_value": trend.p_value,
-            "off_line_chi_square": trend.off_line.map(|off| off.chi_square),
-            "off_line_p_value": trend.off_line.map(|off| off.p_value),
-        })
-    };
-    let groups: Vec<Value> = study
-        .groups
-        .iter()
-        .map(|group| {
-            json!({
-                "displacement_mm": group.displacement_mm,
-                "runs": group.runs.len(),
-                "asymptote_N": group.asymptotes.map(|test| test.mean),
-                "asymptotes_chi_square": group.asymptotes.map(|test| test.chi_square),
-                "asymptotes_agree_p_value": group.asymptotes.map(|test| test.p_value),
-                "asymptote_trend": group.asymptote_trend.as_ref().map(trend),
-                "peaks_chi_square": group.peaks.map(|test| test.chi_square),
-                "peaks_agree_p_value": group.peaks.map(|test| test.p_value),
-                "peak_trend": group.peak_trend.as_ref().map(trend),
-            })
-        })
-        .collect();
-    json!({
-        "palpate_rates": 1,
-        "v1_per_s": study.v1.0,
-        "v1_standard_error_per_s": study.v1.1,
-        "v1_agree_p_value": study.agreement.0.map(|test| test.p_value),
-        "specific_stiffness_Pa": study.stiffness_pa.0,
-        "specific_stiffness_standard_error_Pa": study.stiffness_pa.1,
-        "specific_stiffness_agree_p_value": study.agreement.1.map(|test| test.p_value),
-        "runs": runs,
-        "groups": groups,
-        "warnings": warnings(study),
-    })
 }
 
 /// The geometry in words.
@@ -284,7 +216,7 @@ fn peak_words(group: &Group) -> String {
 }
 
 /// What to beware of.
-fn warnings(study: &Study) -> Vec<String> {
+pub fn warnings(study: &Study) -> Vec<String> {
     let alone = study.groups.iter().all(|group| group.runs.len() == 1);
     let alone = alone.then(|| {
         "Every displacement has one run only: nothing to compare over the rates.".to_owned()

@@ -1,24 +1,18 @@
 //! What holds of a displacement show: chapters 3 and 4 and appendix A for one's own data.
 
-use serde_json::{Value, json};
-
-use super::holds::{
-    coefficient_table, left_out_words, one_json, plot, spread_json, spread_table, warnings,
-};
-use super::terms::{place, residual_plot, terms_json, terms_tables};
+use super::holds::{coefficient_table, left_out_words, plot, spread_table, warnings};
+use super::terms::{place, residual_plot, terms_tables};
 use super::{CONCISE, concise, unit_of};
-use palpate_analysis::relaxation::{Hold, Latency, StrainScale};
+use palpate_analysis::relaxation::{Hold, Latency, OVER, StrainScale};
 use palpate_fit::exponentials::{MOST_TERMS, Parameter};
 use palpate_fit::hold::{HoldError, HoldFit, spreads};
-use palpate_fit::relaxation_form::{Form, FormFit, Forms};
+use palpate_fit::relaxation_form::Form;
 use palpate_report::number::significant;
 use palpate_report::{Axis, Callout, Colour, Column, Plot, Section, Series, Table};
 use palpate_trace::Trace;
 
 /// Most holds that a report draws one by one.
 const MOST_DRAWN: usize = 6;
-/// Share of the relaxation that counts as over.
-const OVER: f64 = 0.99;
 
 /// Coefficients, repeats, latency model and number of exponentials of every hold.
 #[must_use]
@@ -83,55 +77,6 @@ pub fn relaxation_sections(
     vec![first, number, form, latency]
 }
 
-/// Every hold as a JSON object.
-#[must_use]
-pub fn relaxation_json(holds: &[Hold], left_out: &[HoldError], signal: &str) -> Value {
-    let fits: Vec<HoldFit> = holds.iter().map(|hold| hold.fit.clone()).collect();
-    let spreads: Vec<Value> =
-        spreads(&fits).iter().map(|spread| spread_json(spread, "displacement_mm")).collect();
-    let holds: Vec<Value> = holds
-        .iter()
-        .map(|hold| {
-            let mut value = one_json(&hold.fit);
-            value["terms"] = terms_json(&hold.terms);
-            value["forms"] = json!(hold.forms.as_ref().map(forms_json));
-            value["latency"] = json!(hold.latency.as_ref().map(latency_json));
-            value
-        })
-        .collect();
-    json!({
-        "palpate_relaxation": 1,
-        "signal": signal,
-        "unit": unit_of(signal),
-        "holds": holds,
-        "spread": spreads,
-        "left_out": left_out_words(left_out),
-        "warnings": warnings(&fits),
-    })
-}
-
-fn latency_json(latency: &Latency) -> Value {
-    let error = |parameter| latency.fit.standard_error(parameter);
-    let (slope, intercept) = latency.law.line();
-    json!({
-        "v1_per_s": latency.law.rate,
-        "v1_standard_error_per_s": error(Parameter::Rate(1)),
-        "c0": latency.law.constant,
-        "settles_at": latency.settles.0,
-        "settles_at_standard_error": latency.settles.1,
-        "strain_of": match latency.scale {
-            StrainScale::OfHeight => "height",
-            StrainScale::OfEquilibrium => "equilibrium",
-        },
-        "equilibrium_strain": latency.law.equilibrium(),
-        "strain_rate_slope_per_s": slope,
-        "strain_rate_intercept_per_s": intercept,
-        "half_time_s": remaining(latency, 0.5),
-        "time_to_99_percent_s": remaining(latency, 1.0 - OVER),
-        "r_squared": latency.fit.r_squared,
-    })
-}
-
 /// Every form of every hold, the best first.
 fn form_table(holds: &[Hold], signal: &str) -> Table {
     let unit = unit_of(signal);
@@ -187,29 +132,6 @@ fn form_in_words(hold: &Hold, signal: &str) -> Option<String> {
     Some(words + ".")
 }
 
-fn forms_json(forms: &Forms) -> Value {
-    let row = |row: &FormFit| {
-        let estimate =
-            |(value, error): (f64, Option<f64>)| json!({"value": value, "standard_error": error});
-        json!({
-            "form": row.form.name(),
-            "numbers": row.numbers,
-            "residual_rms": row.residual_rms,
-            "held_out_rms": row.held_out_rms,
-            "time_constants_from_s": row.span.map(|span| span.0),
-            "time_constants_to_s": row.span.map(|span| span.1),
-            "settles_at": row.parameters.map(|own| estimate(own.settles)),
-            "relaxes": row.parameters.map(|own| estimate(own.relaxes)),
-            "tau_s": row.parameters.map(|own| estimate(own.tau)),
-            "beta": row.parameters.map(|own| estimate(own.beta)),
-        })
-    };
-    json!({
-        "chosen": forms.chosen.name(),
-        "rows": forms.rows.iter().map(row).collect::<Vec<_>>(),
-    })
-}
-
 /// How many holds show how many exponentials.
 fn tally(holds: &[Hold]) -> String {
     let counted = (1..=4).filter_map(|number| {
@@ -223,12 +145,6 @@ fn tally(holds: &[Hold]) -> String {
         _ => format!(" In {untold} hold(s) not even that one is told."),
     };
     format!("Exponentials that the data show: {}.{untold}", counted.collect::<Vec<_>>().join(", "))
-}
-
-/// When so much of the gap is left, s (4.10).
-fn remaining(latency: &Latency, left: f64) -> Option<f64> {
-    let (start, end) = (latency.law.strain(0.0), latency.law.equilibrium());
-    latency.law.time_at(end + left * (start - end))
 }
 
 fn latency_table(holds: &[Hold], signal: &str) -> Table {
@@ -249,7 +165,7 @@ fn latency_table(holds: &[Hold], signal: &str) -> Table {
         let Some(latency) = &hold.latency else { continue };
         relative |= latency.scale == StrainScale::OfEquilibrium;
         let error = |parameter| latency.fit.standard_error(parameter);
-        let time = |left| remaining(latency, left).map_or("–".into(), |t| significant(t, 3));
+        let time = |left| latency.time_with_left(left).map_or("–".into(), |t| significant(t, 3));
         table = table.row([
             place(&hold.fit),
             concise(latency.law.rate, error(Parameter::Rate(1))),

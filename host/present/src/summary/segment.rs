@@ -1,9 +1,8 @@
-//! Cycles and regions of a recording, as tables, plots and JSON.
+//! Cycles and regions of a recording, as tables and plots.
 
-use serde_json::{Value, json};
 use shared::phase::{Region, RelaxationType};
 
-use super::pull_off::{pull_off_json, pull_off_table};
+use super::pull_off::pull_off_table;
 use super::{estimate, region_spans, shaded};
 use palpate_analysis::cycles::{Cycle, Inertia, Piece, Segmentation, Turn};
 use palpate_analysis::regions::{name, numeral};
@@ -36,74 +35,6 @@ pub fn segment_sections(trace: &Trace, found: &Segmentation) -> Vec<Section> {
     vec![section.figure(time_panels(trace, found), "The regions, shaded.")]
 }
 
-/// One recording as a JSON object.
-#[must_use]
-pub fn segment_json(trace: &Trace, found: &Segmentation) -> Value {
-    let cycles: Vec<Value> =
-        found.cycles.iter().map(|cycle| cycle_json(trace, cycle, found.control)).collect();
-    json!({
-        "trace": trace.label(),
-        "control": word(found.control),
-        "control_from": if found.control_told { "head" } else { "data" },
-        "force_noise_N": found.force_noise_n,
-        "cycles": cycles,
-        "inertia": found.inertia.map(|inertia| json!({
-            "mass_g": inertia.mass_g,
-            "acceleration_mm_per_s2": inertia.acceleration_mm_per_s2,
-            "acceleration_scatter_mm_per_s2": inertia.scatter_mm_per_s2,
-            "force_N": inertia.force_n,
-            "compared_with_N": inertia.resolution_n,
-            "compared_with": if inertia.resolution_told { "resolution" } else { "noise" },
-            "share_of_peak_force": inertia.share_of_peak,
-        })),
-        "warnings": warnings(found),
-    })
-}
-
-fn cycle_json(trace: &Trace, cycle: &Cycle, control: Control) -> Value {
-    let points: Vec<Value> = cycle
-        .points
-        .iter()
-        .map(|point| {
-            json!({
-                "point": point.name,
-                "time_s": point.time_s,
-                "displacement_mm": point.displacement_mm,
-                "force_N": point.force_n,
-            })
-        })
-        .collect();
-    let regions: Vec<Value> = cycle
-        .pieces
-        .iter()
-        .map(|piece| {
-            let (points, word) = named(piece, cycle, control);
-            json!({
-                "points": points,
-                "region": word,
-                "type": type_word(piece.relaxation),
-                "from_s": trace.time[*piece.samples.start()],
-                "to_s": trace.time[*piece.samples.end()],
-                "work_mJ": piece.work_mj,
-            })
-        })
-        .collect();
-    json!({
-        "number": cycle.number,
-        "points": points,
-        "regions": regions,
-        "work_in_mJ": cycle.work_in_mj,
-        "work_out_mJ": cycle.work_out_mj,
-        "dissipated_mJ": cycle.dissipated_mj(),
-        "dissipated_standard_error_mJ": cycle.work_error_mj,
-        "direction": turn_word(cycle.turn()),
-        "closed": cycle.closed,
-        "peak_force_N": cycle.peak_force_n,
-        "peak_time_s": trace.time[cycle.peak],
-        "pull_off": cycle.pull_off.as_ref().map(|pull_off| pull_off_json(trace, pull_off)),
-    })
-}
-
 fn introduction(trace: &Trace, found: &Segmentation) -> String {
     let source = if found.control_told { "the head says so" } else { "told from the data" };
     format!(
@@ -117,7 +48,7 @@ fn introduction(trace: &Trace, found: &Segmentation) -> String {
 
 /// The points and the name of a piece; a hold of a controlled force is one of creep, and an unloading of a
 /// specimen that adheres ends in a pull.
-fn named(piece: &Piece, cycle: &Cycle, control: Control) -> (&'static str, &'static str) {
+pub fn region_of(piece: &Piece, cycle: &Cycle, control: Control) -> (&'static str, &'static str) {
     match (piece.region, control) {
         (Region::Unloading, _) if piece.pulls => ("ZE", "pull-off"),
         (Region::Unloading, _) if cycle.pull_off.is_some() => ("DZ", "unloading"),
@@ -190,7 +121,7 @@ fn piece_table(trace: &Trace, found: &Segmentation) -> Table {
     let (Some(x), Some(force)) = (trace.displacement(), trace.force()) else { return table };
     for cycle in listed(found) {
         for piece in &cycle.pieces {
-            let (points, region) = named(piece, cycle, found.control);
+            let (points, region) = region_of(piece, cycle, found.control);
             let change =
                 |values: &[f64]| values[*piece.samples.end()] - values[*piece.samples.start()];
             table = table.row([
@@ -214,7 +145,8 @@ fn of_type(piece: &Piece) -> String {
     }
 }
 
-fn type_word(relaxation: RelaxationType) -> Option<String> {
+/// The type of a hold in words; none for other regions.
+pub fn type_of(relaxation: RelaxationType) -> Option<String> {
     (relaxation != RelaxationType::None).then(|| format!("Type {}", numeral(relaxation)))
 }
 
@@ -275,7 +207,8 @@ fn inertia_words(inertia: &Inertia) -> String {
     )
 }
 
-fn warnings(found: &Segmentation) -> Vec<String> {
+/// What to beware of.
+pub fn warnings(found: &Segmentation) -> Vec<String> {
     found
         .cycles
         .iter()

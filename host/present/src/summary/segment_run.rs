@@ -1,7 +1,5 @@
 //! The simulation of 7.4 beside the force that was measured.
 
-use serde_json::{Value, json};
-
 use super::rates::geometry_words;
 use palpate_analysis::segment_run::SegmentRun;
 use palpate_report::number::{percent, significant};
@@ -46,20 +44,4 @@ fn figure(run: &SegmentRun) -> Panels {
         .summary("Measured and simulated force over time, and the displacement of both")
         .plot(force)
         .plot(motion)
-}
-
-/// The simulation as a JSON object.
-#[must_use]
-pub fn segment_run_json(run: &SegmentRun) -> Value {
-    let setting = &run.setting;
-    json!({
-        "trace": run.trace,
-        "segments": setting.segments,
-        "order": setting.order,
-        "rate_per_s": setting.rate,
-        "rate_fitted": run.fitted,
-        "modulus_Pa": setting.modulus_pa,
-        "rms_N": run.rms_n,
-        "best_modulus_Pa": run.best_modulus_pa,
-    })
 }

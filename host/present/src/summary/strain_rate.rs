@@ -1,7 +1,5 @@
 //! Strain, strain rate and the power law of every hold: chapter 7 for one's own data.
 
-use serde_json::{Value, json};
-
 use super::holds::chance;
 use super::rates::geometry_words;
 use super::{CONCISE, bandwidth_words, concise};
@@ -46,52 +44,6 @@ pub fn strain_rate_sections(study: &Study) -> Vec<Section> {
         }
     }
     vec![section]
-}
-
-/// The study as a JSON object.
-#[must_use]
-pub fn strain_rate_json(study: &Study) -> Value {
-    let holds: Vec<Value> = study
-        .holds
-        .iter()
-        .map(|hold| {
-            let fit = &hold.fit;
-            json!({
-                "trace": hold.trace,
-                "from_s": hold.from_s,
-                "duration_s": hold.duration_s,
-                "displacement_mm": hold.displacement_mm,
-                "area_mm2": hold.area_mm2,
-                "type": format!("Type {}", numeral(hold.relaxation)),
-                "order": fit.order.0,
-                "order_standard_error": fit.order.1,
-                "rate_per_s": fit.rate.0,
-                "rate_logarithm_standard_error": fit.rate.1,
-                "equilibrium_strain": fit.equilibrium.0,
-                "equilibrium_strain_standard_error": fit.equilibrium.1,
-                "gap": fit.gap.0,
-                "gap_standard_error": fit.gap.1,
-                "correlation_of_log_rate_and_order": fit.trade_off,
-                "gap_left_at_the_end": fit.left,
-                "residual_rms": fit.noise,
-                "r_squared": fit.r_squared,
-                "odd_orders_that_fit": [hold.odd_orders.0, hold.odd_orders.1],
-                "not_identified": fit.doubts,
-                "derivative": hold.measured.as_ref().map(|measured| json!({
-                    "half_width_s": measured.half_width_s,
-                    "bandwidth_Hz": measured.bandwidth_hz,
-                    "noise_gain_per_s": measured.noise_gain,
-                })),
-            })
-        })
-        .collect();
-    json!({
-        "palpate_strain_rate": 1,
-        "modulus_Pa": study.modulus_pa,
-        "order": study.order,
-        "strain": "positive in compression",
-        "holds": holds,
-    })
 }
 
 fn place(hold: &Hold) -> String {

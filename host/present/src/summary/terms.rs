@@ -1,9 +1,7 @@
-//! How many exponentials each hold shows, as a table, a plot and JSON.
-
-use serde_json::{Value, json};
+//! How many exponentials each hold shows, as a table and a plot.
 
 use super::{name_of, unit_of};
-use palpate_analysis::terms::{Row, Terms};
+use palpate_analysis::terms::Terms;
 use palpate_fit::hold::HoldFit;
 use palpate_report::number::significant;
 use palpate_report::{Axis, Colour, Column, Plot, Series, Table};
@@ -133,26 +131,4 @@ fn fiftieths(time: &[f64], values: &[f64]) -> (Vec<f64>, Vec<f64>) {
     let size = time.len().div_ceil(50).max(1);
     let mean = |part: &[f64]| part.iter().sum::<f64>() / part.len() as f64;
     time.chunks(size).map(mean).zip(values.chunks(size).map(mean)).unzip()
-}
-
-/// The comparison as JSON.
-pub(super) fn terms_json(terms: &Terms) -> Value {
-    let row = |row: &Row| {
-        json!({
-            "exponentials": row.fit.sum.terms.len(),
-            "r_squared": row.fit.r_squared,
-            "bic": row.bic,
-            "held_out_rms": row.held_out_rms,
-            "forecast_rms": row.forecast_rms,
-            "time_constants_s": row.fit.sum.terms.iter().map(|term| 1.0 / term.rate).collect::<Vec<_>>(),
-            "identified": row.identified,
-            "notes": row.fit.notes.iter().map(ToString::to_string).collect::<Vec<_>>(),
-        })
-    };
-    json!({
-        "by_criterion": terms.by_criterion,
-        "by_held_out": terms.by_held_out,
-        "decided": terms.decided(),
-        "rows": terms.rows.iter().map(row).collect::<Vec<_>>(),
-    })
 }

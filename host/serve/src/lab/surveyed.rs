@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 use super::error::LabError;
 use super::folder::Folder;
-use palpate_present::summary::survey_json;
+use palpate_present::answers::{self, SurveyAnswer};
 use palpate_survey::overview::Overview;
 use palpate_survey::results::{about, group, read_rows};
 use palpate_survey::{Group, Place, Row, Status, apart};
@@ -42,7 +42,7 @@ pub fn surveyed(folder: &Folder, name: &str) -> Result<Value, LabError> {
     let all = rows.len();
     rows.truncate(LISTED);
     let groups: Vec<Value> = rows.iter().map(|row| group_json(row, &about.by)).collect();
-    let mut answer = survey_json(&about, &overview, &folder.shown(name));
+    let mut answer = answers::json(&SurveyAnswer::of(&about, &overview, &folder.shown(name)));
     answer["name"] = name.into();
     answer["groups_in_all"] = all.into();
     answer["listed"] = groups.into();

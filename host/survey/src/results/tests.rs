@@ -11,7 +11,7 @@ fn plan(groups: u64) -> Plan {
         by: vec!["finger".into()],
         options: [("--terms".to_owned(), "2".into())].into_iter().collect(),
         command: "palpate survey fit".into(),
-        seeds: Map::new(),
+        seeds: BTreeMap::new(),
         sources: Sources { inputs: vec![input], groups },
     }
 }

@@ -1,7 +1,5 @@
 //! How each number is distributed over the groups, what lies far out, and how it drifts.
 
-use serde_json::{Value, json};
-
 use super::{more, shown};
 use palpate_report::{Axis, Block, Column, Panels, Plot, Section, Series, Table};
 use palpate_survey::overview::{FAR, Kind, Overview};
@@ -15,8 +13,6 @@ const MOST_BARS: usize = 40;
 const IN_A_BAR: usize = 5;
 /// Fewest values that make a distribution.
 const FEWEST: usize = 8;
-/// Most values far out that JSON lists.
-const MOST_TOLD: usize = 1000;
 
 /// Distributions, what lies far out, drift; nothing where there are no numbers.
 pub(super) fn sections(overview: &Overview) -> Vec<Section> {
@@ -39,40 +35,6 @@ pub(super) fn sections(overview: &Overview) -> Vec<Section> {
 }
 
 /// Every kind of number with its distribution.
-pub(super) fn json(overview: &Overview) -> Vec<Value> {
-    let kind = |kind: &Kind| {
-        json!({
-            "name": kind.name,
-            "unit": kind.unit,
-            "groups": kind.values.len(),
-            "least": kind.quantile(0.0),
-            "p5": kind.quantile(0.05),
-            "median": kind.quantile(0.5),
-            "p95": kind.quantile(0.95),
-            "most": kind.quantile(1.0),
-            "over_time": overview.over_time(kind).iter()
-                .map(|(when, median, groups)| json!({"at": when, "median": median, "groups": groups}))
-                .collect::<Vec<_>>(),
-        })
-    };
-    overview.kinds.iter().map(kind).collect()
-}
-
-/// What lies far out, farthest first.
-pub(super) fn far_out_json(overview: &Overview) -> Vec<Value> {
-    let far = overview.far_out();
-    let one = far.iter().take(MOST_TOLD).map(|far| {
-        json!({
-            "group": far.row,
-            "key": overview.groups[far.row],
-            "estimate": overview.kinds[far.kind].name,
-            "value": far.value,
-            "spreads": far.spreads,
-        })
-    });
-    one.collect()
-}
-
 fn table(overview: &Overview) -> Table {
     let columns = vec![
         Column::text("estimate"),

@@ -1,10 +1,8 @@
 //! Which effect is missing in how many groups, and since when.
 
-use serde_json::{Value, json};
-
 use super::{MOST_LISTED, more};
 use palpate_report::{Axis, BarSeries, Bars, Colour, Column, Section, Table};
-use palpate_survey::overview::{Effect, Overview};
+use palpate_survey::overview::Overview;
 
 /// Which effects are missing and where; none where nothing is.
 pub(super) fn section(overview: &Overview) -> Option<Section> {
@@ -18,34 +16,6 @@ pub(super) fn section(overview: &Overview) -> Option<Section> {
     Some(section.table(specimens(overview)))
 }
 
-/// The same as JSON, most frequent first.
-pub(super) fn json(overview: &Overview) -> Vec<Value> {
-    let effect = |(name, effect): (&String, &Effect)| {
-        let since = overview.since(effect).into_iter().map(|since| {
-            json!({
-                "specimen": since.specimen,
-                "group": since.row,
-                "since": since.first,
-                "groups": since.rows,
-            })
-        });
-        json!({
-            "effect": name,
-            "groups": effect.rows.len(),
-            "ambiguous": effect.ambiguous,
-            "in": since.collect::<Vec<_>>(),
-        })
-    };
-    ranked(overview).into_iter().map(effect).collect()
-}
-
-/// Most frequent first.
-fn ranked(overview: &Overview) -> Vec<(&String, &Effect)> {
-    let mut all: Vec<_> = overview.effects.iter().collect();
-    all.sort_by_key(|(_, effect)| std::cmp::Reverse(effect.rows.len()));
-    all
-}
-
 fn effects(overview: &Overview) -> Table {
     let mut columns = vec![Column::text("effect"), Column::whole("groups")];
     if overview.order().is_some() {
@@ -54,8 +24,8 @@ fn effects(overview: &Overview) -> Table {
     }
     columns.push(Column::whole("not told from others"));
     let mut table = Table::new("Missing effects", columns);
-    for (name, effect) in ranked(overview) {
-        let mut cells = vec![name.clone(), effect.rows.len().to_string()];
+    for (name, effect) in overview.most_frequent_effects() {
+        let mut cells = vec![name.to_owned(), effect.rows.len().to_string()];
         if overview.order().is_some() {
             let since = overview.since(effect);
             cells.push(since.len().to_string());
@@ -76,13 +46,13 @@ fn specimens(overview: &Overview) -> Table {
     columns.push(Column::whole("first group"));
     let mut table = Table::new("Where", columns);
     let mut all = 0;
-    for (name, effect) in ranked(overview) {
+    for (name, effect) in overview.most_frequent_effects() {
         for since in overview.since(effect) {
             all += 1;
             if all > MOST_LISTED {
                 continue;
             }
-            let mut cells = vec![since.specimen, name.clone()];
+            let mut cells = vec![since.specimen, name.to_owned()];
             if overview.order().is_some() {
                 cells.push(since.first.unwrap_or_default());
                 cells.push(since.rows.to_string());
@@ -95,7 +65,7 @@ fn specimens(overview: &Overview) -> Table {
 }
 
 fn bars(overview: &Overview) -> Bars {
-    let ranked = ranked(overview);
+    let ranked = overview.most_frequent_effects();
     let series = BarSeries {
         name: "groups".into(),
         values: ranked.iter().map(|(_, effect)| effect.rows.len() as f64).collect(),
@@ -106,7 +76,7 @@ fn bars(overview: &Overview) -> Bars {
         title: "Groups in which an effect is missing".into(),
         summary: "Number of groups in which each effect is missing".into(),
         axis: Axis::new("groups", ""),
-        groups: ranked.iter().map(|(name, _)| (*name).clone()).collect(),
+        groups: ranked.iter().map(|(name, _)| (*name).to_owned()).collect(),
         series: vec![series],
         levels: Vec::new(),
     }

@@ -1,12 +1,10 @@
-//! What all rows of a survey say together, as tables, plots and JSON.
+//! What all rows of a survey say together, as tables and plots.
 //!
 //! - [`estimates`]: how each number is distributed, and what lies far out.
 //! - [`missing`]: which effect is missing in how many groups, and since when.
 
 mod estimates;
 mod missing;
-
-use serde_json::{Value, json};
 
 use palpate_report::number::{duration, significant};
 use palpate_report::{Block, Callout, Column, Section, Table};
@@ -16,8 +14,6 @@ use palpate_survey::row::Status;
 
 /// Most rows of a table of groups; the Parquet files have them all.
 const MOST_LISTED: usize = 20;
-/// Most failures that JSON lists.
-const MOST_TOLD: usize = 1000;
 
 /// The survey in short, what is missing, estimates, what lies far out, drift, failures.
 #[must_use]
@@ -30,40 +26,8 @@ pub fn survey_sections(about: &About, overview: &Overview, folder: &str) -> Vec<
     sections
 }
 
-/// The same as one JSON object.
-#[must_use]
-pub fn survey_json(about: &About, overview: &Overview, folder: &str) -> Value {
-    let failures = overview.failures.iter().take(MOST_TOLD).map(|(row, status, reason)| {
-        json!({"group": row, "key": overview.groups[*row], "status": status.word(), "reason": reason})
-    });
-    json!({
-        "palpate_survey": 1,
-        "asked": about.asked.word(),
-        "results": folder,
-        "by": about.by,
-        "groups": about.groups,
-        "rows": overview.groups.len(),
-        "finished": about.finished,
-        "done": count(overview, Status::Done),
-        "refused": count(overview, Status::Refused),
-        "failed": count(overview, Status::Failed),
-        "traces": overview.traces,
-        "samples": overview.samples,
-        "cpu_seconds": overview.seconds,
-        "verdicts": overview.verdicts,
-        "missing": missing::json(overview),
-        "estimates": estimates::json(overview),
-        "far_out": estimates::far_out_json(overview),
-        "failures": failures.collect::<Vec<_>>(),
-    })
-}
-
-fn count(overview: &Overview, status: Status) -> u64 {
-    overview.status.get(&status).copied().unwrap_or(0)
-}
-
 fn in_short(about: &About, overview: &Overview, folder: &str) -> Section {
-    let [done, refused, failed] = Status::ALL.map(|status| count(overview, status));
+    let [done, refused, failed] = Status::ALL.map(|status| overview.count(status));
     let rows = overview.groups.len();
     let each = overview.seconds / (rows as f64).max(1.0);
     let text = format!(
