@@ -24,8 +24,9 @@ use palpate_model::{
     BaseLaw, EXPONENTS_N, Elastic, Family, Gauge, Hyperelastic, Kernel, MAX_TERMS, Model, POWER,
     Separation,
 };
+use palpate_present::answers::{self, HoldsAnswer};
 use palpate_present::summary::{
-    FitSummary, Preparation, Refit, hold_json, hold_sections, ranking_json, ranking_sections,
+    FitSummary, Preparation, Refit, hold_sections, ranking_json, ranking_sections,
 };
 use palpate_report::Section;
 use palpate_trace::files::plan::MODEL;
@@ -462,7 +463,8 @@ impl Answer for Holds {
     }
 
     fn json(&self) -> Value {
-        self.preparation.within(hold_json(&self.fits, &self.left_out, &self.signal))
+        let answer = HoldsAnswer::of(&self.fits, &self.left_out, &self.signal);
+        answers::json(&self.preparation.with(answer))
     }
 
     fn sections(&self) -> Result<Vec<Section>, Failure> {

@@ -4,10 +4,14 @@
 //! result has found. Sections for people are in [`summary`](crate::summary).
 
 mod compare;
+mod holds;
 mod preparation;
+mod terms;
 
 pub use compare::{ComparisonAnswer, DependenceAnswer, PlaceAnswer};
+pub use holds::{CorrelationAnswer, HoldFitAnswer, HoldParameter, HoldsAnswer, SpreadAnswer};
 pub use preparation::{PreparationAnswer, Prepared};
+pub use terms::{NumberAnswer, TermsAnswer};
 
 use schemars::{JsonSchema, Schema, SchemaGenerator, generate::SchemaSettings};
 use serde::Serialize;
@@ -43,7 +47,10 @@ pub fn finite(number: f64) -> Option<f64> {
 /// The JSON schema of every answer, by the name of its file in `docs/schema/`.
 #[must_use]
 pub fn schemas() -> Vec<(&'static str, Schema)> {
-    vec![("compare", schema::<Prepared<ComparisonAnswer>>())]
+    vec![
+        ("compare", schema::<Prepared<ComparisonAnswer>>()),
+        ("fit-holds", schema::<Prepared<HoldsAnswer>>()),
+    ]
 }
 
 /// What a program that reads an answer may rely on: the schema of what is written, not of what would be read.

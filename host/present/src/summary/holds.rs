@@ -1,10 +1,11 @@
 //! Relaxation during holds, as tables and plots: Tables 3.1–3.4 and A.1 for one's own data.
 
-use serde_json::{Value, json};
+use serde_json::Value;
 
 use super::{CONCISE, concise, name_of, unit_of};
+use crate::answers::{self, HoldFitAnswer, SpreadAnswer};
 use palpate_analysis::regions::numeral;
-use palpate_fit::exponentials::{Correlated, Fit, Parameter, Stop};
+use palpate_fit::exponentials::{Correlated, Fit, Parameter};
 use palpate_fit::hold::{HoldError, HoldFit, Spread, spreads};
 use palpate_report::number::significant;
 use palpate_report::{Axis, Callout, Colour, Column, Panels, Plot, Section, Series, Table};
@@ -45,24 +46,6 @@ pub fn hold_sections(
     vec![section]
 }
 
-/// Every hold as a JSON object.
-#[must_use]
-pub fn hold_json(fits: &[HoldFit], left_out: &[HoldError], signal: &str) -> Value {
-    let holds: Vec<Value> = fits.iter().map(one_json).collect();
-    let spreads: Vec<Value> =
-        spreads(fits).iter().map(|spread| spread_json(spread, "displacement_mm")).collect();
-    json!({
-        "palpate_fit": 1,
-        "law": "relaxation",
-        "signal": signal,
-        "unit": unit_of(signal),
-        "holds": holds,
-        "spread": spreads,
-        "left_out": left_out_words(left_out),
-        "warnings": warnings(fits),
-    })
-}
-
 /// Why holds could not be fitted, one sentence each.
 pub(super) fn left_out_words(left_out: &[HoldError]) -> Vec<String> {
     left_out.iter().map(ToString::to_string).collect()
@@ -70,59 +53,15 @@ pub(super) fn left_out_words(left_out: &[HoldError]) -> Vec<String> {
 
 /// One coefficient over repeats; `level` names what was held, with its unit.
 pub(super) fn spread_json(spread: &Spread, level: &str) -> Value {
-    let mut value = json!({
-        "type": format!("Type {}", numeral(spread.relaxation)),
-        "parameter": spread.parameter.to_string(),
-        "holds": spread.holds,
-        "mean": spread.mean,
-        "standard_deviation": spread.deviation,
-        "expected_from_noise": spread.expected,
-        "weighted_mean": spread.consistency.map(|c| c.mean),
-        "weighted_mean_standard_error": spread.consistency.map(|c| c.standard_error),
-        "chi_square": spread.consistency.map(|c| c.chi_square),
-        "degrees_of_freedom": spread.consistency.map(|c| c.degrees_of_freedom),
-        "p_value": spread.consistency.map(|c| c.p_value),
-    });
-    value[level] = json!(spread.level);
-    value
+    answers::json(&match level {
+        "force_N" => SpreadAnswer::at_force(spread),
+        _ => SpreadAnswer::at_displacement(spread),
+    })
 }
 
 /// One hold as a JSON object.
 pub(super) fn one_json(hold: &HoldFit) -> Value {
-    let fit = &hold.fit;
-    let parameters: serde_json::Map<String, Value> = fit
-        .parameters()
-        .map(|parameter| {
-            let value = json!({
-                "value": fit.value(parameter),
-                "standard_error": fit.standard_error(parameter),
-                "interval_95": fit.interval(parameter, 0.95),
-            });
-            (parameter.to_string(), value)
-        })
-        .collect();
-    let order: Vec<Parameter> = fit.parameters().collect();
-    let rows: Vec<Vec<Option<f64>>> =
-        order.iter().map(|&a| order.iter().map(|&b| fit.correlation(a, b)).collect()).collect();
-    let order: Vec<String> = order.iter().map(ToString::to_string).collect();
-    json!({
-        "trace": hold.trace,
-        "from_s": hold.from_s,
-        "duration_s": hold.duration_s,
-        "displacement_mm": hold.displacement,
-        "type": format!("Type {}", numeral(hold.relaxation)),
-        "parameters": parameters,
-        "correlation": {"order": order, "matrix": rows},
-        "samples": fit.samples,
-        "r_squared": fit.r_squared,
-        "residual_rms": fit.residual_rms,
-        "residual_autocorrelation": fit.correlated.as_ref().map(|c| c.neighbours),
-        "correlation_time_s": fit.correlated.as_ref().map(|c| c.time),
-        "error_over_white_noise": fit.correlated.as_ref().map(|c| c.inflation),
-        "converged": fit.stop != Stop::Iterations && fit.explains(),
-        "stop": if fit.explains() { fit.stop.to_string() } else { NO_BETTER.into() },
-        "notes": fit.notes.iter().map(ToString::to_string).collect::<Vec<_>>(),
-    })
+    answers::json(&HoldFitAnswer::from(hold))
 }
 
 /// The coefficients of every hold.
@@ -178,7 +117,7 @@ fn errors_in_words<'a>(fits: impl Iterator<Item = &'a Fit>) -> String {
 }
 
 /// What is said of a fit that explains nothing.
-const NO_BETTER: &str = "not converged: no better than a constant";
+pub const NO_BETTER: &str = "not converged: no better than a constant";
 
 /// The unit of a coefficient of a signal.
 pub(super) fn coefficient_unit(parameter: Parameter, signal: &str) -> &str {
@@ -266,7 +205,7 @@ fn candidate_table(hold: &HoldFit, signal: &str) -> Table {
 }
 
 /// What to beware of, each remark with its hold.
-pub(super) fn warnings(fits: &[HoldFit]) -> Vec<String> {
+pub fn warnings(fits: &[HoldFit]) -> Vec<String> {
     fits.iter()
         .flat_map(|hold| {
             let place = format!("{} from {:.2} s", hold.trace, hold.from_s);

@@ -61,7 +61,8 @@ pub use grasp::{
     friction_sections, growth_json, growth_sections, histories_json, history_csv, history_sections,
     plan_json, plan_sections, pressure_plot, reading_json, reading_line, surface_csv,
 };
-pub use holds::{hold_json, hold_sections};
+pub use holds::hold_sections;
+pub(crate) use holds::{NO_BETTER, warnings as hold_warnings};
 pub use ladder::ladder;
 pub use markers::{markers_figure, markers_json, markers_sections};
 pub use next_motion::{motion_file, next_motion_json, next_motion_section, no_motion};

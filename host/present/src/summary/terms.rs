@@ -1,9 +1,10 @@
-//! How many exponentials each hold shows, as a table, a plot and JSON.
+//! How many exponentials each hold shows, as a table and a plot.
 
-use serde_json::{Value, json};
+use serde_json::Value;
 
 use super::{name_of, unit_of};
-use palpate_analysis::terms::{Row, Terms};
+use crate::answers::{self, TermsAnswer};
+use palpate_analysis::terms::Terms;
 use palpate_fit::hold::HoldFit;
 use palpate_report::number::significant;
 use palpate_report::{Axis, Colour, Column, Plot, Series, Table};
@@ -137,22 +138,5 @@ fn fiftieths(time: &[f64], values: &[f64]) -> (Vec<f64>, Vec<f64>) {
 
 /// The comparison as JSON.
 pub(super) fn terms_json(terms: &Terms) -> Value {
-    let row = |row: &Row| {
-        json!({
-            "exponentials": row.fit.sum.terms.len(),
-            "r_squared": row.fit.r_squared,
-            "bic": row.bic,
-            "held_out_rms": row.held_out_rms,
-            "forecast_rms": row.forecast_rms,
-            "time_constants_s": row.fit.sum.terms.iter().map(|term| 1.0 / term.rate).collect::<Vec<_>>(),
-            "identified": row.identified,
-            "notes": row.fit.notes.iter().map(ToString::to_string).collect::<Vec<_>>(),
-        })
-    };
-    json!({
-        "by_criterion": terms.by_criterion,
-        "by_held_out": terms.by_held_out,
-        "decided": terms.decided(),
-        "rows": terms.rows.iter().map(row).collect::<Vec<_>>(),
-    })
+    answers::json(&TermsAnswer::from(terms))
 }
