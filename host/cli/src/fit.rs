@@ -24,10 +24,8 @@ use palpate_model::{
     BaseLaw, EXPONENTS_N, Elastic, Family, Gauge, Hyperelastic, Kernel, MAX_TERMS, Model, POWER,
     Separation,
 };
-use palpate_present::answers::{self, HoldsAnswer};
-use palpate_present::summary::{
-    FitSummary, Preparation, Refit, hold_sections, ranking_json, ranking_sections,
-};
+use palpate_present::answers::{self, FitAnswer, HoldsAnswer, RankingAnswer};
+use palpate_present::summary::{FitSummary, Preparation, Refit, hold_sections, ranking_sections};
 use palpate_report::Section;
 use palpate_trace::files::plan::MODEL;
 use palpate_trace::meant::did_you_mean;
@@ -342,7 +340,7 @@ impl Answer for Fitted {
     }
 
     fn json(&self) -> Value {
-        self.with(|summary| self.preparation.within(summary.json()))
+        self.with(|summary| answers::json(&self.preparation.with(FitAnswer::from(summary))))
     }
 
     fn sections(&self) -> Result<Vec<Section>, Failure> {
@@ -417,7 +415,7 @@ impl Answer for Ranked {
     }
 
     fn json(&self) -> Value {
-        self.preparation.within(ranking_json(&self.ranking, &self.signal))
+        answers::json(&self.preparation.with(RankingAnswer::of(&self.ranking, &self.signal)))
     }
 
     fn sections(&self) -> Result<Vec<Section>, Failure> {

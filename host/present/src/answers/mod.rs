@@ -3,16 +3,43 @@
 //! One file an answer: its type, and how it follows from what was computed. Nothing is computed here; what an answer states, its
 //! result has found. Sections for people are in [`summary`](crate::summary).
 
+mod change;
 mod compare;
+mod diagnosis;
+mod discovery;
+mod effects;
 mod holds;
+mod next_motion;
+mod practice;
 mod preparation;
+mod ranking;
 mod terms;
+mod whole_motion;
 
+pub use change::{ChangeAnswer, RungAnswer, TriedLaw};
 pub use compare::{ComparisonAnswer, DependenceAnswer, PlaceAnswer};
+pub use diagnosis::{
+    AdequacyAnswer, AdequacyPair, CandidateAnswer, DiagnosisAnswer, ErrorBasis, ExplorationAnswer,
+    LeftoverPlace, NoiseAnswer, PValueBasis, RefusedAnswer, RivalAnswer, Seeds, StepAnswer,
+    UntestableAnswer, VerdictAnswer,
+};
+pub use discovery::{
+    AlternativeAnswer, DiscoveryAnswer, FormulaAnswer, FormulaRung, FoundLaw, LawParameter,
+    OutcomeAnswer, QuantityAnswer, Resemblance, ShareAnswer, SharesAnswer, SurfaceAnswer,
+};
+pub use effects::{
+    ContractAnswer, EffectAnswer, KeptAnswer, LawAnswer, LibraryAnswer, PromiseAnswer, ShapeAnswer,
+    SignAnswer, StageAnswer, StrengthAnswer,
+};
 pub use holds::{CorrelationAnswer, HoldFitAnswer, HoldParameter, HoldsAnswer, SpreadAnswer};
+pub use next_motion::{NextMotionAnswer, RigAnswer};
+pub use practice::{HiddenEffect, HiddenValue, PracticeAnswer, PracticeRecording, TruthAnswer};
 pub use preparation::{PreparationAnswer, Prepared};
+pub use ranking::{RankedLaw, RankedParameter, RankingAnswer, SetupAnswer};
 pub use terms::{NumberAnswer, TermsAnswer};
+pub use whole_motion::{FitAnswer, FittedParameter, TraceError};
 
+use palpate_model::Parameter;
 use schemars::{JsonSchema, Schema, SchemaGenerator, generate::SchemaSettings};
 use serde::Serialize;
 use serde_json::Value;
@@ -27,6 +54,15 @@ pub struct Estimate {
     pub standard_error: Option<f64>,
     /// Unit, empty for a pure number.
     pub unit: String,
+}
+
+impl Estimate {
+    /// A value of a parameter and its standard error.
+    #[must_use]
+    pub fn of(parameter: &Parameter, value: f64, standard_error: Option<f64>) -> Self {
+        let unit = parameter.unit.to_string();
+        Self { value, standard_error: standard_error.and_then(finite), unit }
+    }
 }
 
 /// An answer as one JSON value.
@@ -48,8 +84,21 @@ pub fn finite(number: f64) -> Option<f64> {
 #[must_use]
 pub fn schemas() -> Vec<(&'static str, Schema)> {
     vec![
+        ("add", schema::<ChangeAnswer>()),
         ("compare", schema::<Prepared<ComparisonAnswer>>()),
+        ("diagnose", schema::<Prepared<DiagnosisAnswer>>()),
+        ("discover", schema::<Prepared<DiscoveryAnswer>>()),
+        ("drop", schema::<ChangeAnswer>()),
+        ("effects-check", schema::<Vec<ContractAnswer>>()),
+        ("effects-list", schema::<LibraryAnswer>()),
+        ("effects-one", schema::<EffectAnswer>()),
+        ("explore", schema::<Prepared<ExplorationAnswer>>()),
+        ("fit", schema::<Prepared<FitAnswer>>()),
         ("fit-holds", schema::<Prepared<HoldsAnswer>>()),
+        ("fit-rank", schema::<Prepared<RankingAnswer>>()),
+        ("hide", schema::<PracticeAnswer>()),
+        ("hide-open", schema::<TruthAnswer>()),
+        ("hide-record", schema::<PracticeRecording>()),
     ]
 }
 
