@@ -2,9 +2,9 @@
 
 use std::path::PathBuf;
 
+use palpate::answers::{self, LibraryAnswer};
 use palpate::files::plan::MODEL;
 use palpate::model::Model as Inner;
-use palpate::summary::library_json;
 use pyo3::prelude::*;
 
 use crate::data::allowed;
@@ -58,5 +58,5 @@ impl Model {
 /// The library of effects as JSON, as `palpate effects --json` prints it.
 #[pyfunction]
 pub fn effects() -> String {
-    library_json().to_string()
+    answers::json(&LibraryAnswer::whole()).to_string()
 }

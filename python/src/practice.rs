@@ -2,9 +2,9 @@
 
 use std::path::PathBuf;
 
+use palpate::answers::{self, TruthAnswer};
 use palpate::cli::ask;
 use palpate::practice::{Practice as Inner, check_empty, open, write_set};
-use palpate::summary::truth_json;
 use pyo3::prelude::*;
 
 use crate::data::DataSet;
@@ -26,7 +26,7 @@ impl Practice {
 
     /// What was hidden, as JSON.
     fn truth(&self) -> String {
-        truth_json(&self.inner.truth).to_string()
+        answers::json(&TruthAnswer::from(&self.inner.truth)).to_string()
     }
 
     /// The seed of everything random in it.
@@ -57,5 +57,6 @@ pub fn hide(
 /// What is hidden in the practice set of a folder, as JSON.
 #[pyfunction]
 pub fn truth(folder: PathBuf) -> PyResult<String> {
-    open(&folder).map(|truth| truth_json(&truth).to_string()).map_err(wrong)
+    let truth = open(&folder).map_err(wrong)?;
+    Ok(answers::json(&TruthAnswer::from(&truth)).to_string())
 }

@@ -7,6 +7,7 @@ pub mod device;
 pub mod emulator;
 pub mod fuzz;
 pub mod hidden;
+pub mod lab;
 #[cfg(unix)]
 pub mod server;
 pub mod specimens;
@@ -15,6 +16,7 @@ pub mod tip;
 use std::path::{Path, PathBuf};
 
 use assert_cmd::Command;
+use boon::{Compiler, Schemas};
 use palpate::model::{Hold, Motion, Move, Profile, Step};
 use serde_json::Value;
 
@@ -42,6 +44,25 @@ pub fn answer(folder: &Path, arguments: &[&str]) -> Value {
     let error = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{arguments:?}: {error}");
     serde_json::from_slice(&output.stdout).expect("it prints JSON")
+}
+
+/// The schema of an answer in `docs/schema/`.
+#[must_use]
+pub fn schema_file(name: &str) -> PathBuf {
+    workspace().join("docs/schema").join(name).with_extension("json")
+}
+
+/// Holds an answer to its schema in `docs/schema/`.
+///
+/// # Panics
+/// If it does not follow the schema.
+pub fn follows_schema(name: &str, answer: &Value) {
+    let (mut known, mut compiler) = (Schemas::new(), Compiler::new());
+    let file = schema_file(name).to_string_lossy().into_owned();
+    let schema = compiler.compile(&file, &mut known).expect("the schema is one");
+    if let Err(wrong) = known.validate(answer, schema) {
+        panic!("{name}: {wrong:#}\n{answer:#}");
+    }
 }
 
 /// The top of the workspace.

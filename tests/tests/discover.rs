@@ -3,10 +3,13 @@
 
 use std::time::Instant;
 
+use palpate::answers::{self, DiscoveryAnswer};
 use palpate::discover::{Discovery, Outcome, discover};
 use palpate::fit::data::Data;
 use palpate::fit::whole_motion::fit;
 use palpate::model::{BaseLaw, Model, Separation};
+use palpate::summary::{DiscoverySummary, NextCommand, Preparation};
+use palpate_tests::follows_schema;
 use palpate_tests::hidden::laws::{OUTSIDE, OUTSIDE_MORE};
 use palpate_tests::hidden::{DataSet, LawKind, NoiseKind, Scenario, generate};
 
@@ -31,6 +34,15 @@ fn held_out(discovery: &Discovery, set: &DataSet) -> f64 {
     last.expect("several traces") / set.truth.noise_rms
 }
 
+/// The answer for programs.
+fn printed(discovery: &Discovery, set: &DataSet) -> serde_json::Value {
+    let labels: Vec<String> = set.traces.iter().map(palpate::trace::Trace::label).collect();
+    let next = NextCommand { model: "model.toml".into(), traces: "set".into() };
+    let summary = DiscoverySummary::new(discovery, &labels, next, None);
+    let preparation = Preparation::of(&set.traces, set.truth.signal);
+    answers::json(&preparation.with(DiscoveryAnswer::from(&summary)))
+}
+
 #[test]
 fn the_teeth_of_a_drive_are_a_wave_over_the_displacement() {
     let set = set(31, &[("cogging", LawKind::Outside)], 1.0);
@@ -41,6 +53,7 @@ fn the_teeth_of_a_drive_are_a_wave_over_the_displacement() {
     let formula = &formulas[0];
     assert_eq!((formula.term.shape.name, formula.term.quantity.symbol), ("periodic in", "x"));
     assert!(held_out(&discovery, &set) < 1.15, "{:?}", discovery.ladder);
+    follows_schema("discover", &printed(&discovery, &set));
 }
 
 #[test]

@@ -2,8 +2,7 @@
 
 use std::fs;
 
-use boon::{Compiler, Schemas};
-use palpate_tests::{palpate, workspace};
+use palpate_tests::{follows_schema, palpate, workspace};
 use serde_json::Value;
 
 #[test]
@@ -15,10 +14,7 @@ fn kinds_of_evidence_are_told_apart_and_the_report_has_every_chapter() {
     assert!(output.status.success(), "{said}");
     let answer: Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(answer["palpate_dissertation"], 1);
-    let schema = workspace().join("docs/schema/dissertation.json");
-    let (mut known, mut compiler) = (Schemas::new(), Compiler::new());
-    let schema = compiler.compile(&schema.to_string_lossy(), &mut known).unwrap();
-    assert!(known.validate(&answer, schema).is_ok());
+    follows_schema("dissertation", &answer);
     // Kinds of evidence are told apart, and only what should agree must.
     let kind = |name: &str| {
         let kinds = answer["kinds"].as_array().unwrap();

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use palpate::trace::read;
-use palpate_tests::palpate;
+use palpate_tests::{follows_schema, palpate};
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -45,6 +45,7 @@ fn members(diagnosis: &Value) -> Vec<&str> {
 fn the_motion_that_is_proposed_leaves_one_name() {
     let folder = few("elastic-stiffening", 2);
     let before = run(folder.path(), NEXT);
+    follows_schema("diagnose", &before);
     assert_eq!(before["verdict"], "ambiguous");
     assert!(members(&before).len() > 1, "{before:#}");
     let proposed = &before["next_motion"];
@@ -79,8 +80,9 @@ fn where_nothing_is_open_no_motion_is_written() {
     let folder = tempfile::tempdir().unwrap();
     run(folder.path(), "hide mullins --seed 7 -o set");
     run(folder.path(), "fit fung set -o model.toml");
-    let (status, _, error) = call(folder.path(), NEXT);
+    let (status, out, error) = call(folder.path(), NEXT);
     assert_eq!(status, 1);
+    follows_schema("diagnose", &serde_json::from_str(&out).unwrap());
     assert!(error.contains("motion.csv was not written: no two effects are left"), "{error}");
     assert!(!folder.path().join("motion.csv").exists());
 }

@@ -13,7 +13,8 @@ use super::{Failure, progress};
 use palpate_diagnose::criticism::change::{self, Change, ChangeError};
 use palpate_diagnose::criticism::compare::compare;
 use palpate_model::Model;
-use palpate_present::summary::{change_json, change_report, change_sections};
+use palpate_present::answers::{self, ChangeAnswer};
+use palpate_present::summary::{change_report, change_sections};
 use palpate_report::Section;
 use palpate_trace::files::plan::MODEL;
 use palpate_trace::{Trace, read_set};
@@ -110,7 +111,7 @@ impl Answer for Changed {
     }
 
     fn json(&self) -> Value {
-        change_json(&self.change)
+        answers::json(&ChangeAnswer::from(&self.change))
     }
 
     fn sections(&self) -> Result<Vec<Section>, Failure> {

@@ -14,9 +14,9 @@ use palpate_diagnose::criticism::diagnose::{Diagnosis, diagnose};
 use palpate_diagnose::criticism::next_motion::{Proposed, RigFile, propose};
 use palpate_fit::data::Data;
 use palpate_model::Model;
+use palpate_present::answers::{self, DiagnosisAnswer, NextMotionAnswer};
 use palpate_present::summary::{
-    DiagnosisSummary, NextCommand, Preparation, motion_file, next_motion_json, next_motion_section,
-    no_motion,
+    DiagnosisSummary, NextCommand, Preparation, motion_file, next_motion_section, no_motion,
 };
 use palpate_report::{Section, pdf};
 use palpate_trace::files::plan::{COMPUTED, FIGURE, Plan};
@@ -151,7 +151,7 @@ pub(super) fn diagnosed(
 /// What a model lacks.
 pub(super) struct Diagnosed {
     traces: Arc<Vec<Trace>>,
-    preparation: Preparation,
+    pub preparation: Preparation,
     pub model: Model,
     pub diagnosis: Diagnosis,
     next: NextCommand,
@@ -164,6 +164,13 @@ impl Diagnosed {
     pub fn with<T>(&self, tell: impl FnOnce(&DiagnosisSummary, &Data) -> T) -> Result<T, Failure> {
         let data = Data::of_model(&self.model, &self.traces).map_err(Failure::input)?;
         Ok(tell(&DiagnosisSummary::new(&self.diagnosis, &data, self.next.clone()), &data))
+    }
+
+    /// The diagnosis for programs, with the motion that was asked for.
+    pub fn answer(&self) -> DiagnosisAnswer {
+        let found = self.with(|summary, _| DiagnosisAnswer::from(summary));
+        let next_motion = self.proposed.as_ref().map(|(it, path)| NextMotionAnswer::of(it, path));
+        DiagnosisAnswer { next_motion, ..found.expect("these traces were diagnosed") }
     }
 
     /// Looks for the motion that would decide, and writes it where there is one.
@@ -208,12 +215,7 @@ impl Answer for Diagnosed {
     }
 
     fn json(&self) -> Value {
-        let json = self.with(|summary, _| summary.json());
-        let mut answer = self.preparation.within(json.expect("these traces were diagnosed"));
-        if let Some((proposed, path)) = &self.proposed {
-            answer["next_motion"] = next_motion_json(proposed, path);
-        }
-        answer
+        answers::json(&self.preparation.with(self.answer()))
     }
 
     fn sections(&self) -> Result<Vec<Section>, Failure> {

@@ -14,6 +14,7 @@ use super::{Failure, progress};
 use palpate_diagnose::discover::{Discovery, discover};
 use palpate_fit::data::Data;
 use palpate_model::Model;
+use palpate_present::answers::{self, DiscoveryAnswer};
 use palpate_present::summary::{DiscoverySummary, NextCommand, Preparation, unit_of};
 use palpate_report::Section;
 use palpate_trace::Trace;
@@ -121,7 +122,7 @@ impl Answer for Discovered {
     }
 
     fn json(&self) -> Value {
-        self.preparation.within(self.summary().json())
+        answers::json(&self.preparation.with(DiscoveryAnswer::from(&self.summary())))
     }
 
     fn sections(&self) -> Result<Vec<Section>, Failure> {

@@ -7,10 +7,8 @@ use super::output::{Output, print_json, print_sections, write_report};
 use palpate_diagnose::criticism::signature::signature;
 use palpate_diagnose::promises::{Kept, contract};
 use palpate_model::effects::{EffectError, find, read_laws};
-use palpate_present::summary::{
-    contract_json, contract_section, effect_figures, effect_json, effect_section, library_json,
-    library_section,
-};
+use palpate_present::answers::{self, ContractAnswer, EffectAnswer, LibraryAnswer};
+use palpate_present::summary::{contract_section, effect_figures, effect_section, library_section};
 
 /// Show the library of effects, or one effect in depth.
 #[derive(clap::Args)]
@@ -47,7 +45,11 @@ pub fn run(args: &Args) -> Result<(), Failure> {
             .fold(section.clone(), |section, figure| section.figure(figure, ""));
         write_report(path, effect.name, effect.meaning, Vec::new(), vec![drawn])?;
     }
-    if args.result.json { print_json(&effect_json(effect)) } else { print_sections(&[section]) }
+    if args.result.json {
+        print_json(&answers::json(&EffectAnswer::from(effect)))
+    } else {
+        print_sections(&[section])
+    }
 }
 
 fn all(result: &Output) -> Result<(), Failure> {
@@ -56,7 +58,11 @@ fn all(result: &Output) -> Result<(), Failure> {
         let about = "what a base law can lack";
         write_report(path, "The library of effects", about, Vec::new(), vec![section.clone()])?;
     }
-    if result.json { print_json(&library_json()) } else { print_sections(&[section]) }
+    if result.json {
+        print_json(&answers::json(&LibraryAnswer::whole()))
+    } else {
+        print_sections(&[section])
+    }
 }
 
 /// Asks laws of one's own for every promise; what is not kept is a failure.
@@ -69,7 +75,8 @@ fn check(path: &Path, result: &Output) -> Result<(), Failure> {
     let sections =
         found.iter().map(|(law, promises)| contract_section(law, promises)).collect::<Vec<_>>();
     let name = path.display().to_string();
-    let json = || found.iter().map(|(law, promises)| contract_json(law, promises)).collect();
+    let kept = |(law, promises): &(_, Vec<_>)| ContractAnswer::of(law, promises);
+    let json = || answers::json(&found.iter().map(kept).collect::<Vec<_>>());
     result.give("Laws of one's own", &name, vec![name.clone()], &sections, json)?;
     let broken = found.iter().flat_map(|(_, promises)| promises);
     match broken.filter(|promise| matches!(promise.found, Kept::No(_))).count() {

@@ -15,6 +15,7 @@ use palpate_diagnose::criticism::change::{Worse, worse};
 use palpate_diagnose::criticism::diagnose::Diagnosis;
 use palpate_diagnose::criticism::explore::{explored, rungs};
 use palpate_model::Model;
+use palpate_present::answers::{self, ExplorationAnswer};
 use palpate_present::summary::{NextCommand, unit_of};
 use palpate_report::Section;
 use palpate_trace::Trace;
@@ -110,10 +111,9 @@ impl Answer for Explored {
     }
 
     fn json(&self) -> Value {
-        let mut answer = self.found.json();
-        answer["model"] =
-            self.written.as_ref().map_or(Value::Null, |path| path.display().to_string().into());
-        answer
+        let model = self.written.as_ref().map(|path| path.display().to_string());
+        let answer = ExplorationAnswer { diagnosis: self.found.answer(), model };
+        answers::json(&self.found.preparation.with(answer))
     }
 
     fn sections(&self) -> Result<Vec<Section>, Failure> {

@@ -26,10 +26,8 @@ use palpate_model::{
     BaseLaw, EXPONENTS_N, Elastic, ElasticLaw, Family, Gauge, Kernel, Laws, MAX_TERMS, Model,
     Separation,
 };
-use palpate_present::answers::{self, HoldsAnswer};
-use palpate_present::summary::{
-    FitSummary, Preparation, Refit, hold_sections, ranking_json, ranking_sections,
-};
+use palpate_present::answers::{self, FitAnswer, HoldsAnswer, RankingAnswer};
+use palpate_present::summary::{FitSummary, Preparation, Refit, hold_sections, ranking_sections};
 use palpate_report::Section;
 use palpate_trace::files::plan::MODEL;
 use palpate_trace::meant::did_you_mean;
@@ -337,7 +335,7 @@ impl Answer for Fitted {
     }
 
     fn json(&self) -> Value {
-        self.with(|summary| self.preparation.within(summary.json()))
+        self.with(|summary| answers::json(&self.preparation.with(FitAnswer::from(summary))))
     }
 
     fn sections(&self) -> Result<Vec<Section>, Failure> {
@@ -412,7 +410,7 @@ impl Answer for Ranked {
     }
 
     fn json(&self) -> Value {
-        self.preparation.within(ranking_json(&self.ranking, &self.signal))
+        answers::json(&self.preparation.with(RankingAnswer::of(&self.ranking, &self.signal)))
     }
 
     fn sections(&self) -> Result<Vec<Section>, Failure> {

@@ -10,10 +10,8 @@ use super::{Failure, progress, simulate};
 use palpate_diagnose::practice::{
     Choice, Practice, check_empty, hide, open, record, seed_from_clock, write_set,
 };
-use palpate_present::answers::{self, RecordedMotionAnswer};
-use palpate_present::summary::{
-    practice_json, practice_sections, trace_panels, truth_json, truth_sections,
-};
+use palpate_present::answers::{self, PracticeAnswer, PracticeRecording, TruthAnswer};
+use palpate_present::summary::{practice_sections, trace_panels, truth_sections};
 use palpate_report::Section;
 use palpate_trace::files::plan::COMPUTED;
 use palpate_trace::{read_set, write};
@@ -98,7 +96,7 @@ fn record_into(folder: &Path, path: &Path, result: &Output) -> Result<(), Failur
     let section =
         Section::new("One more recording").paragraph(words).figure(trace_panels(&trace), "");
     eprintln!("trace: {recorded}");
-    let json = || answers::json(&RecordedMotionAnswer::of(&trace, &output));
+    let json = || answers::json(&PracticeRecording::of(&trace, &output));
     result.give("One more recording", "", vec![recorded.clone()], &[section], json)
 }
 
@@ -135,7 +133,7 @@ impl Answer for Hidden<'_> {
     }
 
     fn json(&self) -> Value {
-        practice_json(self.practice, &self.folder)
+        answers::json(&PracticeAnswer::of(self.practice, &self.folder))
     }
 
     fn sections(&self) -> Result<Vec<Section>, Failure> {
@@ -160,5 +158,9 @@ fn reveal(folder: &Path, result: &Output) -> Result<(), Failure> {
         let names = vec![folder.display().to_string()];
         write_report(path, "The truth of a practice set", "", names, sections.clone())?;
     }
-    if result.json { print_json(&truth_json(&truth)) } else { print_sections(&sections) }
+    if result.json {
+        print_json(&answers::json(&TruthAnswer::from(&truth)))
+    } else {
+        print_sections(&sections)
+    }
 }

@@ -237,17 +237,17 @@ pub struct AfmRoughAnswer {
     /// Number of places that were tried.
     pub trials: usize,
     /// Apparent modulus over the true one.
-    pub modulus_ratio: SpreadAnswer,
+    pub modulus_ratio: AfmSpreadAnswer,
     /// Apparent contact point above the mean surface, m.
-    pub contact_m: SpreadAnswer,
+    pub contact_m: AfmSpreadAnswer,
     /// Number of asperities that bear at the largest force.
-    pub touching: SpreadAnswer,
+    pub touching: AfmSpreadAnswer,
 }
 
 /// Spread of a quantity over the trials, in its unit.
 #[derive(Clone, Copy, Debug, Serialize, JsonSchema)]
 #[schemars(deny_unknown_fields)]
-pub struct SpreadAnswer {
+pub struct AfmSpreadAnswer {
     /// Mean.
     pub mean: f64,
     /// Sample standard deviation.
@@ -394,7 +394,7 @@ impl AfmRoughAnswer {
     }
 }
 
-impl From<Spread> for SpreadAnswer {
+impl From<Spread> for AfmSpreadAnswer {
     fn from(spread: Spread) -> Self {
         Self {
             mean: spread.mean,

@@ -3,20 +3,37 @@
 //! One file an answer: its type, and how it follows from what was computed. Nothing is computed here; what an answer states, its
 //! result has found. Sections for people are in [`summary`](crate::summary).
 
+pub use afm::{
+    AfmAnswer, AfmCurveAnswer, AfmEstimate, AfmExponentialAnswer, AfmFitAnswer, AfmHoldAnswer,
+    AfmLatencyAnswer, AfmRefusedAnswer, AfmRefusedHoldAnswer, AfmRelaxedAnswer, AfmRetreatAnswer,
+    AfmRoughAnswer, AfmSpreadAnswer, AfmTermAnswer,
+};
+
+pub use change::{ChangeAnswer, RungAnswer, TriedLaw};
+
+use palpate_link::device::answers as device;
+
+use palpate_model::Parameter;
 mod afm;
+mod change;
 mod compare;
 mod conversion;
 mod creep;
 mod decomposition;
+mod diagnosis;
+mod discovery;
 mod dissertation;
+mod effects;
 mod events;
 mod grasp;
 mod holds;
 mod markers;
+mod next_motion;
+mod practice;
 mod preparation;
 mod pull_off;
+mod ranking;
 mod rates;
-mod recorded_motion;
 mod recording_plan;
 mod relaxation;
 mod segment;
@@ -25,21 +42,29 @@ mod strain_rate;
 mod survey;
 mod terms;
 mod uncertain;
-
-pub use afm::{
-    AfmAnswer, AfmCurveAnswer, AfmEstimate, AfmExponentialAnswer, AfmFitAnswer, AfmHoldAnswer,
-    AfmLatencyAnswer, AfmRefusedAnswer, AfmRefusedHoldAnswer, AfmRelaxedAnswer, AfmRetreatAnswer,
-    AfmRoughAnswer, AfmTermAnswer, SpreadAnswer,
-};
+mod whole_motion;
 pub use compare::{ComparisonAnswer, DependenceAnswer, PlaceAnswer};
 pub use conversion::{ConversionAnswer, WrittenAnswer};
 pub use creep::{ConditioningAnswer, CreepAnswer, CreepHold};
 pub use decomposition::{
     DecomposedChannel, DecomposedTrace, DecompositionAnswer, FilterRelaxation, GraspRegion,
 };
+pub use diagnosis::{
+    AdequacyAnswer, AdequacyPair, CandidateAnswer, DiagnosisAnswer, ErrorBasis, ExplorationAnswer,
+    LeftoverPlace, NoiseAnswer, PValueBasis, RefusedAnswer, RivalAnswer, Seeds, StepAnswer,
+    UntestableAnswer, VerdictAnswer,
+};
+pub use discovery::{
+    AlternativeAnswer, DiscoveryAnswer, FormulaAnswer, FormulaRung, FoundLaw, LawParameter,
+    OutcomeAnswer, QuantityAnswer, Resemblance, ShareAnswer, SharesAnswer, SurfaceAnswer,
+};
 pub use dissertation::{
     DissertationAnswer, DrawnFigure, EvidenceKind, EvidenceTally, PrintedComparison, PrintedFigure,
     PrintedNumber,
+};
+pub use effects::{
+    ContractAnswer, EffectAnswer, KeptAnswer, LawAnswer, LibraryAnswer, PromiseAnswer, ShapeAnswer,
+    SignAnswer, StageAnswer, StrengthAnswer,
 };
 pub use events::{
     EventAnswer, EventKind, EventSettings, EventsAnswer, HappenedAnswer, TraceEvents,
@@ -53,14 +78,17 @@ pub use grasp::{
 };
 pub use holds::{CorrelationAnswer, HoldFitAnswer, HoldParameter, HoldsAnswer, SpreadAnswer};
 pub use markers::{GapAnswer, MarkersAnswer};
+pub use next_motion::{NextMotionAnswer, RigAnswer};
+pub use practice::{HiddenEffect, HiddenValue, PracticeAnswer, PracticeRecording, TruthAnswer};
 pub use preparation::{PreparationAnswer, Prepared};
 pub use pull_off::{PullOffAnswer, PullOffGrowthAnswer, PullOffLaw, PullOffsAtSpeed};
+pub use ranking::{RankedLaw, RankedParameter, RankingAnswer, SetupAnswer};
 pub use rates::{RateGroup, RateRun, RateTrend, RatesAnswer};
-pub use recorded_motion::RecordedMotionAnswer;
 pub use recording_plan::{PlannedRecordingAnswer, RecordingPlanAnswer};
 pub use relaxation::{
     FormAnswer, FormsAnswer, LatencyAnswer, RelaxationAnswer, RelaxationHold, StrainReference,
 };
+use schemars::{JsonSchema, Schema, SchemaGenerator, generate::SchemaSettings};
 pub use segment::{
     ControlSource, ControlledQuantity, CycleAnswer, CyclePoint, CycleRegion, ForceLimit,
     InertiaAnswer, LoopDirection, SegmentationAnswer, SegmentedTraceAnswer,
@@ -70,6 +98,8 @@ pub use sensor::{
     SensorResponseAnswer, SensorShakeAnswer, SensorSlideAnswer, SensorSlipAnswer,
     SensorSpecimenAnswer, SensorStimulus, SensorToneAnswer,
 };
+use serde::Serialize;
+use serde_json::Value;
 pub use strain_rate::{DerivativeAnswer, SimulatedRun, StrainRateAnswer, StrainRateHold};
 pub use survey::{
     EstimateDistribution, FarOutAnswer, GroupFailure, GroupStatus, MedianAt, MissingEffect,
@@ -77,11 +107,7 @@ pub use survey::{
 };
 pub use terms::{NumberAnswer, TermsAnswer};
 pub use uncertain::Uncertain;
-
-use palpate_link::device::answers as device;
-use schemars::{JsonSchema, Schema, SchemaGenerator, generate::SchemaSettings};
-use serde::Serialize;
-use serde_json::Value;
+pub use whole_motion::{FitAnswer, FittedParameter, TraceError};
 
 /// An estimated number with its uncertainty.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
@@ -93,6 +119,15 @@ pub struct Estimate {
     pub standard_error: Option<f64>,
     /// Unit, empty for a pure number.
     pub unit: String,
+}
+
+impl Estimate {
+    /// A value of a parameter and its standard error.
+    #[must_use]
+    pub fn of(parameter: &Parameter, value: f64, standard_error: Option<f64>) -> Self {
+        let unit = parameter.unit.to_string();
+        Self { value, standard_error: standard_error.and_then(finite), unit }
+    }
 }
 
 /// An answer as one JSON value.
@@ -114,6 +149,7 @@ pub fn finite(number: f64) -> Option<f64> {
 #[must_use]
 pub fn schemas() -> Vec<(&'static str, Schema)> {
     vec![
+        ("add", schema::<ChangeAnswer>()),
         ("afm", schema::<AfmAnswer>()),
         ("afm-rough", schema::<AfmRoughAnswer>()),
         ("compare", schema::<Prepared<ComparisonAnswer>>()),
@@ -126,16 +162,27 @@ pub fn schemas() -> Vec<(&'static str, Schema)> {
         ("device-self-test", schema::<device::SelfTestAnswer>()),
         ("device-set", schema::<device::SetAnswer>()),
         ("device-tare", schema::<device::TareAnswer>()),
+        ("diagnose", schema::<Prepared<DiagnosisAnswer>>()),
+        ("discover", schema::<Prepared<DiscoveryAnswer>>()),
         ("dissertation", schema::<DissertationAnswer>()),
+        ("drop", schema::<ChangeAnswer>()),
+        ("effects-check", schema::<Vec<ContractAnswer>>()),
+        ("effects-list", schema::<LibraryAnswer>()),
+        ("effects-one", schema::<EffectAnswer>()),
         ("events", schema::<EventsAnswer>()),
+        ("explore", schema::<Prepared<ExplorationAnswer>>()),
+        ("fit", schema::<Prepared<FitAnswer>>()),
         ("fit-holds", schema::<Prepared<HoldsAnswer>>()),
+        ("fit-rank", schema::<Prepared<RankingAnswer>>()),
         ("grasp-friction", schema::<GraspFrictionAnswer>()),
         ("grasp-growth", schema::<GraspGrowthAnswer>()),
         ("grasp-margin", schema::<GraspMarginAnswer>()),
         ("grasp-plan", schema::<GraspPlanAnswer>()),
         ("grasp-surface", schema::<GraspSurfaceAnswer>()),
         ("grasp-watch", schema::<GraspWatchAnswer>()),
-        ("hide-record", schema::<RecordedMotionAnswer>()),
+        ("hide", schema::<PracticeAnswer>()),
+        ("hide-open", schema::<TruthAnswer>()),
+        ("hide-record", schema::<PracticeRecording>()),
         ("markers", schema::<MarkersAnswer>()),
         ("plan", schema::<RecordingPlanAnswer>()),
         ("rates", schema::<RatesAnswer>()),

@@ -1,7 +1,5 @@
 //! An effect added to a model or taken out: what it did to the error, and the parameters after.
 
-use serde_json::{Map, Value, json};
-
 use super::{estimate, ladder, overlays, unit_of};
 use palpate_diagnose::criticism::change::Change;
 use palpate_diagnose::criticism::compare::Comparison;
@@ -40,54 +38,6 @@ pub fn change_report(change: &Change, comparison: &Comparison) -> Vec<Section> {
     sections
 }
 
-/// The change as one JSON object.
-#[must_use]
-pub fn change_json(change: &Change) -> Value {
-    let ladder: Vec<Value> = change
-        .model
-        .ladder
-        .iter()
-        .map(|rung| {
-            json!({"add": rung.add, "rms": rung.fitted_rms, "heldout_rms": rung.heldout_rms})
-        })
-        .collect();
-    let laws: Vec<Value> = change
-        .laws
-        .iter()
-        .map(|tried| json!({"law": tried.law, "bic_over_best": tried.over_best}))
-        .collect();
-    let mut parameters = Map::new();
-    for (k, (of, parameter)) in declared(change).into_iter().enumerate() {
-        let value = json!({
-            "value": change.fit.values[k],
-            "standard_error": change.fit.standard_errors[k],
-            "unit": parameter.unit,
-        });
-        if let Value::Object(known) = parameters.entry(of).or_insert_with(|| json!({})) {
-            known.insert(parameter.name.to_string(), value);
-        }
-    }
-    json!({
-        "palpate_change": 1,
-        "effect": change.effect,
-        "added": change.added,
-        "law": change.laws.first().map(|tried| &tried.law),
-        "signal": change.model.base.signal,
-        "unit": unit_of(&change.model.base.signal),
-        "rms_before": change.before.fitted_rms,
-        "rms_after": change.after.fitted_rms,
-        "heldout_rms_before": change.before.heldout_rms,
-        "heldout_rms_after": change.after.heldout_rms,
-        "noise_rms": change.noise.map(|noise| noise.standard_deviation),
-        "parameters": parameters,
-        "ladder": ladder,
-        "laws": laws,
-        "converged": change.fit.stop.converged(),
-        "notes": change.notes,
-        "warnings": change.warnings,
-    })
-}
-
 fn in_short(change: &Change) -> String {
     let unit = unit_of(&change.model.base.signal);
     let fitted =
@@ -103,7 +53,7 @@ fn in_short(change: &Change) -> String {
 }
 
 /// What each value of the fit is of: the base law or an effect, and its parameter.
-fn declared(change: &Change) -> Vec<(String, Parameter)> {
+pub fn declared(change: &Change) -> Vec<(String, Parameter)> {
     let chain = &change.fit.chain;
     let law = chain.base.name();
     let of_base = chain.base.parameters().into_iter().map(|p| (law.to_owned(), p));

@@ -1,7 +1,5 @@
 //! Whether a law of one's own keeps what every law of the library promises.
 
-use serde_json::{Value, json};
-
 use palpate_diagnose::promises::{Kept, Promise};
 use palpate_model::StoredEffect;
 use palpate_report::{Block, Column, Section, Table};
@@ -29,18 +27,4 @@ fn in_words(found: &Kept) -> (&'static str, &str) {
         Kept::No(why) => ("no", why),
         Kept::NotAsked(why) => ("not asked", why),
     }
-}
-
-/// The promises of a law for programs.
-#[must_use]
-pub fn contract_json(law: &StoredEffect, promises: &[Promise]) -> Value {
-    let promise = |Promise { what, found }: &Promise| {
-        let (kept, why) = in_words(found);
-        json!({ "promise": what, "kept": kept, "because": why })
-    };
-    json!({
-        "name": law.name,
-        "expression": law.expression,
-        "promises": promises.iter().map(promise).collect::<Vec<_>>(),
-    })
 }

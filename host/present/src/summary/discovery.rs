@@ -1,6 +1,4 @@
-//! Formulas for what no effect of the library explains: in words, as tables and figures, as a JSON object.
-
-use serde_json::{Value, json};
+//! Formulas for what no effect of the library explains: in words, as tables and figures.
 
 use super::dependence::{dependence_plot, scale};
 use super::diagnosis::NextCommand;
@@ -27,7 +25,7 @@ const DRAWN: usize = 3;
 
 /// A discovery with all that is told about it.
 pub struct DiscoverySummary<'a> {
-    discovery: &'a Discovery,
+    pub(crate) discovery: &'a Discovery,
     labels: &'a [String],
     next: NextCommand,
     written: Option<String>,
@@ -46,14 +44,15 @@ impl<'a> DiscoverySummary<'a> {
         Self { discovery, labels, next, written }
     }
 
-    fn formulas(&self) -> &[Formula] {
+    /// The formulas; none where another outcome is.
+    pub(crate) fn formulas(&self) -> &[Formula] {
         match &self.discovery.outcome {
             Outcome::Formulas(formulas) => formulas,
             _ => &[],
         }
     }
 
-    fn unit(&self) -> &str {
+    pub(crate) fn unit(&self) -> &str {
         unit_of(&self.discovery.diagnosis.signal)
     }
 
@@ -289,91 +288,6 @@ impl<'a> DiscoverySummary<'a> {
             strongest: None,
         }
     }
-
-    /// The answer for programs.
-    #[must_use]
-    pub fn json(&self) -> Value {
-        let discovery = self.discovery;
-        let diagnosis = &discovery.diagnosis;
-        let outcome = match discovery.outcome {
-            Outcome::Adequate => "adequate",
-            Outcome::Library => "library",
-            Outcome::Formulas(_) => "formula",
-            Outcome::Nothing => "nothing",
-        };
-        let ladder = discovery.ladder.iter().map(|rung| {
-            json!({ "add": rung.add, "fitted_rms": rung.fitted_rms, "heldout_rms": rung.heldout_rms })
-        });
-        let surfaces = discovery.surfaces.iter().map(|surface| {
-            json!({
-                "quantities": surface.of.map(Covariate::symbol),
-                "explained": surface.explained,
-                "additive": surface.additive,
-                "interaction": surface.interaction(),
-                "held_out": surface.held_out,
-                "p_value": surface.p_value,
-                "at": surface.at,
-                "means": surface.means,
-            })
-        });
-        let dependences = discovery.dependences.iter().map(|dependence| {
-            json!({
-                "quantity": dependence.covariate.symbol(),
-                "explained": dependence.explained,
-                "p_value": dependence.p_value,
-            })
-        });
-        json!({
-            "palpate_discovery": 1,
-            "outcome": outcome,
-            "signal": diagnosis.signal,
-            "unit": self.unit(),
-            "noise_rms": diagnosis.noise.level,
-            "verdict_of_the_library": diagnosis.verdict.word(),
-            "effects_of_the_library":
-                diagnosis.found.steps.iter().map(|step| &step.credible).collect::<Vec<_>>(),
-            "terms": discovery.terms,
-            "formulas": self.formulas().iter().map(formula_json).collect::<Vec<_>>(),
-            "ladder": ladder.collect::<Vec<_>>(),
-            "dependences": dependences.collect::<Vec<_>>(),
-            "surfaces": surfaces.collect::<Vec<_>>(),
-        })
-    }
-}
-
-fn formula_json(formula: &Formula) -> Value {
-    let cause = cause_of(&formula.term);
-    let Shares { pressing, releasing, traces } = &formula.shares;
-    let alternative = |it: &Alternative| {
-        let mut law = law_json(&it.law, &it.term);
-        law["delta_bic"] = it.delta_bic.into();
-        law
-    };
-    let mut answer = law_json(&formula.law, &formula.term);
-    answer["p_value"] = formula.p_value.into();
-    answer["shares"] = json!({
-        "pressing": { "value": pressing.0, "standard_error": pressing.1 },
-        "releasing": { "value": releasing.0, "standard_error": releasing.1 },
-        "traces": traces,
-    });
-    let resembles = formula.resembles.iter();
-    answer["resembles"] =
-        resembles.map(|(effect, cosine)| json!({ "effect": effect, "cosine": cosine })).collect();
-    answer["alternatives"] = formula.alternatives.iter().map(alternative).collect();
-    answer["cause"] = cause.cause.into();
-    answer["experiment"] = cause.experiment.into();
-    answer
-}
-
-fn law_json(law: &StoredEffect, term: &Term) -> Value {
-    json!({
-        "name": law.name,
-        "stage": law.stage,
-        "expression": law.expression,
-        "shape": term.shape.name,
-        "quantity": term.quantity.symbol,
-        "parameters": law.parameters,
-    })
 }
 
 /// The law with what it adds to.

@@ -2,7 +2,6 @@
 //! documentation are the same.
 
 use rayon::prelude::*;
-use serde_json::{Value, json};
 
 use super::compare::spans;
 use palpate_diagnose::criticism::covariate::Covariate;
@@ -33,50 +32,6 @@ pub fn library_section() -> Section {
             table.row([effect.stage.name(), &format!("`{}`", effect.name), &law, effect.meaning]);
     }
     Section::new("The library of effects").table(table)
-}
-
-/// Every effect as one JSON object.
-#[must_use]
-pub fn library_json() -> Value {
-    json!({"palpate_effects": 1, "effects": LIBRARY.iter().copied().map(effect_json).collect::<Vec<_>>()})
-}
-
-/// One effect as a JSON object.
-#[must_use]
-pub fn effect_json(effect: &Effect) -> Value {
-    let laws: Vec<Value> = effect
-        .laws
-        .iter()
-        .map(|law| {
-            let strength = json!({
-                "name": law.strength.name,
-                "unit": law.strength.unit,
-                "meaning": law.strength.meaning,
-                "sign": if law.strength.sign == Sign::Either { "either" } else { "positive" },
-                "how_many": how_many(law),
-            });
-            let shapes: Vec<Value> = law
-                .shapes
-                .iter()
-                .map(|shape| {
-                    let fitted = matches!(shape.role, Role::Fitted(_));
-                    json!({"name": shape.name, "unit": shape.unit, "meaning": shape.meaning, "fitted": fitted})
-                })
-                .collect();
-            json!({"name": law.name, "formula": law.formula, "strength": strength, "shapes": shapes})
-        })
-        .collect();
-    json!({
-        "name": effect.name,
-        "stage": effect.stage.name(),
-        "meaning": effect.meaning,
-        "signature": effect.signature,
-        "confused_with": effect.confused_with,
-        "experiment": effect.experiment,
-        "against": effect.against.symbol(),
-        "needs": needs(effect.needs),
-        "laws": laws,
-    })
 }
 
 /// Everything about one effect, in words and tables.
@@ -121,7 +76,8 @@ fn stage_in_words(effect: &Effect) -> &'static str {
     }
 }
 
-fn needs(needs: Needs) -> &'static str {
+/// What a data set must have for an effect to be seen.
+pub fn needs(needs: Needs) -> &'static str {
     match needs {
         Needs::Nothing => "displacement and the signal",
         Needs::Temperature => "a temperature that was recorded and changes (`temperature_C`)",
@@ -132,7 +88,7 @@ fn needs(needs: Needs) -> &'static str {
 }
 
 /// How many strengths a law has.
-fn how_many(law: &Law) -> String {
+pub fn how_many(law: &Law) -> String {
     match law.strength.count {
         Count::Fixed([]) => "one".into(),
         Count::Fixed(names) => format!("{}: {}", names.len(), names.join(", ")),

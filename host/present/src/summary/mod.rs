@@ -37,22 +37,23 @@ mod whole_motion;
 
 pub use afm::{FittedCurve, afm_sections, rough_sections};
 pub(crate) use afm::{curve_remarks, hold_figure};
-pub use change::{change_json, change_report, change_sections};
+pub(crate) use change::declared as changed_parameters;
+pub use change::{change_report, change_sections};
 pub use compare::{compare_sections, overlays};
-pub use contract::{contract_json, contract_section};
+pub use contract::contract_section;
 pub use creep::{Conditioning, creep_sections};
 pub use decomposition::{
     decomposed_trace, decomposition_sections, part_panels, region_spans, region_table, shaded,
 };
 pub use device::{device_sections, self_test_sections, settings_blocks};
+pub(crate) use diagnosis::Ranked;
 pub use diagnosis::{DiagnosisSummary, NextCommand};
 pub use discovery::DiscoverySummary;
 pub use dissertation::{
     COMPARISONS_HEADER, comparisons_csv, dissertation_overview, dissertation_report,
 };
-pub use effects::{
-    effect_figures, effect_json, effect_pages, effect_section, library_json, library_section,
-};
+pub use effects::{effect_figures, effect_pages, effect_section, library_section};
+pub(crate) use effects::{how_many, needs};
 pub use events::events_sections;
 pub use grasp::{
     Forecast, HISTORY_HEADER, HandPlan, SURFACE_HEADER, SurfaceSummary, friction_sections,
@@ -63,13 +64,13 @@ pub use holds::hold_sections;
 pub(crate) use holds::{NO_BETTER, warnings as hold_warnings};
 pub use ladder::ladder;
 pub use markers::{markers_figure, markers_sections};
-pub use next_motion::{motion_file, next_motion_json, next_motion_section, no_motion};
+pub use next_motion::{motion_file, next_motion_section, no_motion};
 pub use outliers::{Preparation, Refit};
 pub use plan::plan_section;
-pub use practice::{practice_json, practice_sections, truth_json, truth_sections};
+pub use practice::{practice_sections, truth_sections};
 pub use press::press_sections;
 pub use pull_off::growth_section;
-pub use ranking::{ranking_json, ranking_sections};
+pub use ranking::ranking_sections;
 pub use rates::rates_sections;
 pub(crate) use rates::warnings as rates_warnings;
 pub use recording::{loops, overview, trace_panels};

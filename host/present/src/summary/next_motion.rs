@@ -1,8 +1,6 @@
-//! The next experiment as a motion: a file, a figure, words, a JSON object.
+//! The next experiment as a motion: a file, a figure, words.
 
 use std::path::Path;
-
-use serde_json::{Value, json};
 
 use super::unit_of;
 use palpate_diagnose::criticism::diagnose::{Diagnosis, Verdict};
@@ -119,22 +117,4 @@ fn panels(proposed: &Proposed, trace: &Trace, predicted: &[Vec<f64>], unit: &str
         .plot(motion)
         .plot(foreseen)
         .plot(apart)
-}
-
-/// The proposal for programs.
-#[must_use]
-pub fn next_motion_json(proposed: &Proposed, path: &Path) -> Value {
-    let motion = proposed.motion.as_ref();
-    json!({
-        "file": motion.map(|_| path.display().to_string()),
-        "tells_apart": proposed.members,
-        "separates": motion.map(|it| it.foreseen.separates()),
-        "separates_of_menu": motion.and_then(|it| Some(it.of_menu.as_ref()?.separates())),
-        "pairs": motion.map(|it| it.foreseen.apart.len()),
-        "pairs_told": motion.map(|it| it.foreseen.told()),
-        "duration_s": motion.map(|it| it.trace.duration()),
-        "weighed": motion.map(|it| it.weighed),
-        "seed": SEED,
-        "rig": proposed.rig,
-    })
 }

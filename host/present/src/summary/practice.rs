@@ -1,12 +1,9 @@
 //! A practice data set, and its truth when it is opened.
 
-use serde_json::{Value, json};
-
 use super::overview;
 use palpate_diagnose::practice::{Practice, SEALED, Truth};
 use palpate_report::number::significant;
 use palpate_report::{Block, Callout, Column, Section, Table};
-use palpate_trace::Trace;
 
 /// What was made and what to do with it; nothing of the truth.
 #[must_use]
@@ -29,19 +26,6 @@ pub fn practice_sections(practice: &Practice, folder: &str) -> Vec<Section> {
         .paragraph("What next:")
         .block(Block::Code(steps.join("\n")));
     vec![section]
-}
-
-/// What was made as one JSON object; nothing of the truth.
-#[must_use]
-pub fn practice_json(practice: &Practice, folder: &str) -> Value {
-    json!({
-        "palpate_practice": 1,
-        "folder": folder,
-        "seed": practice.truth.seed,
-        "size": practice.truth.size,
-        "traces": practice.traces.iter().map(Trace::label).collect::<Vec<_>>(),
-        "truth": SEALED,
-    })
 }
 
 /// What was hidden.
@@ -81,33 +65,4 @@ pub fn truth_sections(truth: &Truth) -> Vec<Section> {
             truth.seed
         )));
     vec![section]
-}
-
-/// What was hidden as one JSON object.
-#[must_use]
-pub fn truth_json(truth: &Truth) -> Value {
-    let effects: Vec<Value> = truth
-        .model
-        .effects
-        .iter()
-        .map(|effect| {
-            let values = effect.parameters.iter().map(|(name, stored)| {
-                (name.clone(), json!({"value": stored.value, "unit": stored.unit}))
-            });
-            json!({
-                "effect": effect.name,
-                "law": effect.law,
-                "parameters": values.collect::<serde_json::Map<_, _>>(),
-            })
-        })
-        .collect();
-    json!({
-        "palpate_truth": 1,
-        "seed": truth.seed,
-        "size": truth.size,
-        "misfit_over_noise": truth.misfit_over_noise,
-        "noise_rms": truth.noise_rms,
-        "noise_correlation": truth.noise_correlation,
-        "effects": effects,
-    })
 }

@@ -1,10 +1,8 @@
 //! Base laws ranked: how well each predicts, and how much its parameters move between set-ups.
 
-use serde_json::{Value, json};
-
 use super::ladder::error_bars;
 use super::unit_of;
-use palpate_fit::ranking::{ParameterSpread, Place, Ranking};
+use palpate_fit::ranking::{Place, Ranking};
 use palpate_model::Rung;
 use palpate_report::number::significant;
 use palpate_report::{Bars, Callout, Column, Section, Table};
@@ -139,52 +137,4 @@ fn spread_table(ranking: &Ranking) -> Table {
 
 fn finite(value: f64, digits: usize) -> String {
     if value.is_finite() { significant(value, digits) } else { "–".into() }
-}
-
-/// The ranking as one JSON object.
-#[must_use]
-pub fn ranking_json(ranking: &Ranking, signal: &str) -> Value {
-    let place = |place: &Place| {
-        let fit = &place.fit;
-        let parameters: serde_json::Map<String, Value> = fit
-            .parameters()
-            .iter()
-            .enumerate()
-            .map(|(k, parameter)| {
-                let spread = place.spreads.get(k);
-                let value = json!({
-                    "value": fit.values[k],
-                    "standard_error": fit.standard_errors[k],
-                    "unit": parameter.unit,
-                    "in_setups": spread.map(|spread| &spread.values),
-                    "ratio": spread.map(ParameterSpread::ratio).filter(|ratio| ratio.is_finite()),
-                });
-                (parameter.name.to_string(), value)
-            })
-            .collect();
-        json!({
-            "law": fit.chain.base.name(),
-            "terms": fit.chain.base.terms,
-            "elastic": fit.chain.base.elastic.name(),
-            "relaxation": fit.chain.base.kernel.name,
-            "residual_rms": fit.rms(),
-            "heldout_rms": place.held_out,
-            "deviation_between_setups": place.typical_deviation(),
-            "r_squared": fit.r_squared,
-            "bic": fit.bic(),
-            "converged": fit.stop.converged(),
-            "parameters": parameters,
-        })
-    };
-    let setups = ranking.setups.iter().map(|setup| {
-        json!({"compression_mm": setup.compression, "rate_mm_per_s": setup.rate, "traces": setup.traces})
-    });
-    json!({
-        "palpate_ranking": 1,
-        "signal": signal,
-        "unit": unit_of(signal),
-        "noise_rms": ranking.noise.as_ref().map(|noise| noise.standard_deviation),
-        "laws": ranking.places.iter().map(place).collect::<Vec<_>>(),
-        "setups": setups.collect::<Vec<_>>(),
-    })
 }

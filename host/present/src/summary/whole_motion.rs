@@ -1,7 +1,5 @@
 //! The fit of a law to whole motions, as tables and plots.
 
-use serde_json::{Value, json};
-
 use super::{estimate, name_of, unit_of};
 use palpate_fit::data::Data;
 use palpate_fit::warning::warnings;
@@ -44,65 +42,8 @@ impl FitSummary<'_> {
         self.fit.model(self.data, noise, self.held_out)
     }
 
-    /// The fit as one JSON object.
-    #[must_use]
-    pub fn json(&self) -> Value {
-        let fit = self.fit;
-        let declared = fit.parameters();
-        let parameters: serde_json::Map<String, Value> = declared
-            .iter()
-            .enumerate()
-            .map(|(k, parameter)| {
-                let value = json!({
-                    "value": fit.values[k],
-                    "standard_error": fit.standard_errors[k],
-                    "unit": parameter.unit,
-                    "at_bound": fit.at_bound[k],
-                });
-                (parameter.name.to_string(), value)
-            })
-            .collect();
-        let names: Vec<&str> = declared.iter().map(|parameter| parameter.name.as_ref()).collect();
-        let rows: Vec<Vec<f64>> =
-            fit.correlation.row_iter().map(|row| row.iter().copied().collect()).collect();
-        let warnings: Vec<String> = self.warnings();
-        let traces: Vec<Value> = self
-            .data
-            .labels
-            .iter()
-            .enumerate()
-            .map(|(k, label)| {
-                json!({"trace": label, "rms": fit.trace_rms[k], "heldout_rms": self.held_out.get(k)})
-            })
-            .collect();
-        json!({
-            "palpate_fit": 1,
-            "law": fit.chain.base.name(),
-            "terms": fit.chain.base.terms,
-            "separation": fit.chain.base.separation,
-            "segments": fit.chain.base.segments,
-            "exponent": fit.chain.base.exponent,
-            "elastic": fit.chain.base.elastic.name(),
-            "relaxation": fit.chain.base.kernel.name,
-            "signal": self.signal,
-            "unit": unit_of(self.signal),
-            "parameters": parameters,
-            "correlation": {"order": names, "matrix": rows},
-            "samples": fit.samples,
-            "r_squared": fit.r_squared,
-            "residual_rms": fit.rms(),
-            "noise_rms": self.noise.map(|noise| noise.standard_deviation),
-            "heldout_rms": self.held_out_rms(),
-            "residual_autocorrelation": fit.autocorrelation,
-            "converged": fit.stop.converged(),
-            "stop": fit.stop.to_string(),
-            "iterations": fit.iterations,
-            "traces": traces,
-            "warnings": warnings,
-        })
-    }
-
-    fn warnings(&self) -> Vec<String> {
+    /// What a reader should beware of.
+    pub(crate) fn warnings(&self) -> Vec<String> {
         let found = warnings(self.fit, self.data, self.noise.as_ref());
         found.iter().map(ToString::to_string).collect()
     }

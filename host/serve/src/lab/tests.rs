@@ -10,8 +10,7 @@ use super::{LabError, View};
 use palpate_diagnose::criticism::{change, compare::compare};
 use palpate_diagnose::practice::{Choice, hide, write_set};
 use palpate_model::Model;
-use palpate_present::answers::{self, ComparisonAnswer};
-use palpate_present::summary::change_json;
+use palpate_present::answers::{self, ChangeAnswer, ComparisonAnswer};
 use palpate_trace::read_set;
 
 /// A folder with a hidden effect in it.
@@ -105,7 +104,8 @@ fn a_hidden_effect_is_found_and_added_until_the_ladder_is_at_the_noise_floor() {
     let state = wait(&mut session);
     assert_eq!(state["versions"].as_array().unwrap().len(), 1);
     let base: Model = serde_json::from_value(state["model"].clone()).unwrap();
-    let answer = change_json(&change::add(&base, "coulomb-friction", None, &traces).unwrap());
+    let change = change::add(&base, "coulomb-friction", None, &traces).unwrap();
+    let answer = answers::json(&ChangeAnswer::from(&change));
     let state = done(&mut session, json!({"add": {"effect": "coulomb-friction"}}));
     assert_eq!(state["answers"]["change"], answer);
     let state = done(&mut session, json!({"drop": {"effect": "coulomb-friction"}}));

@@ -24,11 +24,13 @@ use palpate_diagnose::practice::{self, Choice, check_empty, hide, write_set};
 use palpate_fit::data::Data;
 use palpate_fit::whole_motion;
 use palpate_model::Model;
-use palpate_present::answers::{self, ComparisonAnswer};
+use palpate_present::answers::{
+    self, ChangeAnswer, ComparisonAnswer, DiagnosisAnswer, DiscoveryAnswer, FitAnswer,
+    NextMotionAnswer, PracticeAnswer, TruthAnswer,
+};
 use palpate_present::summary::{
-    DiagnosisSummary, DiscoverySummary, FitSummary, NextCommand, Preparation, Refit, change_json,
-    change_report, compare_sections, motion_file, next_motion_json, next_motion_section, no_motion,
-    practice_json, unit_of,
+    DiagnosisSummary, DiscoverySummary, FitSummary, NextCommand, Preparation, Refit, change_report,
+    compare_sections, motion_file, next_motion_section, no_motion, unit_of,
 };
 use palpate_report::{Origin, Page, Section};
 use palpate_trace::{Trace, write_to};
@@ -170,7 +172,7 @@ impl Bench {
         }
         let sections = preparation.before(summary.sections());
         Ok(Outcome {
-            answer: preparation.within(summary.json()),
+            answer: answers::json(&preparation.with(FitAnswer::from(&summary))),
             report: Some(("fit", self.page("A fit over whole motions", sections))),
             compared: Some(Compared::new(compare(&model, &self.traces)?, &self.traces)),
             model: Some(model),
@@ -237,7 +239,7 @@ impl Bench {
         let list =
             if climb { Value::Null } else { candidates(&diagnosis, &data, &comparison, model) };
         let preparation = Preparation::of(&self.traces, &model.base.signal);
-        let mut answer = preparation.within(summary.json());
+        let mut answer = answers::json(&preparation.with(DiagnosisAnswer::from(&summary)));
         if let Some(folder) = self.folder.as_ref().filter(|_| climb) {
             answer["model"] = folder.shown(&self.written).into();
         }
@@ -263,7 +265,7 @@ impl Bench {
         let found = matches!(discovery.outcome, Found::Formulas(_));
         let sections = preparation.before(summary.sections());
         Ok(Outcome {
-            answer: preparation.within(summary.json()),
+            answer: answers::json(&preparation.with(DiscoveryAnswer::from(&summary))),
             report: Some(("discovery", self.page("A formula for what is missing", sections))),
             model: found.then(|| discovery.with_candidates(model, &data, unit)),
             ..Outcome::default()
@@ -276,7 +278,7 @@ impl Bench {
         let proposed = propose(model, &diagnosis, &self.traces, &RigFile::default())?;
         let file = Path::new(MOTION);
         let signal = &diagnosis.signal;
-        let mut answer = next_motion_json(&proposed, file);
+        let mut answer = answers::json(&NextMotionAnswer::of(&proposed, file));
         let Some(trace) = motion_file(&proposed, signal) else {
             answer["why"] = no_motion(&proposed, &diagnosis).into();
             return Ok(Outcome { answer, ..Outcome::default() });
@@ -299,7 +301,7 @@ impl Bench {
         let comparison = compare(&change.model, &self.traces)?;
         let page = self.page("A changed model", change_report(&change, &comparison));
         Ok(Outcome {
-            answer: change_json(&change),
+            answer: answers::json(&ChangeAnswer::from(&change)),
             report: Some(("change", page)),
             compared: Some(Compared::new(comparison, &self.traces)),
             model: Some(change.model),
@@ -322,7 +324,7 @@ impl Bench {
         }
         write_set(&folder, &practice)?;
         Ok(Outcome {
-            answer: practice_json(&practice, &opened.shown(name)),
+            answer: answers::json(&PracticeAnswer::of(&practice, &opened.shown(name))),
             set: Some(Set::read(opened, name)?),
             ..Outcome::default()
         })
@@ -347,5 +349,5 @@ impl Bench {
 /// # Errors
 /// When it is not one.
 pub fn reveal(folder: &Path) -> Result<Value, LabError> {
-    Ok(palpate_present::summary::truth_json(&practice::open(folder)?))
+    Ok(answers::json(&TruthAnswer::from(&practice::open(folder)?)))
 }

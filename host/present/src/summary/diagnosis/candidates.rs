@@ -5,7 +5,7 @@ use palpate_report::number::significant;
 use palpate_report::{Column, Section, Table};
 
 /// What the first screen said of one candidate.
-pub(super) struct Ranked<'a> {
+pub struct Ranked<'a> {
     /// Name of the effect.
     pub name: &'a str,
     /// Largest foretold fall of the whitened sum of squares over its laws.
@@ -16,7 +16,7 @@ pub(super) struct Ranked<'a> {
 
 impl DiagnosisSummary<'_> {
     /// The candidates by what the first screen foretells for them, the largest gain first.
-    pub(super) fn ranked(&self) -> Vec<Ranked<'_>> {
+    pub(crate) fn ranked(&self) -> Vec<Ranked<'_>> {
         let screen = &self.diagnosis.found.first;
         let ranked = |(index, candidate)| {
             let candidate: &palpate_model::effects::Candidate = candidate;

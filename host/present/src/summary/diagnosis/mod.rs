@@ -1,4 +1,4 @@
-//! A diagnosis as words, tables and plots, and as the answer that other programs read.
+//! A diagnosis as words, tables and plots.
 //!
 //! - [`words`]: the verdict and what to do next.
 //! - [`step`]: the evidence for one effect.
@@ -8,11 +8,9 @@
 //! - [`rest`]: what is left beside the noise, and how all was done.
 //! - [`explore`]: the way up the ladder.
 //! - [`paper`]: all in one figure.
-//! - [`json`]: the answer that other programs read.
 
 mod candidates;
 mod explore;
-mod json;
 mod paper;
 mod places;
 mod refused;
@@ -21,6 +19,8 @@ mod step;
 mod words;
 
 use std::cell::OnceCell;
+
+pub(crate) use candidates::Ranked;
 
 use super::ladder::{ABOUT, ladder_bars, rung_name};
 use super::unit_of;
@@ -41,8 +41,8 @@ const MOVED: f64 = 0.005;
 
 /// A diagnosis with all that is told about it.
 pub struct DiagnosisSummary<'a> {
-    diagnosis: &'a Diagnosis,
-    data: &'a Data<'a>,
+    pub(crate) diagnosis: &'a Diagnosis,
+    pub(crate) data: &'a Data<'a>,
     /// What the model leaves without the effects found, once asked for.
     before: OnceCell<Comparison>,
     /// What it leaves with them, once asked for.
@@ -104,7 +104,7 @@ impl<'a> DiagnosisSummary<'a> {
     }
 
     /// What it leaves with them.
-    fn after(&self) -> &Comparison {
+    pub(crate) fn after(&self) -> &Comparison {
         let found = &self.diagnosis.found;
         if found.steps.is_empty() {
             return self.before();
@@ -262,12 +262,12 @@ impl<'a> DiagnosisSummary<'a> {
         Some(self.diagnosis.discrepancy).filter(|&discrepancy| discrepancy > 0.0)
     }
 
-    fn unit(&self) -> &str {
+    pub(crate) fn unit(&self) -> &str {
         unit_of(&self.diagnosis.signal)
     }
 
     /// Standard deviation of the noise.
-    fn noise(&self) -> f64 {
+    pub(crate) fn noise(&self) -> f64 {
         self.diagnosis.noise.level
     }
 

@@ -1,7 +1,5 @@
 //! Effects that were tried and refused, and why.
 
-use serde_json::{Value, json};
-
 use super::DiagnosisSummary;
 use palpate_diagnose::criticism::evidence::{Refusal, Refused};
 use palpate_report::number::significant;
@@ -32,7 +30,7 @@ impl DiagnosisSummary<'_> {
     }
 
     /// Why an effect was refused, in words.
-    pub(super) fn reason(&self, refused: &Refused) -> String {
+    pub(crate) fn reason(&self, refused: &Refused) -> String {
         let unit = self.unit();
         match &refused.reason {
             Refusal::FittedError => "the error of the fit does not fall".into(),
@@ -59,23 +57,5 @@ impl DiagnosisSummary<'_> {
                 self.level(*with)
             ),
         }
-    }
-
-    /// The same for other programs.
-    pub(super) fn refused_json(&self) -> Vec<Value> {
-        let refused = self.diagnosis.found.refused.iter();
-        refused
-            .map(|refused| {
-                json!({
-                    "effect": refused.effect,
-                    "law": refused.law,
-                    "reason": self.reason(refused),
-                    "rms_before": refused.rms.0,
-                    "rms_after": refused.rms.1,
-                    "heldout_rms_before": refused.held_out.map(|(before, _)| before),
-                    "heldout_rms_after": refused.held_out.map(|(_, after)| after),
-                })
-            })
-            .collect()
     }
 }

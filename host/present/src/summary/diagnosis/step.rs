@@ -32,7 +32,7 @@ impl DiagnosisSummary<'_> {
             .table(self.rival_table(index, true))
     }
 
-    pub(super) fn applied(&self, index: usize) -> &Applied {
+    pub(crate) fn applied(&self, index: usize) -> &Applied {
         let found = &self.diagnosis.found;
         &found.model().chain.effects[found.base.chain.effects.len() + index]
     }
@@ -53,7 +53,7 @@ impl DiagnosisSummary<'_> {
     }
 
     /// The parameters of the effect of a step in the last model, with value and standard error.
-    pub(super) fn parameters(&self, index: usize) -> Vec<(&Parameter, f64, Option<f64>)> {
+    pub(crate) fn parameters(&self, index: usize) -> Vec<(&Parameter, f64, Option<f64>)> {
         let found = &self.diagnosis.found;
         let range = found.model().chain.range(found.base.chain.effects.len() + index);
         let errors = &self.diagnosis.standard_errors;

@@ -13,7 +13,7 @@ const SUSPECT: f64 = 1.15;
 
 impl DiagnosisSummary<'_> {
     /// What is missing, how sure that is, and what it does to the error.
-    pub(super) fn verdict_in_words(&self) -> String {
+    pub(crate) fn verdict_in_words(&self) -> String {
         match self.diagnosis.verdict {
             Verdict::Adequate if self.suspect_rest() => {
                 format!("{} {}", self.adequate(), self.rest_in_words())
@@ -184,7 +184,7 @@ impl DiagnosisSummary<'_> {
     }
 
     /// The experiment that would decide, or show more.
-    pub(super) fn next_experiment(&self) -> Option<String> {
+    pub(crate) fn next_experiment(&self) -> Option<String> {
         self.diagnosis.next_experiment.clone()
     }
 
@@ -283,7 +283,7 @@ impl DiagnosisSummary<'_> {
     }
 
     /// Why a candidate could not be tested, in short.
-    pub(super) fn untestable(&self, name: &str) -> Option<&str> {
+    pub(crate) fn untestable(&self, name: &str) -> Option<&str> {
         let untestable = self.diagnosis.untestable.iter();
         untestable.filter(|(effect, _)| effect == name).map(|(_, reason)| reason.as_str()).next()
     }
