@@ -85,9 +85,9 @@ pub struct FormulaAnswer {
 pub struct FoundLaw {
     /// Name under which it is added.
     pub name: String,
-    /// Where in the chain it acts.
+    /// Where in the chain it acts; null where that is not said.
     pub stage: Option<StageAnswer>,
-    /// Its expression.
+    /// Its expression; null where it has none.
     pub expression: Option<String>,
     /// How it depends on its quantity.
     pub shape: String,
