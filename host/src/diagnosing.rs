@@ -7,6 +7,10 @@ use palpate_fit::data::Data;
 use palpate_fit::watch::Stage;
 use palpate_model::effects::Effects;
 use palpate_model::{Laws, Model};
+#[cfg(feature = "report")]
+use palpate_present::answers::DiagnosisAnswer;
+#[cfg(feature = "report")]
+use palpate_present::summary::{DiagnosisSummary, NextCommand};
 use palpate_trace::units::printed;
 
 use crate::work::Work;
@@ -85,7 +89,8 @@ impl<'a> Diagnosing<'a> {
     /// # Errors
     /// When the model, the traces or the options cannot be used, or the work was cancelled.
     pub fn run(self) -> Result<Found, Error> {
-        let (model, traces, options) = (self.model, self.set.traces(), self.options);
+        let (model, set, options) = (self.model, self.set, self.options);
+        let traces = set.traces();
         self.work.run(|| {
             let diagnosis = diagnose_with(model, traces, &options)?;
             let data = Data::of_model(model, traces)?
@@ -94,7 +99,7 @@ impl<'a> Diagnosing<'a> {
             let unit = printed(&model.base.signal);
             let climbed = !diagnosis.found.steps.is_empty();
             let better = climbed.then(|| explored(model, &diagnosis, &data, unit));
-            Ok(Found { diagnosis, better })
+            Ok(Found { set: set.clone(), model: model.clone(), options, diagnosis, better })
         })?
     }
 }
@@ -102,6 +107,12 @@ impl<'a> Diagnosing<'a> {
 /// What a model lacks on a data set.
 #[derive(Clone, Debug)]
 pub struct Found {
+    #[cfg_attr(not(feature = "report"), allow(dead_code, reason = "what the answer rests on"))]
+    set: DataSet,
+    #[cfg_attr(not(feature = "report"), allow(dead_code, reason = "what the answer rests on"))]
+    model: Model,
+    #[cfg_attr(not(feature = "report"), allow(dead_code, reason = "what the answer rests on"))]
+    options: Options,
     diagnosis: Diagnosis,
     better: Option<Model>,
 }
@@ -123,6 +134,21 @@ impl Found {
     #[must_use]
     pub const fn better(&self) -> Option<&Model> {
         self.better.as_ref()
+    }
+
+    /// The diagnosis as `palpate diagnose --json` prints it.
+    ///
+    /// # Panics
+    /// Never: model and data set have gone together before.
+    #[must_use]
+    #[cfg(feature = "report")]
+    pub fn answer(&self) -> DiagnosisAnswer {
+        let Options { effects, laws, .. } = &self.options;
+        let data = Data::of_model(&self.model, self.set.traces());
+        let data = data.expect("this model was diagnosed on these traces");
+        let data = data.with_effects(effects).with_laws(laws);
+        let next = NextCommand { model: "model.toml".into(), traces: "traces".into() };
+        DiagnosisAnswer::from(&DiagnosisSummary::new(&self.diagnosis, &data, next))
     }
 
     /// All that was found: the ladder of errors, rivals with their evidence, what is left.

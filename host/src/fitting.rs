@@ -7,6 +7,10 @@ use palpate_fit::warning::{Warning, warnings};
 use palpate_fit::watch::Stage;
 use palpate_fit::whole_motion::{self, MotionFit, over_traces};
 use palpate_model::{BaseLaw, Model, Separation};
+#[cfg(feature = "report")]
+use palpate_present::answers::FitAnswer;
+#[cfg(feature = "report")]
+use palpate_present::summary::FitSummary;
 use palpate_trace::{FORCE, Noise};
 
 use crate::work::Work;
@@ -71,7 +75,8 @@ impl<'a> Fitting<'a> {
     /// work was cancelled.
     pub fn run(self) -> Result<Fit, Error> {
         self.law.check()?;
-        let (law, signal, traces) = (self.law, self.signal, self.set.traces());
+        let (law, signal, set) = (self.law, self.signal, self.set);
+        let traces = set.traces();
         self.work.run(|| {
             let data = Data::of(traces, &signal)?;
             let fitted = whole_motion::fit(law, &data)?;
@@ -83,9 +88,11 @@ impl<'a> Fitting<'a> {
             let noise = noise_of(&data, traces);
             let deviation = noise.map(|noise| noise.standard_deviation);
             Ok(Fit {
+                set: set.clone(),
                 model: fitted.model(&data, deviation, &held_out),
                 warnings: warnings(&fitted, &data, noise.as_ref()),
                 held_out_rms: over_traces(&held_out, &data),
+                held_out,
                 noise,
                 fitted,
             })
@@ -96,9 +103,12 @@ impl<'a> Fitting<'a> {
 /// A base law fitted to a data set.
 #[derive(Clone, Debug)]
 pub struct Fit {
+    #[cfg_attr(not(feature = "report"), allow(dead_code, reason = "what the answer rests on"))]
+    set: DataSet,
     model: Model,
     fitted: MotionFit,
     held_out_rms: Option<f64>,
+    held_out: Vec<f64>,
     noise: Option<Noise>,
     warnings: Vec<Warning>,
 }
@@ -108,6 +118,31 @@ impl Fit {
     #[must_use]
     pub const fn model(&self) -> &Model {
         &self.model
+    }
+
+    /// Root mean square error on each trace left out in turn, in the unit of the signal; empty for a single trace.
+    #[must_use]
+    pub fn held_out(&self) -> &[f64] {
+        &self.held_out
+    }
+
+    /// The fit as `palpate fit --json` prints it.
+    ///
+    /// # Panics
+    /// Never: the signal of the data set was fitted before.
+    #[must_use]
+    #[cfg(feature = "report")]
+    pub fn answer(&self) -> FitAnswer {
+        let signal = &self.model.base.signal;
+        let data = Data::of(self.set.traces(), signal).expect("this signal was fitted");
+        FitAnswer::from(&FitSummary {
+            fit: &self.fitted,
+            data: &data,
+            signal,
+            noise: self.noise,
+            held_out: &self.held_out,
+            candidates: &[],
+        })
     }
 
     /// Parameters with standard errors and correlations, residuals, and how the search ended.

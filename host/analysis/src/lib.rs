@@ -12,6 +12,19 @@
 //! - [`geometry`]: area of contact (5.5), (7.7).
 //! - [`terms`]: how many exponentials a hold shows, by criterion and by samples left out.
 //! - [`derivative`]: the derivative of noisy data, with its bandwidth.
+//!
+//! ```
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! # let press = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/traces/press.csv");
+//! use palpate_analysis::press::analyse;
+//! use palpate_trace::read;
+//!
+//! let trace = read(press.as_ref())?;
+//! let found = analyse(&trace, || ())?;
+//! assert!(found.course().terms.iter().all(|term| term.rate > 0.0));
+//! # Ok(())
+//! # }
+//! ```
 #![forbid(unsafe_code)]
 
 pub mod conditioning;

@@ -2,6 +2,11 @@
 //!
 //! Results go to standard output, words about the work to standard error. Exit status 0, 1 when the
 //! work failed, 2 when the input or the call was wrong.
+//!
+//! ```
+//! assert_eq!(palpate_cli::run_with(["palpate", "effects", "mullins"].map(Into::into)), 0);
+//! assert_eq!(palpate_cli::run_with(["palpate", "fit", "fnug", "traces"].map(Into::into)), 2);
+//! ```
 #![forbid(unsafe_code)]
 
 mod add;

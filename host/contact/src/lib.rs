@@ -2,6 +2,15 @@
 //!
 //! Everything here is linear elasticity of small strains without friction, in SI units, compression positive in force and
 //! depth. [`sensor`] presses silicone with it, [`afm`] a cell or a gel.
+//!
+//! ```
+//! use palpate_contact::{Elastic, Tip};
+//!
+//! // A ball of 5 mm on silicone of 100 kPa, 1 mm deep.
+//! let silicone = Elastic { modulus_pa: 1e5, poisson_ratio: 0.48 };
+//! let force = Tip::Paraboloid { radius_m: 5e-3 }.force(silicone.reduced_modulus(), 1e-3);
+//! assert!((force - 0.39).abs() < 0.01);
+//! ```
 #![forbid(unsafe_code)]
 
 pub mod afm;

@@ -5,6 +5,22 @@
 //! - [`relaxation_form`]: sums of exponentials, power law and stretched exponential compared.
 //! - [`consistency`]: whether repeats differ by more than their standard errors.
 //! - [`whole_motion`]: a law over loading, holds and unloading of every trace together.
+//!
+//! ```
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! # let press = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/traces/press.csv");
+//! use palpate_fit::data::Data;
+//! use palpate_fit::whole_motion::fit;
+//! use palpate_model::{BaseLaw, Separation};
+//! use palpate_trace::{FORCE, read};
+//!
+//! let traces = [read(press.as_ref())?];
+//! let data = Data::of(&traces, FORCE)?;
+//! let fitted = fit(BaseLaw::fung(2, Separation::Clamp), &data)?;
+//! assert!(fitted.r_squared > 0.99 && fitted.stop.converged());
+//! # Ok(())
+//! # }
+//! ```
 #![forbid(unsafe_code)]
 
 pub mod by_differences;

@@ -2,6 +2,19 @@
 //!
 //! A model predicts a recording by walking the chain *motion → elasticity → relaxation → contact →
 //! sensor*: a base law, and the effects that act on it at their stage.
+//!
+//! ```
+//! use palpate_model::{BaseLaw, Motion, Separation};
+//!
+//! // 4 mm at 4 mm/s, then held for 2 s.
+//! let time: Vec<f64> = (0..300).map(|k| 0.01 * f64::from(k)).collect();
+//! let x: Vec<f64> = time.iter().map(|t| (4.0 * t).min(4.0)).collect();
+//! let motion = Motion { time: time.into(), displacement: x.into(), rest_before: None };
+//! let law = BaseLaw::fung(1, Separation::Clamp);
+//! // p, q, c1, v1
+//! let force = law.predict(&[0.3, 0.5, 0.4, 1.0], &[motion]).remove(0);
+//! assert!(force[299] < force[100]);
+//! ```
 #![forbid(unsafe_code)]
 
 mod act;

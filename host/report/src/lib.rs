@@ -6,6 +6,15 @@
 //! - [`markdown()`]: sections for a document.
 //! - [`Terminal`]: tables and small line plots for the terminal.
 //! - [`number`]: numbers as text, with standard errors.
+//!
+//! ```
+//! use palpate_report::{Axis, Plot, Series};
+//!
+//! let time: Vec<f64> = (0..100).map(|k| 0.01 * f64::from(k)).collect();
+//! let force: Vec<f64> = time.iter().map(|t| (-3.0 * t).exp()).collect();
+//! let plot = Plot::new("A hold", Axis::new("time", "s"), Axis::new("force", "N"));
+//! assert!(plot.series(Series::line("measured", time, force)).to_svg().starts_with("<svg"));
+//! ```
 #![forbid(unsafe_code)]
 
 mod axis;

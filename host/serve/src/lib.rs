@@ -13,6 +13,19 @@
 //! - [`device`]: the device behind the fingertip.
 //!
 //! A room is mounted only where it has something to show. `/api/live/` and `/api/device/` are those of the first finger.
+//!
+//! ```
+//! use std::net::Ipv4Addr;
+//!
+//! use palpate_serve::{Options, run};
+//!
+//! # fn main() -> Result<(), palpate_serve::ServeError> {
+//! let options = Options { bind: Ipv4Addr::LOCALHOST.into(), port: 0, fingers: Vec::new(), lab: None };
+//! // It ends when it is asked: here at once.
+//! run(options, |address| println!("open {address}"), || true)?;
+//! # Ok(())
+//! # }
+//! ```
 #![forbid(unsafe_code)]
 
 pub mod assets;

@@ -8,6 +8,19 @@
 //!
 //! The rows do not depend on the number of threads, nor on how often the survey was interrupted: the same inputs and options
 //! make the same bytes in `groups/`. What differs from run to run, the seconds, stands in `work/`.
+//!
+//! ```
+//! # fn main() -> Result<(), palpate_survey::source::SourceError> {
+//! # let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/traces");
+//! use palpate_survey::source::{By, Sources, TRACE};
+//!
+//! // Every recording by itself, a group each.
+//! let by = By { keys: vec![TRACE.into()], names: None, id: "id".into() };
+//! let found = Sources::find(&[folder], &by)?;
+//! assert_eq!(found.groups.len(), found.inputs.len());
+//! # Ok(())
+//! # }
+//! ```
 #![forbid(unsafe_code)]
 
 mod columns;

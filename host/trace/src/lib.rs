@@ -3,6 +3,19 @@
 //! The file format is a contract (see `docs/formats.md`): a commented TOML head, one header row whose
 //! names carry their unit, then numbers; the same as Parquet. Compression is positive in displacement and
 //! force. [`recorded`] makes traces of a recording of a device, [`recordable`] a recording of a trace.
+//!
+//! ```
+//! # fn main() -> Result<(), palpate_trace::Error> {
+//! # let press = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/traces/press.csv");
+//! use palpate_trace::{Kind, read, segments};
+//!
+//! let trace = read(press.as_ref())?;
+//! let motion = trace.displacement().expect("the motion was recorded");
+//! let holds = segments(&trace.time, motion).into_iter().filter(|it| it.kind == Kind::Hold);
+//! assert_eq!(holds.count(), 1);
+//! # Ok(())
+//! # }
+//! ```
 #![forbid(unsafe_code)]
 
 mod block_means;

@@ -1,7 +1,5 @@
 //! What was found impossible in traces before anything was fitted to them, and what was done about it.
 
-use serde_json::{Map, Value, json};
-
 use palpate_fit::data::Data;
 use palpate_fit::whole_motion::{self, MotionFit};
 use palpate_report::number::significant;
@@ -63,32 +61,6 @@ impl Preparation {
             sections.insert(0, own);
         }
         sections
-    }
-
-    /// Adds `outliers` and what was done to a JSON answer.
-    #[must_use]
-    pub fn within(&self, mut answer: Value) -> Value {
-        let outlier = |out: &Outlier| {
-            json!({
-                "trace": out.trace,
-                "row": out.row,
-                "time_s": out.time_s,
-                "column": out.column,
-                "value": out.value,
-                "expected": out.expected,
-            })
-        };
-        let tared: Map<String, Value> =
-            self.tared.iter().map(|(trace, zero)| (trace.clone(), json!(zero))).collect();
-        answer["outliers"] = self.outliers.iter().map(outlier).collect();
-        answer["outliers_dropped"] = self.dropped.into();
-        answer["tared"] = Value::Object(tared);
-        if let Some(refit) = self.refit {
-            let [r_squared, residual_rms] = [refit.r_squared[1], refit.residual_rms[1]];
-            answer["without_outliers"] =
-                json!({"r_squared": r_squared, "residual_rms": residual_rms});
-        }
-        answer
     }
 
     fn section(&self) -> Option<Section> {
