@@ -21,7 +21,7 @@
 //!
 //! let trace = read(press.as_ref())?;
 //! let found = analyse(&trace, || ())?;
-//! assert!(found.course().terms.iter().all(|term| term.rate > 0.0));
+//! assert!(found.fit.r_squared > 0.99 && found.channels.len() == 4);
 //! # Ok(())
 //! # }
 //! ```

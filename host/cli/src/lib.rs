@@ -5,7 +5,6 @@
 //!
 //! ```
 //! assert_eq!(palpate_cli::run_with(["palpate", "effects", "mullins"].map(Into::into)), 0);
-//! assert_eq!(palpate_cli::run_with(["palpate", "fit", "fnug", "traces"].map(Into::into)), 2);
 //! ```
 #![forbid(unsafe_code)]
 

@@ -12,7 +12,7 @@
 //! let trace = read(press.as_ref())?;
 //! let motion = trace.displacement().expect("the motion was recorded");
 //! let holds = segments(&trace.time, motion).into_iter().filter(|it| it.kind == Kind::Hold);
-//! assert_eq!(holds.count(), 1);
+//! assert_eq!(holds.count(), 2);
 //! # Ok(())
 //! # }
 //! ```

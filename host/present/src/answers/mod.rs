@@ -3,17 +3,6 @@
 //! One file an answer: its type, and how it follows from what was computed. Nothing is computed here; what an answer states, its
 //! result has found. Sections for people are in [`summary`](crate::summary).
 
-pub use afm::{
-    AfmAnswer, AfmCurveAnswer, AfmEstimate, AfmExponentialAnswer, AfmFitAnswer, AfmHoldAnswer,
-    AfmLatencyAnswer, AfmRefusedAnswer, AfmRefusedHoldAnswer, AfmRelaxedAnswer, AfmRetreatAnswer,
-    AfmRoughAnswer, AfmSpreadAnswer, AfmTermAnswer,
-};
-
-pub use change::{ChangeAnswer, RungAnswer, TriedLaw};
-
-use palpate_link::device::answers as device;
-
-use palpate_model::Parameter;
 mod afm;
 mod change;
 mod compare;
@@ -43,6 +32,13 @@ mod survey;
 mod terms;
 mod uncertain;
 mod whole_motion;
+
+pub use afm::{
+    AfmAnswer, AfmCurveAnswer, AfmEstimate, AfmExponentialAnswer, AfmFitAnswer, AfmHoldAnswer,
+    AfmLatencyAnswer, AfmRefusedAnswer, AfmRefusedHoldAnswer, AfmRelaxedAnswer, AfmRetreatAnswer,
+    AfmRoughAnswer, AfmSpreadAnswer, AfmTermAnswer,
+};
+pub use change::{ChangeAnswer, RungAnswer, TriedLaw};
 pub use compare::{ComparisonAnswer, DependenceAnswer, PlaceAnswer};
 pub use conversion::{ConversionAnswer, WrittenAnswer};
 pub use creep::{ConditioningAnswer, CreepAnswer, CreepHold};
@@ -88,7 +84,6 @@ pub use recording_plan::{PlannedRecordingAnswer, RecordingPlanAnswer};
 pub use relaxation::{
     FormAnswer, FormsAnswer, LatencyAnswer, RelaxationAnswer, RelaxationHold, StrainReference,
 };
-use schemars::{JsonSchema, Schema, SchemaGenerator, generate::SchemaSettings};
 pub use segment::{
     ControlSource, ControlledQuantity, CycleAnswer, CyclePoint, CycleRegion, ForceLimit,
     InertiaAnswer, LoopDirection, SegmentationAnswer, SegmentedTraceAnswer,
@@ -98,8 +93,6 @@ pub use sensor::{
     SensorResponseAnswer, SensorShakeAnswer, SensorSlideAnswer, SensorSlipAnswer,
     SensorSpecimenAnswer, SensorStimulus, SensorToneAnswer,
 };
-use serde::Serialize;
-use serde_json::Value;
 pub use strain_rate::{DerivativeAnswer, SimulatedRun, StrainRateAnswer, StrainRateHold};
 pub use survey::{
     EstimateDistribution, FarOutAnswer, GroupFailure, GroupStatus, MedianAt, MissingEffect,
@@ -108,6 +101,12 @@ pub use survey::{
 pub use terms::{NumberAnswer, TermsAnswer};
 pub use uncertain::Uncertain;
 pub use whole_motion::{FitAnswer, FittedParameter, TraceError};
+
+use palpate_link::device::answers as device;
+use palpate_model::Parameter;
+use schemars::{JsonSchema, Schema, SchemaGenerator, generate::SchemaSettings};
+use serde::Serialize;
+use serde_json::Value;
 
 /// An estimated number with its uncertainty.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
