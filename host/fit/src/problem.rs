@@ -200,6 +200,12 @@ impl<'a> Problem<'a> {
         normal.cost
     }
 
+    /// The data set whose residuals these are.
+    #[must_use]
+    pub const fn data(&self) -> &'a Data<'a> {
+        self.data
+    }
+
     /// The coordinates of the base law.
     #[must_use]
     pub fn coordinates(&self) -> &Coordinates {
@@ -514,6 +520,13 @@ impl<'a> Problem<'a> {
             *count += piece.measured.len();
         });
         sums
+    }
+
+    /// Root mean square of the residual, not whitened.
+    #[must_use]
+    pub fn rms(&self, point: &[f64]) -> f64 {
+        let squares: f64 = self.trace_squares(point).iter().map(|(square, _)| square).sum();
+        (squares / self.data.samples() as f64).sqrt()
     }
 
     /// Sum of products of neighbouring residuals over the sum of squares, not whitened.

@@ -326,9 +326,7 @@ fn stale(model: &Model, chain: &Chain, values: &[f64], data: &Data) -> Option<&'
     }
     let white = Whitening::none();
     let problem = Problem::new(chain, data, &white, None);
-    let squares: f64 =
-        problem.trace_squares(&problem.point(values)).iter().map(|(squares, _)| squares).sum();
-    let rms = (squares / data.samples() as f64).sqrt();
+    let rms = problem.rms(&problem.point(values));
     ((rms / record.residual_rms - 1.0).abs() > SAME)
         .then_some("the values in the model file do not leave the error that it tells")
 }

@@ -138,8 +138,8 @@ fn cells(stretches: &[Stretch], traces: usize, noise: Option<&Noise>) -> Vec<Cel
 
 /// The error in every region of every trace of a problem at a point, stretch by stretch.
 #[must_use]
-pub fn cells_of(problem: &Problem, data: &Data, point: &[f64], noise: f64) -> Vec<Cell> {
-    let mut sums = Sums::new(data.labels.len());
+pub fn cells_of(problem: &Problem, point: &[f64], noise: f64) -> Vec<Cell> {
+    let mut sums = Sums::new(problem.data().labels.len());
     problem.each_piece(&[point.to_vec()], |piece, forces| {
         let residual: Vec<f64> =
             piece.measured.iter().zip(&forces[0]).map(|(y, f)| y - f).collect();

@@ -1,22 +1,24 @@
 //! What a model lacks: the whole procedure from the noise to the verdict.
 
-use super::adequacy::{Adequacy, LEVEL, adequacy};
+use super::adequacy::{Adequacy, adequacy};
 use super::compare::{Cell, cells_of};
 use super::evidence::{Evidence, Refused};
-use super::experiment::next_experiment;
+use super::experiment::{deciding, repeating};
 use super::fitted::Fitted;
 use super::held_out::HeldOut;
 use super::noise::{NoiseModel, Seen, noise_model, residual_noise, samples_at_rest};
 use super::options::Options;
-use super::search::{Found, Search, Step};
-use super::separation::Rivals;
-use palpate_fit::data::{Data, DataError};
+use super::search::{Found, Search};
+use super::verdict::{Assessed, beyond_noise};
+use palpate_fit::data::DataError;
 use palpate_fit::least_squares::Effort;
 use palpate_fit::problem::Problem;
 use palpate_fit::whitening::Whitening;
 use palpate_model::effects::{Candidate, EffectError, candidates, chain_of};
 use palpate_model::{BaseLaw, Chain, Model, Separation};
 use palpate_trace::{Noise, Trace, block_means, pooled_noise};
+
+pub use super::verdict::Verdict;
 
 /// What a model lacks on a data set.
 #[derive(Clone, Debug)]
@@ -64,32 +66,6 @@ pub struct Diagnosis {
     pub options: Options,
 }
 
-/// The answer in one word.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Verdict {
-    /// Nothing is missing.
-    Adequate,
-    /// Single effects, and what remains is noise.
-    Named,
-    /// The data cannot separate the members of a step's credible set.
-    Ambiguous,
-    /// Something is missing that no effect of the library explains.
-    Unknown,
-}
-
-impl Verdict {
-    /// The word.
-    #[must_use]
-    pub fn word(self) -> &'static str {
-        match self {
-            Self::Adequate => "adequate",
-            Self::Named => "named",
-            Self::Ambiguous => "ambiguous",
-            Self::Unknown => "unknown",
-        }
-    }
-}
-
 /// Why a diagnosis cannot be made.
 #[derive(Debug, thiserror::Error)]
 #[allow(missing_docs)]
@@ -101,15 +77,6 @@ pub enum DiagnoseError {
     #[error("{0}")]
     Options(String),
 }
-
-/// Part of the misfit that may remain after effects are named: a law's form differs from the
-/// specimen's by as much.
-const FORM: f64 = 0.2;
-
-/// Times the scatter of neighbours up to which a residual can be noise that correlates.
-const FAR: f64 = 5.0;
-/// An error on traces left out within this many times the noise is at the noise.
-const AT_THE_NOISE: f64 = 1.1;
 
 /// Says what a model lacks on the traces of a data set, in order of recording, by the effects of the library.
 ///
@@ -129,28 +96,25 @@ pub fn diagnose_with(
     options: &Options,
 ) -> Result<Diagnosis, DiagnoseError> {
     options.check()?;
-    let signal = &model.base.signal;
     // Long recordings are searched on their means; the errors are those of all rows in the end.
     let means = block_means(traces);
     let searched = means.as_deref().unwrap_or(traces);
-    let data =
-        Data::of_model(model, searched)?.with_effects(&options.effects).with_laws(&options.laws);
+    let data = options.data(model, searched)?;
+    let all = means.as_ref().map(|_| options.data(model, traces)).transpose()?;
+    let all = all.as_ref().unwrap_or(&data);
     let setting = data.setting();
     let (chain, values) = chain_of(model, &setting)?;
     let candidates = candidates(&setting, &model.candidates)?;
+
     let white = Whitening::none();
     let plain = Problem::new(&chain, &data, &white, None);
     let start = plain.point(&values);
-    let all =
-        Data::of_model(model, traces)?.with_effects(&options.effects).with_laws(&options.laws);
-    let rows = Problem::new(&chain, &all, &white, None);
-    let given: f64 =
-        rows.trace_squares(&rows.point(&values)).iter().map(|(squares, _)| squares).sum();
-    let given_rms = (given / all.samples() as f64).sqrt();
     let noise = noise_model(&data).unwrap_or_else(|| {
-        noise_of_residual(&plain, &start, pooled_noise(traces, signal), means.is_some())
+        let seen = pooled_noise(traces, &model.base.signal);
+        noise_of_residual(&plain, &start, seen, means.is_some())
     });
     let problem = Problem::new(&chain, &data, &noise.whitening, None);
+    let rows = Problem::new(&chain, all, &white, None);
     let search = Search {
         data: &data,
         candidates: &candidates,
@@ -158,82 +122,157 @@ pub fn diagnose_with(
         problem: &problem,
         options,
     };
-    let mut notes = Vec::new();
-    let (separation, before, mut found) = likeliest(&search, &start, &mut notes);
-    let mut assessed = Assessed::of(&search, &found, &before, &noise);
-    // What fits best need not predict best where no law describes the data to the noise.
-    let single = data.labels.len() == 1;
-    let exact = assessed.verdict != Verdict::Unknown && !(single && assessed.discrepancy > 0.0);
-    let denied = search.examine(&mut found, exact);
-    let inexact = denied.is_some() || (!exact && !found.steps.is_empty());
-    if inexact {
-        found = borne_out(&search, &found, denied);
-        assessed = Assessed::of(&search, &found, &before, &noise);
+
+    let mut course = Course::likeliest(&search, &noise, &start);
+    course.keep_what_predicts();
+    course.name_nothing_alone_without_noise();
+    if means.is_some() {
+        course.score_all_rows(&rows, all.samples());
     }
-    if noise.seen == Seen::Residual && data.labels.len() == 1 && beside_others(&mut found) {
-        let rest = match samples_at_rest(&data) {
+    let given_rms = rows.rms(&rows.point(&values));
+    Ok(course.conclude(&rows, given_rms, searched))
+}
+
+/// A diagnosis under way.
+struct Course<'a> {
+    search: &'a Search<'a>,
+    noise: &'a NoiseModel,
+    /// What happens when contact breaks, as it explains the traces best.
+    separation: Separation,
+    /// What the model without effects leaves.
+    before: Adequacy,
+    found: Found,
+    /// What the last model found leaves, and the verdict on it.
+    assessed: Assessed,
+    /// Whether the steps were chosen by what they predict, because the law is inexact.
+    inexact: bool,
+    notes: Vec<String>,
+}
+
+impl<'a> Course<'a> {
+    /// Begins with the likeliest model under the noise, and the rule of separation that it takes.
+    fn likeliest(search: &'a Search<'a>, noise: &'a NoiseModel, start: &[f64]) -> Self {
+        let mut notes = Vec::new();
+        let (separation, before, found) = likeliest(search, start, &mut notes);
+        let assessed = Assessed::of(search, &found, &before, noise);
+        Self { search, noise, separation, before, found, assessed, inexact: false, notes }
+    }
+
+    fn assess(&mut self) {
+        self.assessed = Assessed::of(self.search, &self.found, &self.before, self.noise);
+    }
+
+    fn single_trace(&self) -> bool {
+        self.search.data.labels.len() == 1
+    }
+
+    /// Keeps the steps that nothing measured contradicts: what fits best need not predict best where no
+    /// law describes the data to the noise.
+    fn keep_what_predicts(&mut self) {
+        let Assessed { verdict, discrepancy, .. } = self.assessed;
+        let exact = verdict != Verdict::Unknown && !(self.single_trace() && discrepancy > 0.0);
+        let denied = self.search.examine(&mut self.found, exact);
+        self.inexact = denied.is_some() || (!exact && !self.found.steps.is_empty());
+        if self.inexact {
+            self.keep_what_is_borne_out(denied);
+            self.assess();
+        }
+    }
+
+    /// Keeps the steps that are borne out where no law describes the data to the noise, beside what was
+    /// refused before.
+    fn keep_what_is_borne_out(&mut self, denied: impl IntoIterator<Item = Refused>) {
+        self.found = self.search.borne_out(&self.found);
+        let known = |denied: &Refused| {
+            let mut refused = self.found.refused.iter();
+            self.found.names(&denied.effect) || refused.any(|it| it.effect == denied.effect)
+        };
+        let denied: Vec<Refused> = denied.into_iter().filter(|denied| !known(denied)).collect();
+        self.found.refuse(denied);
+    }
+
+    /// A single trace that does not show its noise singles out no effect.
+    fn name_nothing_alone_without_noise(&mut self) {
+        let guessed = self.noise.seen == Seen::Residual && self.single_trace();
+        if !guessed || !beside_others(&mut self.found) {
+            return;
+        }
+        let rest = match samples_at_rest(self.search.data) {
             0 => "without a stretch at rest off the specimen".to_owned(),
             samples => {
                 format!("with {samples} samples at rest off the specimen, too few or too still,")
             }
         };
-        notes.push(format!(
+        self.notes.push(format!(
             "one trace {rest} does not show its noise, and so does not single out an effect: the next best stands beside it"
         ));
-        assessed = Assessed::of(&search, &found, &before, &noise);
+        self.assess();
     }
-    if means.is_some() {
-        let steps = found.steps.len();
-        found.score(&problem, &rows);
-        if found.steps.len() < steps {
+
+    /// Takes the errors of every step over all rows, where the search was on their means.
+    fn score_all_rows(&mut self, rows: &Problem, count: usize) {
+        let problem = self.search.problem;
+        let steps = self.found.steps.len();
+        self.found.score(problem, rows);
+        if self.found.steps.len() < steps {
             // What describes the means to the noise need not describe the rows.
-            if !inexact {
-                let denied = std::mem::take(&mut found.refused);
-                found = borne_out(&search, &found, denied);
-                found.score(&problem, &rows);
+            if !self.inexact {
+                let denied = std::mem::take(&mut self.found.refused);
+                self.keep_what_is_borne_out(denied);
+                self.found.score(problem, rows);
             }
-            assessed = Assessed::of(&search, &found, &before, &noise);
+            self.assess();
         }
-        notes.push(format!(
-            "searched on {} means of the {} rows, each over at most a twentieth of the time since the motion before it; the errors are those of all rows",
-            data.samples(),
-            all.samples()
+        self.notes.push(format!(
+            "searched on {} means of the {count} rows, each over at most a twentieth of the time since the motion before it; the errors are those of all rows",
+            self.search.data.samples(),
         ));
     }
-    let Assessed { verdict, unexplained, discrepancy, after } = assessed;
-    let discrepancy = if discrepancy > 0.0 { beyond_noise(found.model(), &noise) } else { 0.0 };
-    let final_problem = problem.with_chain(&found.model().chain);
-    let standard_errors = found.model().standard_errors(&final_problem, found.inexact);
-    let final_rows = rows.with_chain(&found.model().chain);
-    let places = cells_of(&final_rows, &all, &final_rows.point(&found.model().values), noise.level);
-    let untestable = untestable(&candidates, &found);
-    let next_experiment = match verdict {
-        Verdict::Adequate | Verdict::Named => None,
-        Verdict::Ambiguous => deciding(&found, &data, searched, &noise.whitening),
-        Verdict::Unknown => repeating(&places, &data.labels),
-    };
-    Ok(Diagnosis {
-        next_experiment,
-        verdict,
-        labels: data.labels.clone(),
-        signal: signal.clone(),
-        separation,
-        standard_errors,
-        held_out: found.evidence.iter().map(|evidence| evidence.held_out.clone()).collect(),
-        sure: found.evidence.windows(2).map(|pair| is_sure(&pair[0], &pair[1])).collect(),
-        before,
-        after,
-        unexplained,
-        discrepancy,
-        places,
-        untestable,
-        notes,
-        noise,
-        found,
-        given_rms,
-        candidates,
-        options: options.clone(),
-    })
+
+    /// The experiment that would decide, or show more.
+    fn next_experiment(&self, places: &[Cell], traces: &[Trace]) -> Option<String> {
+        let Search { data, whitening, .. } = self.search;
+        match self.assessed.verdict {
+            Verdict::Adequate | Verdict::Named => None,
+            Verdict::Ambiguous => deciding(&self.found, data, traces, whitening),
+            Verdict::Unknown => repeating(places, &data.labels),
+        }
+    }
+
+    /// The diagnosis, with what the last model leaves of all rows; `traces` are those searched.
+    fn conclude(self, rows: &Problem, given_rms: f64, traces: &[Trace]) -> Diagnosis {
+        let Search { data, candidates, problem, options, .. } = self.search;
+        let last = self.found.model();
+        let inexact = self.assessed.discrepancy > 0.0;
+        let discrepancy = if inexact { beyond_noise(last, self.noise) } else { 0.0 };
+        let standard_errors =
+            last.standard_errors(&problem.with_chain(&last.chain), self.found.inexact);
+        let final_rows = rows.with_chain(&last.chain);
+        let places = cells_of(&final_rows, &final_rows.point(&last.values), self.noise.level);
+        let evidence = &self.found.evidence;
+        Diagnosis {
+            next_experiment: self.next_experiment(&places, traces),
+            verdict: self.assessed.verdict,
+            labels: data.labels.clone(),
+            signal: data.signal.clone(),
+            separation: self.separation,
+            standard_errors,
+            held_out: evidence.iter().map(|evidence| evidence.held_out.clone()).collect(),
+            sure: evidence.windows(2).map(|pair| is_sure(&pair[0], &pair[1])).collect(),
+            before: self.before,
+            after: self.assessed.after,
+            unexplained: self.assessed.unexplained,
+            discrepancy,
+            places,
+            untestable: self.found.first.untestable(candidates),
+            notes: self.notes,
+            noise: self.noise.clone(),
+            given_rms,
+            candidates: candidates.to_vec(),
+            options: (*options).clone(),
+            found: self.found,
+        }
+    }
 }
 
 /// The noise for want of rest, from what the base leaves.
@@ -284,77 +323,6 @@ fn likeliest(
     (other, before, search.run(base))
 }
 
-/// What the last model of a search leaves, and the verdict on it.
-struct Assessed {
-    verdict: Verdict,
-    unexplained: f64,
-    discrepancy: f64,
-    after: Adequacy,
-}
-
-impl Assessed {
-    fn of(search: &Search, found: &Found, before: &Adequacy, noise: &NoiseModel) -> Self {
-        let problem = search.problem.with_chain(&found.model().chain);
-        let after = adequacy(&problem, &found.model().point, search.whitening);
-        let explained = (found.base.cost - found.model().cost).max(0.0);
-        let leftover = after.excess.max(0.0);
-        let named = !found.steps.is_empty();
-        let share = if named { leftover / (explained + leftover).max(1.0) } else { 0.0 };
-        let ahead = beyond(&found.evidence, noise.level);
-        let unexplained = if after.p_value < LEVEL { share.max(ahead) } else { ahead };
-        // Without rest to see noise in, a residual far beyond that of neighbours is not noise.
-        let far = |fitted: &Fitted| fitted.rms().powi(2) - (FAR * noise.level).powi(2);
-        let (first, last) = (far(&found.base), far(found.model()));
-        let guessed = noise.seen == Seen::Residual && last > 0.0;
-        let unexplained =
-            if guessed { unexplained.max((last / first).min(1.0)) } else { unexplained };
-        let verdict = match verdict(found, before, unexplained, search.options) {
-            Verdict::Adequate if guessed => Verdict::Unknown,
-            verdict => verdict,
-        };
-        let inexact = after.p_value < LEVEL || guessed;
-        let discrepancy = if inexact { beyond_noise(found.model(), noise) } else { 0.0 };
-        Self { verdict, unexplained, discrepancy, after }
-    }
-}
-
-/// Root mean square of what a model leaves beyond the noise, in the unit of the signal.
-fn beyond_noise(fitted: &Fitted, noise: &NoiseModel) -> f64 {
-    (fitted.rms().powi(2) - noise.level.powi(2)).max(0.0).sqrt()
-}
-
-/// Whether the mean square error on traces left out falls by more than two standard errors over them.
-fn is_sure(before: &Evidence, after: &Evidence) -> bool {
-    let (Some(before), Some(after)) = (&before.held_out, &after.held_out) else { return false };
-    after.gain(before).exceeds(2.0)
-}
-
-/// Part of the misfit on traces left out that the last model leaves there; 0 where it is at the noise.
-fn beyond(evidence: &[Evidence], noise: f64) -> f64 {
-    let held_out = |evidence: Option<&Evidence>| evidence?.held_out.clone();
-    let (Some(first), Some(last)) = (held_out(evidence.first()), held_out(evidence.last())) else {
-        return 0.0;
-    };
-    let excess = |held_out: &HeldOut| held_out.rms.powi(2) - noise * noise;
-    if last.rms < AT_THE_NOISE * noise || excess(&first) <= 0.0 {
-        return 0.0;
-    }
-    (excess(&last) / excess(&first)).min(1.0)
-}
-
-fn verdict(found: &Found, before: &Adequacy, unexplained: f64, options: &Options) -> Verdict {
-    if found.steps.is_empty() {
-        let missed = found.first.chance.iter().any(|&chance| chance <= 0.5 * options.false_alarms);
-        let level = if missed { LEVEL } else { 0.1 * LEVEL };
-        return if before.p_value < level { Verdict::Unknown } else { Verdict::Adequate };
-    }
-    if unexplained > FORM {
-        return Verdict::Unknown;
-    }
-    let single = |step: &Step| step.credible.len() == 1;
-    if found.steps.iter().all(single) { Verdict::Named } else { Verdict::Ambiguous }
-}
-
 /// Puts the next best effect beside every one that stands alone; true if there was one.
 fn beside_others(found: &mut Found) -> bool {
     let mut changed = false;
@@ -366,70 +334,8 @@ fn beside_others(found: &mut Found) -> bool {
     changed
 }
 
-/// The steps that are borne out where no law describes the data to the noise, beside what was refused before.
-fn borne_out(search: &Search, found: &Found, denied: impl IntoIterator<Item = Refused>) -> Found {
-    let mut climbed = search.borne_out(found);
-    let known = |denied: &Refused| {
-        let refused = &climbed.refused;
-        climbed.names(&denied.effect) || refused.iter().any(|it| it.effect == denied.effect)
-    };
-    let denied: Vec<Refused> = denied.into_iter().filter(|denied| !known(denied)).collect();
-    climbed.refuse(denied);
-    climbed
-}
-
-/// The members of the first credible set with several: their names and models, the best first.
-#[must_use]
-pub fn undecided(found: &Found) -> Vec<(&str, &Fitted)> {
-    let Some(step) = found.steps.iter().find(|step| step.credible.len() > 1) else {
-        return Vec::new();
-    };
-    let member = |name: &'_ String| {
-        let rival = step.rivals.iter().find(|rival| rival.effect == *name);
-        rival.map(|rival| (rival.effect.as_str(), &rival.fitted))
-    };
-    step.credible.iter().filter_map(member).collect()
-}
-
-/// The experiment that would decide between the members of the first credible set with several.
-fn deciding(found: &Found, data: &Data, traces: &[Trace], whitening: &Whitening) -> Option<String> {
-    let members = undecided(found);
-    let (name, _) = members.first()?;
-    let models: Vec<&Fitted> = members.iter().map(|(_, fitted)| *fitted).collect();
-    let rivals = Rivals {
-        members: &models,
-        signal: &data.signal,
-        reference_temperature: data.reference_temperature,
-        traces,
-        whitening,
-    };
-    let proposal = next_experiment(&rivals, data);
-    // Where no simulation tells them apart, the effect's own declaration may know a way.
-    let declared = || data.effects.find(name).map(|effect| effect.experiment.to_owned());
-    proposal.map(|proposal| proposal.text).or_else(declared)
-}
-
-/// A repetition of the recording in which most is left: what repeats is no accident.
-fn repeating(places: &[Cell], labels: &[String]) -> Option<String> {
-    let most = places.iter().max_by(|a, b| a.share_of_excess.total_cmp(&b.share_of_excess))?;
-    Some(format!(
-        "repeat {} twice: what comes back in the {} is the specimen's or the sensor's, what does not was an accident",
-        labels[most.trace],
-        most.region.name()
-    ))
-}
-
-/// Effects that the first screen could not test.
-fn untestable(candidates: &[Candidate], found: &Found) -> Vec<(String, String)> {
-    let reason = |(index, candidate): (usize, &Candidate)| {
-        let name = || candidate.name.clone();
-        if let Some(missing) = candidate.missing {
-            return Some((name(), missing.to_owned()));
-        }
-        let mut own = found.first.directions.iter().filter(|d| d.candidate == index);
-        let absorbed = own.all(|direction| direction.left < super::screen::ABSORBED);
-        absorbed
-            .then(|| (name(), "absorbed by the model's own parameters on these traces".to_owned()))
-    };
-    candidates.iter().enumerate().filter_map(reason).collect()
+/// Whether the mean square error on traces left out falls by more than two standard errors over them.
+fn is_sure(before: &Evidence, after: &Evidence) -> bool {
+    let (Some(before), Some(after)) = (&before.held_out, &after.held_out) else { return false };
+    after.gain(before).exceeds(2.0)
 }

@@ -1,8 +1,11 @@
 //! The next experiment: of a menu, the one that would set the members of a credible set furthest apart.
 
+use super::compare::Cell;
 use super::fitted::Fitted;
+use super::search::Found;
 use super::separation::{Condition, Rivals, TELLS, signal_of, squares};
 use palpate_fit::data::Data;
+use palpate_fit::whitening::Whitening;
 use palpate_model::effects::Scales;
 use palpate_model::{BaseLaw, Chain, Hold, Move, Profile, Stage, Step};
 use palpate_trace::Trace;
@@ -139,6 +142,39 @@ pub fn next_experiment(rivals: &Rivals, data: &Data) -> Option<Proposal> {
         })
         .filter(|proposal| proposal.separates > TELLS)
         .max_by(|a, b| a.separates.total_cmp(&b.separates))
+}
+
+/// The experiment that would decide between the members of the first credible set with several.
+pub(super) fn deciding(
+    found: &Found,
+    data: &Data,
+    traces: &[Trace],
+    whitening: &Whitening,
+) -> Option<String> {
+    let members = found.undecided();
+    let (name, _) = members.first()?;
+    let models: Vec<&Fitted> = members.iter().map(|(_, fitted)| *fitted).collect();
+    let rivals = Rivals {
+        members: &models,
+        signal: &data.signal,
+        reference_temperature: data.reference_temperature,
+        traces,
+        whitening,
+    };
+    let proposal = next_experiment(&rivals, data);
+    // Where no simulation tells them apart, the effect's own declaration may know a way.
+    let declared = || data.effects.find(name).map(|effect| effect.experiment.to_owned());
+    proposal.map(|proposal| proposal.text).or_else(declared)
+}
+
+/// A repetition of the recording in which most is left: what repeats is no accident.
+pub(super) fn repeating(places: &[Cell], labels: &[String]) -> Option<String> {
+    let most = places.iter().max_by(|a, b| a.share_of_excess.total_cmp(&b.share_of_excess))?;
+    Some(format!(
+        "repeat {} twice: what comes back in the {} is the specimen's or the sensor's, what does not was an accident",
+        labels[most.trace],
+        most.region.name()
+    ))
 }
 
 impl Experiment {

@@ -63,11 +63,8 @@ impl Fitted {
     /// Takes the error over all rows, where the data that it was fitted to are their means.
     pub fn score(&mut self, rows: &Problem) {
         let problem = rows.with_chain(&self.chain);
-        let squares = problem.trace_squares(&problem.point(&self.values));
-        let (sum, count) = squares
-            .iter()
-            .fold((0.0, 0), |(sum, count), (square, samples)| (sum + square, count + samples));
-        self.rows = Some((count, (sum / count as f64).sqrt()));
+        let rms = problem.rms(&problem.point(&self.values));
+        self.rows = Some((problem.data().samples(), rms));
     }
 
     /// Number of rows of the recordings.

@@ -28,7 +28,7 @@ pub fn leftover(diagnosis: &Diagnosis, fitted: &Fitted, data: &Data) -> Comparis
         only_noise: false,
         rms: fitted.rms(),
         trace_rms: squares.iter().map(rms).collect(),
-        cells: cells_of(&problem, data, &point, noise),
+        cells: cells_of(&problem, &point, noise),
         dependences: dependences(&stretches),
         stretches,
         left_out: data.left_out.clone(),

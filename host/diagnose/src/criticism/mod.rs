@@ -37,5 +37,6 @@ pub mod search;
 pub mod separation;
 pub mod signature;
 mod tail;
+mod verdict;
 
 pub use palpate_model::covariate;

@@ -1,7 +1,9 @@
 //! What a diagnosis is asked for.
 
-use palpate_model::Laws;
+use palpate_fit::data::{Data, DataError};
 use palpate_model::effects::Effects;
+use palpate_model::{Laws, Model};
+use palpate_trace::Trace;
 
 use super::diagnose::DiagnoseError;
 
@@ -28,6 +30,15 @@ impl Default for Options {
 }
 
 impl Options {
+    /// The traces as a model of them sees them, with the effects and laws asked for.
+    ///
+    /// # Errors
+    /// As [`Data::of_model`].
+    pub fn data<'a>(&self, model: &Model, traces: &'a [Trace]) -> Result<Data<'a>, DataError> {
+        let data = Data::of_model(model, traces)?;
+        Ok(data.with_effects(&self.effects).with_laws(&self.laws))
+    }
+
     /// # Errors
     /// [`DiagnoseError::Options`], with what it may be.
     pub(super) fn check(&self) -> Result<(), DiagnoseError> {

@@ -57,6 +57,28 @@ pub struct Screen {
     pub scores: DMatrix<f64>,
 }
 
+impl Screen {
+    /// Effects that it could not test, with the reason.
+    #[must_use]
+    pub fn untestable(&self, candidates: &[Candidate]) -> Vec<(String, String)> {
+        let absorbed = |index: usize| {
+            let mut own = self.directions.iter().filter(|direction| direction.candidate == index);
+            own.all(|direction| direction.left < ABSORBED)
+        };
+        let reason = |index: usize, candidate: &Candidate| match candidate.missing {
+            Some(missing) => Some(missing),
+            None if absorbed(index) => {
+                Some("absorbed by the model's own parameters on these traces")
+            }
+            None => None,
+        };
+        let untestable = |(index, candidate): (usize, &Candidate)| {
+            Some((candidate.name.clone(), reason(index, candidate)?.to_owned()))
+        };
+        candidates.iter().enumerate().filter_map(untestable).collect()
+    }
+}
+
 /// Draws of the null distribution.
 pub const DRAWS: usize = 4000;
 /// Seed of the draws.

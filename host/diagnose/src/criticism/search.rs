@@ -135,6 +135,19 @@ impl Found {
         Some(self.evidence.last()?.left_out()?.rms)
     }
 
+    /// The members of the first credible set with several: their names and models, the best first.
+    #[must_use]
+    pub fn undecided(&self) -> Vec<(&str, &Fitted)> {
+        let Some(step) = self.steps.iter().find(|step| step.credible.len() > 1) else {
+            return Vec::new();
+        };
+        let member = |name: &'_ String| {
+            let rival = step.rivals.iter().find(|rival| rival.effect == *name);
+            rival.map(|rival| (rival.effect.as_str(), &rival.fitted))
+        };
+        step.credible.iter().filter_map(member).collect()
+    }
+
     /// Takes the errors of every rung over all rows, where the data of the search are their means, and
     /// goes back to the rung before the first at which one of them rises.
     pub fn score(&mut self, problem: &Problem, rows: &Problem) {

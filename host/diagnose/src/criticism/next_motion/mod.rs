@@ -8,7 +8,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
-use super::diagnose::{Diagnosis, undecided};
+use super::diagnose::Diagnosis;
 use super::experiment::{MENU, MOST_MEMBERS};
 use super::fitted::Fitted;
 use super::separation::{Condition, Foreseen, Rivals};
@@ -78,7 +78,7 @@ pub fn propose(
     let means = block_means(traces);
     let scales = Data::of_model(model, traces)?.scales();
     let rig = limits.beside(&scales);
-    let mut undecided = undecided(&diagnosis.found);
+    let mut undecided = diagnosis.found.undecided();
     undecided.truncate(MOST_MEMBERS);
     let members: Vec<&Fitted> = undecided.iter().map(|(_, fitted)| *fitted).collect();
     let searched = Data::of_model(model, means.as_deref().unwrap_or(traces))?;

@@ -1,0 +1,120 @@
+//! The verdict on what was found: adequate, named, ambiguous or unknown.
+
+use super::adequacy::{Adequacy, LEVEL, adequacy};
+use super::evidence::Evidence;
+use super::fitted::Fitted;
+use super::held_out::HeldOut;
+use super::noise::{NoiseModel, Seen};
+use super::options::Options;
+use super::search::{Found, Search, Step};
+
+/// The answer in one word.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// Nothing is missing.
+    Adequate,
+    /// Single effects, and what remains is noise.
+    Named,
+    /// The data cannot separate the members of a step's credible set.
+    Ambiguous,
+    /// Something is missing that no effect of the library explains.
+    Unknown,
+}
+
+impl Verdict {
+    /// The word.
+    #[must_use]
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Adequate => "adequate",
+            Self::Named => "named",
+            Self::Ambiguous => "ambiguous",
+            Self::Unknown => "unknown",
+        }
+    }
+}
+
+/// Part of the misfit that may remain after effects are named: a law's form differs from the
+/// specimen's by as much.
+const FORM: f64 = 0.2;
+
+/// Times the scatter of neighbours up to which a residual can be noise that correlates.
+const FAR_BEYOND_NEIGHBOURS: f64 = 5.0;
+/// An error on traces left out within this many times the noise is at the noise.
+const AT_THE_NOISE: f64 = 1.1;
+
+/// What the last model of a search leaves, and the verdict on it.
+pub(super) struct Assessed {
+    pub(super) verdict: Verdict,
+    /// Part of the misfit of the model without effects that the last one leaves.
+    pub(super) unexplained: f64,
+    /// Root mean square beyond the noise, in the unit of the signal; 0 where it is noise.
+    pub(super) discrepancy: f64,
+    /// The residual of the last model beside noise.
+    pub(super) after: Adequacy,
+}
+
+impl Assessed {
+    /// Weighs what was found; `before` is what the model without effects leaves.
+    pub(super) fn of(
+        search: &Search,
+        found: &Found,
+        before: &Adequacy,
+        noise: &NoiseModel,
+    ) -> Self {
+        let problem = search.problem.with_chain(&found.model().chain);
+        let after = adequacy(&problem, &found.model().point, search.whitening);
+        let explained = (found.base.cost - found.model().cost).max(0.0);
+        let leftover = after.excess.max(0.0);
+        let named = !found.steps.is_empty();
+        let share = if named { leftover / (explained + leftover).max(1.0) } else { 0.0 };
+        let ahead = beyond_held_out(&found.evidence, noise.level);
+        let unexplained = if after.p_value < LEVEL { share.max(ahead) } else { ahead };
+        // Without rest to see noise in, a residual far beyond that of neighbours is not noise.
+        let far =
+            |fitted: &Fitted| fitted.rms().powi(2) - (FAR_BEYOND_NEIGHBOURS * noise.level).powi(2);
+        let (first, last) = (far(&found.base), far(found.model()));
+        let guessed = noise.seen == Seen::Residual && last > 0.0;
+        let unexplained =
+            if guessed { unexplained.max((last / first).min(1.0)) } else { unexplained };
+        let verdict = match verdict(found, before, unexplained, search.options) {
+            Verdict::Adequate if guessed => Verdict::Unknown,
+            verdict => verdict,
+        };
+        let inexact = after.p_value < LEVEL || guessed;
+        let discrepancy = if inexact { beyond_noise(found.model(), noise) } else { 0.0 };
+        Self { verdict, unexplained, discrepancy, after }
+    }
+}
+
+/// Root mean square of what a model leaves beyond the noise, in the unit of the signal.
+pub(super) fn beyond_noise(fitted: &Fitted, noise: &NoiseModel) -> f64 {
+    (fitted.rms().powi(2) - noise.level.powi(2)).max(0.0).sqrt()
+}
+
+/// Part of the misfit on traces left out that the last model leaves there; 0 where it is at the noise.
+fn beyond_held_out(evidence: &[Evidence], noise: f64) -> f64 {
+    let held_out = |evidence: Option<&Evidence>| evidence?.held_out.clone();
+    let (Some(first), Some(last)) = (held_out(evidence.first()), held_out(evidence.last())) else {
+        return 0.0;
+    };
+    let excess = |held_out: &HeldOut| held_out.rms.powi(2) - noise * noise;
+    if last.rms < AT_THE_NOISE * noise || excess(&first) <= 0.0 {
+        return 0.0;
+    }
+    (excess(&last) / excess(&first)).min(1.0)
+}
+
+/// The word for what was found.
+fn verdict(found: &Found, before: &Adequacy, unexplained: f64, options: &Options) -> Verdict {
+    if found.steps.is_empty() {
+        let missed = found.first.chance.iter().any(|&chance| chance <= 0.5 * options.false_alarms);
+        let level = if missed { LEVEL } else { 0.1 * LEVEL };
+        return if before.p_value < level { Verdict::Unknown } else { Verdict::Adequate };
+    }
+    if unexplained > FORM {
+        return Verdict::Unknown;
+    }
+    let single = |step: &Step| step.credible.len() == 1;
+    if found.steps.iter().all(single) { Verdict::Named } else { Verdict::Ambiguous }
+}
