@@ -1,10 +1,8 @@
 //! What a model lacks on a data set.
 
-use palpate_diagnose::criticism::diagnose::{Diagnosis, diagnose_with};
+use palpate_diagnose::criticism::diagnose::{Diagnosis, Verdict, diagnose_with};
 use palpate_diagnose::criticism::explore::explored;
 use palpate_diagnose::criticism::options::Options;
-use palpate_fit::data::Data;
-use palpate_fit::watch::Stage;
 use palpate_model::effects::Effects;
 use palpate_model::{Laws, Model};
 #[cfg(feature = "report")]
@@ -13,8 +11,8 @@ use palpate_present::answers::DiagnosisAnswer;
 use palpate_present::summary::{DiagnosisSummary, NextCommand};
 use palpate_trace::units::printed;
 
-use crate::work::Work;
-use crate::{Cancel, DataSet, Error};
+use crate::work::{Asked, Question};
+use crate::{DataSet, Error};
 
 /// Asks which physical effects a model lacks on a data set.
 ///
@@ -28,91 +26,70 @@ use crate::{Cancel, DataSet, Error};
 /// # Ok(())
 /// # }
 /// ```
-pub fn diagnose<'a>(model: &'a Model, set: &'a DataSet) -> Diagnosing<'a> {
-    Diagnosing { model, set, options: Options::default(), work: Work::default() }
+pub fn diagnose<'a>(model: &'a Model, set: &'a DataSet) -> Asked<'a, Diagnosing<'a>> {
+    Asked::new(Diagnosing { model, options: Options::default() }, set)
 }
 
-/// A diagnosis that is about to be made.
-#[must_use = "nothing is diagnosed before `run`"]
+/// Which physical effects a model lacks.
 pub struct Diagnosing<'a> {
     model: &'a Model,
-    set: &'a DataSet,
     options: Options,
-    work: Work<'a>,
 }
 
-impl<'a> Diagnosing<'a> {
+impl Asked<'_, Diagnosing<'_>> {
     /// Tries these effects instead of those of the library; laws of one's own in the model file are tried beside them.
     pub fn effects(mut self, effects: Effects) -> Self {
-        self.options.effects = effects;
+        self.question.options.effects = effects;
         self
     }
 
     /// The base laws that the model may name, instead of those of the library.
     pub fn laws(mut self, laws: Laws) -> Self {
-        self.options.laws = laws;
+        self.question.options.laws = laws;
         self
     }
 
     /// Chance of naming anything where nothing is missing, above 0 and below 1; 0.01 if not given.
     pub fn false_alarms(mut self, chance: f64) -> Self {
-        self.options.false_alarms = chance;
+        self.question.options.false_alarms = chance;
         self
     }
 
     /// Most effects that are added, at least 1; 3 if not given.
     pub fn max_effects(mut self, count: usize) -> Self {
-        self.options.max_effects = count;
+        self.question.options.max_effects = count;
         self
     }
 
     /// Seed of the resamplings of the data; 13 if not given.
     pub fn seed(mut self, seed: u64) -> Self {
-        self.options.seed = seed;
+        self.question.options.seed = seed;
         self
     }
+}
 
-    /// Tells how far the work has come, ten times a second, from a thread of its own.
-    pub fn on_progress(mut self, tell: impl FnMut(Stage) + Send + 'a) -> Self {
-        self.work.tell = Some(Box::new(tell));
-        self
-    }
+impl Question for Diagnosing<'_> {
+    type Answer = Found;
 
-    /// Lets another thread end the work.
-    pub fn cancel(mut self, cancel: &Cancel) -> Self {
-        self.work.cancel = Some(cancel.clone());
-        self
-    }
-
-    /// Makes it.
-    ///
-    /// # Errors
-    /// When the model, the traces or the options cannot be used, or the work was cancelled.
-    pub fn run(self) -> Result<Found, Error> {
-        let (model, set, options) = (self.model, self.set, self.options);
-        let traces = set.traces();
-        self.work.run(|| {
-            let diagnosis = diagnose_with(model, traces, &options)?;
-            let data = Data::of_model(model, traces)?
-                .with_effects(&options.effects)
-                .with_laws(&options.laws);
-            let unit = printed(&model.base.signal);
-            let climbed = !diagnosis.found.steps.is_empty();
-            let better = climbed.then(|| explored(model, &diagnosis, &data, unit));
-            Ok(Found { set: set.clone(), model: model.clone(), options, diagnosis, better })
-        })?
+    fn of(self, set: &DataSet) -> Result<Found, Error> {
+        let Self { model, options } = self;
+        let diagnosis = diagnose_with(model, set.traces(), &options)?;
+        let climbed = !diagnosis.found.steps.is_empty();
+        let better = if climbed {
+            let data = options.data(model, set.traces())?;
+            Some(explored(model, &diagnosis, &data, printed(&model.base.signal)))
+        } else {
+            None
+        };
+        Ok(Found { set: set.clone(), model: model.clone(), diagnosis, better })
     }
 }
 
 /// What a model lacks on a data set.
 #[derive(Clone, Debug)]
 pub struct Found {
-    #[cfg_attr(not(feature = "report"), allow(dead_code, reason = "what the answer rests on"))]
     set: DataSet,
-    #[cfg_attr(not(feature = "report"), allow(dead_code, reason = "what the answer rests on"))]
     model: Model,
-    #[cfg_attr(not(feature = "report"), allow(dead_code, reason = "what the answer rests on"))]
-    options: Options,
     diagnosis: Diagnosis,
     better: Option<Model>,
 }
@@ -120,7 +97,7 @@ pub struct Found {
 impl Found {
     /// The answer in one word.
     #[must_use]
-    pub const fn verdict(&self) -> palpate_diagnose::criticism::diagnose::Verdict {
+    pub const fn verdict(&self) -> Verdict {
         self.diagnosis.verdict
     }
 
@@ -136,6 +113,18 @@ impl Found {
         self.better.as_ref()
     }
 
+    /// The model that was diagnosed.
+    #[must_use]
+    pub const fn model(&self) -> &Model {
+        &self.model
+    }
+
+    /// The data set on which it was diagnosed.
+    #[must_use]
+    pub const fn data_set(&self) -> &DataSet {
+        &self.set
+    }
+
     /// The diagnosis as `palpate diagnose --json` prints it.
     ///
     /// # Panics
@@ -143,10 +132,8 @@ impl Found {
     #[must_use]
     #[cfg(feature = "report")]
     pub fn answer(&self) -> DiagnosisAnswer {
-        let Options { effects, laws, .. } = &self.options;
-        let data = Data::of_model(&self.model, self.set.traces());
+        let data = self.diagnosis.options.data(&self.model, self.set.traces());
         let data = data.expect("this model was diagnosed on these traces");
-        let data = data.with_effects(effects).with_laws(laws);
         let next = NextCommand { model: "model.toml".into(), traces: "traces".into() };
         DiagnosisAnswer::from(&DiagnosisSummary::new(&self.diagnosis, &data, next))
     }

@@ -4,7 +4,6 @@ use palpate_diagnose::criticism::noise::noise_of;
 use palpate_fit::data::Data;
 use palpate_fit::least_squares::Stop;
 use palpate_fit::warning::{Warning, warnings};
-use palpate_fit::watch::Stage;
 use palpate_fit::whole_motion::{self, MotionFit, over_traces};
 use palpate_model::{BaseLaw, Model, Separation};
 #[cfg(feature = "report")]
@@ -13,8 +12,8 @@ use palpate_present::answers::FitAnswer;
 use palpate_present::summary::FitSummary;
 use palpate_trace::{FORCE, Noise};
 
-use crate::work::Work;
-use crate::{Cancel, DataSet, Error};
+use crate::work::{Asked, Question};
+use crate::{DataSet, Error};
 
 /// Fits a base law to the whole motion of every trace of a data set at once.
 ///
@@ -30,80 +29,59 @@ use crate::{Cancel, DataSet, Error};
 /// # Ok(())
 /// # }
 /// ```
-pub fn fit(law: impl Into<BaseLaw>, set: &DataSet) -> Fitting<'_> {
-    Fitting { law: law.into(), set, signal: FORCE.into(), work: Work::default() }
+pub fn fit(law: impl Into<BaseLaw>, set: &DataSet) -> Asked<'_, Fitting> {
+    Asked::new(Fitting { law: law.into(), signal: FORCE.into() }, set)
 }
 
-/// A fit that is about to be made.
-#[must_use = "nothing is fitted before `run`"]
-pub struct Fitting<'a> {
+/// A base law, fitted to whole motions; each trace is left out in turn where there are several.
+pub struct Fitting {
     law: BaseLaw,
-    set: &'a DataSet,
     signal: String,
-    work: Work<'a>,
 }
 
-impl<'a> Fitting<'a> {
+impl Asked<'_, Fitting> {
     /// Fits this column instead of `force_N`, such as `gauge1_ustrain`.
     pub fn signal(mut self, column: &str) -> Self {
-        self.signal = column.into();
+        self.question.signal = column.into();
         self
     }
 
     /// What happens when contact breaks.
     pub fn separation(mut self, separation: Separation) -> Self {
-        self.law.separation = separation;
+        self.question.law.separation = separation;
         self
     }
+}
 
-    /// Tells how far the work has come, ten times a second, from a thread of its own.
-    pub fn on_progress(mut self, tell: impl FnMut(Stage) + Send + 'a) -> Self {
-        self.work.tell = Some(Box::new(tell));
-        self
-    }
+impl Question for Fitting {
+    type Answer = Fit;
 
-    /// Lets another thread end the work.
-    pub fn cancel(mut self, cancel: &Cancel) -> Self {
-        self.work.cancel = Some(cancel.clone());
-        self
-    }
-
-    /// Fits it, and each trace left out in turn where there are several.
-    ///
-    /// # Errors
-    /// When the law does not have these options, the traces cannot be fitted, nothing better than a constant was found, or the
-    /// work was cancelled.
-    pub fn run(self) -> Result<Fit, Error> {
+    fn of(self, set: &DataSet) -> Result<Fit, Error> {
         self.law.check()?;
-        let (law, signal, set) = (self.law, self.signal, self.set);
-        let traces = set.traces();
-        self.work.run(|| {
-            let data = Data::of(traces, &signal)?;
-            let fitted = whole_motion::fit(law, &data)?;
-            if fitted.stop == Stop::NoBetter {
-                return Err(Error::NoBetter { r_squared: fitted.r_squared });
-            }
-            let single = data.labels.len() == 1;
-            let held_out = if single { Vec::new() } else { whole_motion::held_out(&fitted, &data) };
-            let noise = noise_of(&data, traces);
-            let deviation = noise.map(|noise| noise.standard_deviation);
-            Ok(Fit {
-                set: set.clone(),
-                model: fitted.model(&data, deviation, &held_out),
-                warnings: warnings(&fitted, &data, noise.as_ref()),
-                held_out_rms: over_traces(&held_out, &data),
-                held_out,
-                noise,
-                fitted,
-            })
-        })?
+        let data = Data::of(set.traces(), &self.signal)?;
+        let fitted = whole_motion::fit(self.law, &data)?;
+        if fitted.stop == Stop::NoBetter {
+            return Err(Error::NoBetter { r_squared: fitted.r_squared });
+        }
+        let single = data.labels.len() == 1;
+        let held_out = if single { Vec::new() } else { whole_motion::held_out(&fitted, &data) };
+        let noise = noise_of(&data, set.traces());
+        let deviation = noise.map(|noise| noise.standard_deviation);
+        Ok(Fit {
+            set: set.clone(),
+            model: fitted.model(&data, deviation, &held_out),
+            warnings: warnings(&fitted, &data, noise.as_ref()),
+            held_out_rms: over_traces(&held_out, &data),
+            held_out,
+            noise,
+            fitted,
+        })
     }
 }
 
 /// A base law fitted to a data set.
 #[derive(Clone, Debug)]
 pub struct Fit {
-    #[cfg_attr(not(feature = "report"), allow(dead_code, reason = "what the answer rests on"))]
     set: DataSet,
     model: Model,
     fitted: MotionFit,
@@ -118,6 +96,12 @@ impl Fit {
     #[must_use]
     pub const fn model(&self) -> &Model {
         &self.model
+    }
+
+    /// The data set to which it was fitted.
+    #[must_use]
+    pub const fn data_set(&self) -> &DataSet {
+        &self.set
     }
 
     /// Root mean square error on each trace left out in turn, in the unit of the signal; empty for a single trace.

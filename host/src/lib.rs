@@ -88,5 +88,5 @@ pub use law::Law;
 pub use palpate_fit::watch::Stage;
 pub use palpate_model::effects::{Effect, Effects};
 pub use palpate_model::{Elastic, Family, Kernel, Laws, Model, Separation};
-pub use ranking::{RankingOf, rank};
-pub use work::Cancel;
+pub use ranking::{EveryLaw, rank};
+pub use work::{Asked, Cancel, Question};

@@ -1,12 +1,11 @@
 //! Every base law on a data set.
 
 use palpate_fit::ranking::{Ranking, rank as ranked};
-use palpate_fit::watch::Stage;
 use palpate_model::{Laws, Separation, TERMS};
 use palpate_trace::FORCE;
 
-use crate::work::Work;
-use crate::{Cancel, DataSet, Error};
+use crate::work::{Asked, Question};
+use crate::{DataSet, Error};
 
 /// Fits every base law to a data set and puts them in order: by the error on traces left out in turn, for a single trace by the
 /// Bayesian information criterion.
@@ -20,66 +19,50 @@ use crate::{Cancel, DataSet, Error};
 /// # Ok(())
 /// # }
 /// ```
-pub fn rank(set: &DataSet) -> RankingOf<'_> {
+pub fn rank(set: &DataSet) -> Asked<'_, EveryLaw> {
     let (laws, separation) = (Laws::library(), Separation::default());
-    RankingOf { set, laws, signal: FORCE.into(), terms: TERMS, separation, work: Work::default() }
+    Asked::new(EveryLaw { laws, signal: FORCE.into(), terms: TERMS, separation }, set)
 }
 
-/// A ranking that is about to be made.
-#[must_use = "nothing is fitted before `run`"]
-pub struct RankingOf<'a> {
-    set: &'a DataSet,
+/// Every base law, fitted and put in order.
+pub struct EveryLaw {
     laws: Laws,
     signal: String,
     terms: usize,
     separation: Separation,
-    work: Work<'a>,
 }
 
-impl<'a> RankingOf<'a> {
+impl Asked<'_, EveryLaw> {
     /// Fits these laws instead of those of the library.
     pub fn laws(mut self, laws: Laws) -> Self {
-        self.laws = laws;
+        self.question.laws = laws;
         self
     }
 
     /// Fits this column instead of `force_N`.
     pub fn signal(mut self, column: &str) -> Self {
-        self.signal = column.into();
+        self.question.signal = column.into();
         self
     }
 
     /// This many exponentials or branches, 1 to 4, in laws that have a choice; 2 if not given.
     pub fn terms(mut self, terms: usize) -> Self {
-        self.terms = terms;
+        self.question.terms = terms;
         self
     }
 
     /// What happens when contact breaks.
     pub fn separation(mut self, separation: Separation) -> Self {
-        self.separation = separation;
+        self.question.separation = separation;
         self
     }
+}
 
-    /// Tells how far the work has come, ten times a second, from a thread of its own.
-    pub fn on_progress(mut self, tell: impl FnMut(Stage) + Send + 'a) -> Self {
-        self.work.tell = Some(Box::new(tell));
-        self
-    }
+impl Question for EveryLaw {
+    type Answer = Ranking;
 
-    /// Lets another thread end the work.
-    pub fn cancel(mut self, cancel: &Cancel) -> Self {
-        self.work.cancel = Some(cancel.clone());
-        self
-    }
-
-    /// Fits them all.
-    ///
-    /// # Errors
-    /// When the traces cannot be fitted, or the work was cancelled.
-    pub fn run(self) -> Result<Ranking, Error> {
-        let (laws, traces) = (self.laws, self.set.traces());
-        let (signal, terms, separation) = (self.signal, self.terms, self.separation);
-        Ok(self.work.run(|| ranked(&laws, traces, &signal, terms, separation))??)
+    fn of(self, set: &DataSet) -> Result<Ranking, Error> {
+        let Self { laws, signal, terms, separation } = self;
+        Ok(ranked(&laws, set.traces(), &signal, terms, separation)?)
     }
 }
