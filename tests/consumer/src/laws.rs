@@ -1,28 +1,10 @@
 //! Laws of this program's own.
 
 use palpate::Laws;
-use palpate::model::elastic::{Acts, ElasticLaw};
 use palpate::model::laws::{Family, LawOption, LawParameter, POSITIVE};
 use palpate::model::{Constants, Coordinate, Form};
 
-/// Fung's exponential: the stiffness of a soft tissue grows in proportion to the force.
-pub static EXPONENTIAL: ElasticLaw = ElasticLaw {
-    name: "exponential",
-    meaning: "stiffens in proportion to the force, as soft tissue does",
-    formula: "p (e^(αx) − 1)/α",
-    acts: Acts::OnDisplacement(|alpha, x| (alpha * x.max(0.0)).exp_m1() / alpha),
-    parameters: |_, stiffness| {
-        let (p, alpha) = ("stiffness at the first touch", "growth of the stiffness");
-        vec![
-            LawParameter::new("p", "N/mm", p, POSITIVE, stiffness).scaling(),
-            LawParameter::new("alpha", "1/mm", alpha, POSITIVE, Coordinate::Shape),
-        ]
-    },
-    constants: |values| (values[0], values[1]),
-    values: |p, shape| vec![p, shape],
-    bounds: |reach| Some((1e-3 / reach.largest, 20.0 / reach.largest)),
-    starts: |reach| [0.1, 1.0, 3.0, 8.0].map(|times| times / reach.largest).to_vec(),
-};
+pub use crate::declared::EXPONENTIAL;
 
 /// A ball on a half-space (Hertz) that relaxes at one rate.
 pub static BALL: Family = Family {

@@ -1,55 +1,19 @@
 //! A program of somebody else's: it depends on `palpate` alone, without its default features, and brings an effect and laws of its
-//! own.
+//! own: those of the example `own`, and a family.
 
+#[path = "../../../host/examples/own/declared.rs"]
+mod declared;
 pub mod laws;
 
 use std::f64::consts::TAU;
 
-use palpate::effects::{Count, Effect, Law, Needs, Role, Shape, Sign, Strength};
 use palpate::fit::data::Data;
 use palpate::fit::whole_motion::predict;
-use palpate::model::covariate::Covariate;
-use palpate::model::{Act, BaseLaw, Chain, Separation, Stage};
+use palpate::model::{BaseLaw, Chain, Separation};
 use palpate::trace::{DISPLACEMENT, FORCE, Trace};
 use palpate::{DataSet, Effects};
 
-/// Force of a rack and pinion under the specimen.
-pub static TEETH: Effect = Effect {
-    name: "teeth",
-    stage: Stage::Contact,
-    meaning: "The teeth of the drive push once for each pitch.",
-    signature: "Repeats with the displacement, the same in both directions.",
-    against: Covariate::Displacement,
-    confused_with: &["backlash"],
-    experiment: "The same stroke without a specimen.",
-    needs: Needs::Nothing,
-    laws: &[Law {
-        name: "reference",
-        formula: "F → F + a sin(2π x/λ)",
-        strength: Strength {
-            name: "amplitude",
-            unit: "N",
-            meaning: "largest push",
-            sign: Sign::Either,
-            typical: |scales| 0.01 * scales.force,
-            most: |scales| scales.force,
-            count: Count::Fixed(&[]),
-        },
-        shapes: &[Shape {
-            name: "pitch",
-            unit: "mm",
-            meaning: "from tooth to tooth",
-            grid: |_| (0..10).map(|k| 0.5 + 0.1 * f64::from(k)).collect(),
-            role: Role::Fitted(|_| (0.3, 3.0)),
-        }],
-        act: Act::Force(|scene, parameters, _, force| {
-            let (amplitude, pitch) = (parameters[0], parameters[1]);
-            for (force, x) in force.iter_mut().zip(scene.motion.displacement.iter()) {
-                *force += amplitude * (TAU * x / pitch).sin();
-            }
-        }),
-    }],
-};
+pub use declared::TEETH;
 
 /// Standard deviation of the noise of [`specimen`], N.
 pub const NOISE: f64 = 0.01;

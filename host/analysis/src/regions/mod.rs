@@ -162,6 +162,12 @@ pub fn numeral(relaxation: RelaxationType) -> &'static str {
     }
 }
 
+/// A relaxation type in words: `Type I`.
+#[must_use]
+pub fn type_name(relaxation: RelaxationType) -> String {
+    format!("Type {}", numeral(relaxation))
+}
+
 /// The number of a relaxation type in a trace's column: 0 near equilibrium, 1 and 2.
 #[must_use]
 pub fn type_code(relaxation: RelaxationType) -> f64 {

@@ -65,8 +65,8 @@ pub enum MemoryOf {
     },
 }
 
-/// A kernel whose share is that at the first instant.
-const AT_ONCE: fn(f64, f64) -> f64 = |_, _| 1.0;
+/// Orders β from which a search starts, evenly over what soft matter shows.
+const FIRST_ORDERS: &[f64] = &[0.08, 0.2, 0.35, 0.5, 0.75];
 
 impl Kernel {
     /// g = c0 + Σ ci e^(−vi t) (eq. 3.3).

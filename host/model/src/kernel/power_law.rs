@@ -2,7 +2,7 @@
 
 use statrs::function::gamma::gamma;
 
-use super::{Kernel, MemoryOf, OVER, Span, Spectrum};
+use super::{FIRST_ORDERS, Kernel, MemoryOf, OVER, Span, Spectrum};
 use crate::coordinate::Coordinate;
 use crate::laws::LawParameter;
 use crate::{Branch, Constants};
@@ -23,7 +23,7 @@ pub(super) static KERNEL: Kernel = Kernel {
         of: |_, order, span| power_law(order, span),
         later: |order, time| time.powf(-order),
         has_rate: false,
-        orders: &[0.08, 0.2, 0.35, 0.5, 0.75],
+        orders: FIRST_ORDERS,
     },
     parameters: |_| {
         let share = "share of the response after 1 s that relaxes";

@@ -4,7 +4,7 @@ use std::sync::OnceLock;
 
 use nalgebra::DMatrix;
 
-use super::{AT_ONCE, Kernel, MemoryOf, OVER, Span, Spectrum};
+use super::{FIRST_ORDERS, Kernel, MemoryOf, OVER, Span, Spectrum};
 use crate::coordinate::Coordinate;
 use crate::laws::{LawParameter, POSITIVE, divisor};
 use crate::{Branch, Constants};
@@ -25,9 +25,9 @@ pub(super) static KERNEL: Kernel = Kernel {
     formula: "g = c0 + c1 e^(−(t/τ)^β)",
     memory: MemoryOf::Spectrum {
         of: stretched,
-        later: AT_ONCE,
+        later: |_, _| 1.0,
         has_rate: true,
-        orders: &[0.08, 0.2, 0.35, 0.5, 0.75],
+        orders: FIRST_ORDERS,
     },
     parameters: |_| {
         let (share, tau) =

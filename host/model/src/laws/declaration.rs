@@ -166,6 +166,15 @@ impl From<LawParameter> for Parameter {
     }
 }
 
+/// One spring and one damper, with the coordinates that stand for them.
+pub(super) fn spring_and_damper(spring: Coordinate, damper: Coordinate) -> Vec<LawParameter> {
+    let (k, eta) = ("stiffness of the spring", "damping of the damper");
+    vec![
+        LawParameter::new("k", "N/mm", k, POSITIVE, spring).scaling(),
+        LawParameter::new("eta", "N·s/mm", eta, POSITIVE, damper),
+    ]
+}
+
 /// A divisor that is not zero.
 pub(crate) fn divisor(number: f64) -> f64 {
     number.max(f64::MIN_POSITIVE.sqrt())

@@ -1,7 +1,7 @@
 //! `kelvin-voigt`: a spring and a damper side by side.
 
-use super::declaration::{POSITIVE, divisor};
-use super::{Family, LawOption, LawParameter};
+use super::declaration::{divisor, spring_and_damper};
+use super::{Family, LawOption};
 use crate::coordinate::Coordinate;
 use crate::{Constants, Form};
 
@@ -19,15 +19,7 @@ pub static FAMILY: Family = Family {
     term: ["exponential", "exponentials"],
     least_q: 0.0,
     shape: 0.0,
-    parameters: |_| {
-        let spring = ("k", "N/mm", "stiffness of the spring");
-        let damper = ("eta", "N·s/mm", "damping of the damper");
-        vec![
-            LawParameter::new(spring.0, spring.1, spring.2, POSITIVE, Coordinate::Force(0))
-                .scaling(),
-            LawParameter::new(damper.0, damper.1, damper.2, POSITIVE, Coordinate::Damping),
-        ]
-    },
+    parameters: |_| spring_and_damper(Coordinate::Force(0), Coordinate::Damping),
     constants: |_, values| Constants {
         viscosity: values[1] / divisor(values[0]),
         ..Constants::new(values[0], 0.0)

@@ -1,7 +1,7 @@
 //! `maxwell`: a spring and a damper in a row.
 
-use super::declaration::{POSITIVE, divisor};
-use super::{Family, LawOption, LawParameter};
+use super::declaration::{divisor, spring_and_damper};
+use super::{Family, LawOption};
 use crate::coordinate::Coordinate;
 use crate::{Constants, Form};
 
@@ -19,15 +19,7 @@ pub static FAMILY: Family = Family {
     term: ["exponential", "exponentials"],
     least_q: 0.0,
     shape: 0.0,
-    parameters: |_| {
-        let spring = ("k", "N/mm", "stiffness of the spring");
-        let damper = ("eta", "N·s/mm", "damping of the damper");
-        vec![
-            LawParameter::new(spring.0, spring.1, spring.2, POSITIVE, Coordinate::Force(1))
-                .scaling(),
-            LawParameter::new(damper.0, damper.1, damper.2, POSITIVE, Coordinate::Rate(1)),
-        ]
-    },
+    parameters: |_| spring_and_damper(Coordinate::Force(1), Coordinate::Rate(1)),
     constants: |_, values| Constants {
         shares: vec![1.0],
         rates: vec![values[0] / divisor(values[1])],

@@ -1,6 +1,5 @@
 //! `palpate afm`: what force curves of a tip say of the specimen.
 
-use palpate_contact::afm::Estimate;
 use palpate_contact::afm::curve::ForceCurve;
 use palpate_contact::afm::fit::{CurveFit, Exponential, Held, Options, Retreat};
 use palpate_contact::afm::hold::{Latency, Relaxed};
@@ -10,7 +9,7 @@ use palpate_fit::exponentials::Term;
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::finite;
+use super::Uncertain;
 use crate::summary::{FittedCurve, curve_remarks};
 
 /// Force curves of a tip, fitted.
@@ -64,10 +63,10 @@ pub struct AfmFitAnswer {
     pub spring_constant_n_per_m: Option<f64>,
     /// Young's modulus at once, E(0), Pa; null where the curve does not determine it.
     #[serde(rename = "modulus_Pa")]
-    pub modulus_pa: Option<AfmEstimate>,
+    pub modulus_pa: Option<Uncertain>,
     /// Young's modulus at equilibrium, E(∞), Pa; null where nothing relaxes or the curve does not determine it.
     #[serde(rename = "equilibrium_modulus_Pa")]
-    pub equilibrium_modulus_pa: Option<AfmEstimate>,
+    pub equilibrium_modulus_pa: Option<Uncertain>,
     /// Exponentials of the relaxation function, the fastest first; empty where no relaxation is evident.
     pub relaxation: Vec<AfmExponentialAnswer>,
     /// Whether the way back was fitted too, and not its baseline alone.
@@ -78,7 +77,7 @@ pub struct AfmFitAnswer {
     /// Why the curve does not determine a modulus; null where it does.
     pub no_modulus: Option<String>,
     /// Contact point: where the straight cantilever would touch, m, on the piezo's way as recorded.
-    pub contact_m: AfmEstimate,
+    pub contact_m: Uncertain,
     /// Force of the baseline at the contact point, N.
     #[serde(rename = "baseline_N")]
     pub baseline_n: f64,
@@ -87,7 +86,7 @@ pub struct AfmFitAnswer {
     pub tilt_n_per_m: f64,
     /// Pull of adhesion during the approach, N; null where the curve shows no jump into contact.
     #[serde(rename = "approach_pull_N")]
-    pub approach_pull_n: Option<AfmEstimate>,
+    pub approach_pull_n: Option<Uncertain>,
     /// Standard deviation of the force's noise out of contact, N.
     #[serde(rename = "noise_N")]
     pub noise_n: f64,
@@ -114,24 +113,14 @@ pub struct AfmFitAnswer {
     pub holds: Vec<AfmHoldAnswer>,
 }
 
-/// An estimate whose unit stands in the name of its field.
-#[derive(Clone, Copy, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
-pub struct AfmEstimate {
-    /// The value.
-    pub value: f64,
-    /// Its standard error, without those of spring constant, sensitivity and tip; null where the data do not determine it.
-    pub standard_error: Option<f64>,
-}
-
 /// One exponential of the relaxation function.
 #[derive(Clone, Copy, Debug, Serialize, JsonSchema)]
 #[schemars(deny_unknown_fields)]
 pub struct AfmExponentialAnswer {
     /// Share of the modulus at once, 0 to 1.
-    pub share: AfmEstimate,
+    pub share: Uncertain,
     /// Rate, 1/s.
-    pub rate_per_s: AfmEstimate,
+    pub rate_per_s: Uncertain,
 }
 
 /// Adhesion on the way back.
@@ -217,11 +206,11 @@ pub struct AfmLatencyAnswer {
     /// Order n, from 1.
     pub order: u32,
     /// Rate ν, 1/s.
-    pub rate_per_s: AfmEstimate,
+    pub rate_per_s: Uncertain,
     /// Equilibrium strain εe.
-    pub equilibrium: AfmEstimate,
+    pub equilibrium: Uncertain,
     /// Strain at the start ε0.
-    pub start: AfmEstimate,
+    pub start: Uncertain,
     /// Root mean square of the residual strain.
     pub rms: f64,
 }
@@ -291,8 +280,8 @@ impl AfmFitAnswer {
             notes: curve.notes.clone(),
             remarks: curve_remarks(fit),
             spring_constant_n_per_m: curve.spring_n_per_m,
-            modulus_pa: fit.modulus_pa.map(AfmEstimate::from),
-            equilibrium_modulus_pa: fit.equilibrium_modulus_pa.map(AfmEstimate::from),
+            modulus_pa: fit.modulus_pa.map(Uncertain::from),
+            equilibrium_modulus_pa: fit.equilibrium_modulus_pa.map(Uncertain::from),
             relaxation: fit.relaxation.iter().map(AfmExponentialAnswer::from).collect(),
             way_back_fitted: fit.follows_back,
             drag_n: fit.drag_n,
@@ -300,7 +289,7 @@ impl AfmFitAnswer {
             contact_m: fit.contact_m.into(),
             baseline_n: fit.offset_n,
             tilt_n_per_m: fit.tilt_n_per_m,
-            approach_pull_n: fit.approach_pull_n.map(AfmEstimate::from),
+            approach_pull_n: fit.approach_pull_n.map(Uncertain::from),
             noise_n: fit.noise_n,
             residual_rms_n: fit.residual_rms_n,
             samples: fit.samples,
@@ -339,12 +328,6 @@ impl AfmRelaxedAnswer {
             latency_linear: (&held.linear).into(),
             latency_power: (&held.power).into(),
         }
-    }
-}
-
-impl From<Estimate> for AfmEstimate {
-    fn from(found: Estimate) -> Self {
-        Self { value: found.value, standard_error: finite(found.standard_error) }
     }
 }
 

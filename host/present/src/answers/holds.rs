@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use palpate_analysis::regions::numeral;
+use palpate_analysis::regions::type_name;
 use palpate_fit::exponentials::{Fit, Parameter, Stop};
 use palpate_fit::hold::{HoldError, HoldFit, Spread, spreads};
 use schemars::JsonSchema;
@@ -160,7 +160,7 @@ impl SpreadAnswer {
     fn of(spread: &Spread) -> Self {
         let consistency = spread.consistency;
         Self {
-            relaxation: format!("Type {}", numeral(spread.relaxation)),
+            relaxation: type_name(spread.relaxation),
             parameter: spread.parameter.to_string(),
             holds: spread.holds,
             mean: spread.mean,
@@ -191,7 +191,7 @@ impl From<&HoldFit> for HoldFitAnswer {
             from_s: hold.from_s,
             duration_s: hold.duration_s,
             displacement_mm: hold.displacement,
-            relaxation: format!("Type {}", numeral(hold.relaxation)),
+            relaxation: type_name(hold.relaxation),
             parameters: parameters(fit),
             correlation: CorrelationAnswer::from(fit),
             samples: fit.samples,

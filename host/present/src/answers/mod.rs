@@ -34,9 +34,9 @@ mod uncertain;
 mod whole_motion;
 
 pub use afm::{
-    AfmAnswer, AfmCurveAnswer, AfmEstimate, AfmExponentialAnswer, AfmFitAnswer, AfmHoldAnswer,
-    AfmLatencyAnswer, AfmRefusedAnswer, AfmRefusedHoldAnswer, AfmRelaxedAnswer, AfmRetreatAnswer,
-    AfmRoughAnswer, AfmSpreadAnswer, AfmTermAnswer,
+    AfmAnswer, AfmCurveAnswer, AfmExponentialAnswer, AfmFitAnswer, AfmHoldAnswer, AfmLatencyAnswer,
+    AfmRefusedAnswer, AfmRefusedHoldAnswer, AfmRelaxedAnswer, AfmRetreatAnswer, AfmRoughAnswer,
+    AfmSpreadAnswer, AfmTermAnswer,
 };
 pub use change::{ChangeAnswer, RungAnswer, TriedLaw};
 pub use compare::{ComparisonAnswer, DependenceAnswer, PlaceAnswer};

@@ -1,7 +1,7 @@
 //! `palpate strain-rate`: strain, strain rate and the power law of every hold.
 
 use palpate_analysis::derivative::Derivative;
-use palpate_analysis::regions::numeral;
+use palpate_analysis::regions::type_name;
 use palpate_analysis::segment_run::SegmentRun;
 use palpate_analysis::strain_rate::{Hold, Study};
 use schemars::JsonSchema;
@@ -140,7 +140,7 @@ impl From<&Hold> for StrainRateHold {
             duration_s: hold.duration_s,
             displacement_mm: hold.displacement_mm,
             area_mm2: hold.area_mm2,
-            kind: format!("Type {}", numeral(hold.relaxation)),
+            kind: type_name(hold.relaxation),
             order: fit.order.0,
             order_standard_error: fit.order.1,
             rate_per_s: finite(fit.rate.0),

@@ -1,7 +1,10 @@
 //! A number with its uncertainty.
 
+use palpate_contact::afm::Estimate;
 use schemars::JsonSchema;
 use serde::Serialize;
+
+use super::finite;
 
 /// A number with its standard error, in the unit that its key names.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
@@ -22,5 +25,11 @@ impl From<(f64, Option<f64>)> for Uncertain {
 impl From<(f64, f64)> for Uncertain {
     fn from((value, standard_error): (f64, f64)) -> Self {
         Self { value, standard_error: Some(standard_error) }
+    }
+}
+
+impl From<Estimate> for Uncertain {
+    fn from(found: Estimate) -> Self {
+        Self { value: found.value, standard_error: finite(found.standard_error) }
     }
 }

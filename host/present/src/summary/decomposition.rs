@@ -4,7 +4,7 @@ use shared::phase::{Region, RelaxationType};
 
 use super::{name_of, unit_of};
 use palpate_analysis::decomposition::Channel;
-use palpate_analysis::regions::{Regions, Stretch, code, name, numeral, type_code};
+use palpate_analysis::regions::{Regions, Stretch, code, name, type_code, type_name};
 use palpate_report::number::significant;
 use palpate_report::{Axis, Colour, Column, Legend, Panels, Plot, Section, Series, Table};
 use palpate_trace::{DISPLACEMENT, FORCE, Trace};
@@ -65,7 +65,7 @@ pub fn region_table(trace: &Trace, channel: &Channel, stretches: &[Stretch]) -> 
 fn type_word(stretch: &Stretch) -> String {
     match (stretch.region, stretch.relaxation) {
         (_, RelaxationType::None) => String::new(),
-        (Region::Relaxation, relaxation) => format!(", Type {}", numeral(relaxation)),
+        (Region::Relaxation, relaxation) => format!(", {}", type_name(relaxation)),
         _ => String::new(),
     }
 }

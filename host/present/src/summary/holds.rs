@@ -1,7 +1,7 @@
 //! Relaxation during holds, as tables and plots: Tables 3.1–3.4 and A.1 for one's own data.
 
 use super::{CONCISE, concise, name_of, unit_of};
-use palpate_analysis::regions::numeral;
+use palpate_analysis::regions::{numeral, type_name};
 use palpate_fit::exponentials::{Correlated, Fit, Parameter};
 use palpate_fit::hold::{HoldError, HoldFit, Spread, spreads};
 use palpate_report::number::significant;
@@ -130,7 +130,7 @@ pub(super) fn spread_table(spreads: &[Spread], signal: &str, unit: &str) -> Tabl
         let level = spread.level.map_or("–".into(), |x| format!("{} {unit}", significant(x, 3)));
         let test = spread.consistency;
         table = table.row([
-            format!("{level}, Type {}", numeral(spread.relaxation)),
+            format!("{level}, {}", type_name(spread.relaxation)),
             spread.parameter.to_string(),
             spread.holds.to_string(),
             significant(spread.mean, 4),
@@ -214,8 +214,7 @@ pub(super) fn plot(hold: &HoldFit, trace: &Trace, signal: &str) -> Panels {
         time.iter().zip(&measured).map(|(time, y)| y - hold.fit.sum.at(*time)).collect();
     let first = time.first().copied().unwrap_or(hold.duration_s);
     let fitted = smooth(&hold.fit, (first, hold.duration_s));
-    let title =
-        format!("{}: Type {} from {:.2} s", hold.trace, numeral(hold.relaxation), hold.from_s);
+    let title = format!("{}: {} from {:.2} s", hold.trace, type_name(hold.relaxation), hold.from_s);
     let settled = hold.fit.sum.scale * hold.fit.sum.constant;
     let axis = || Axis::new("time in the hold", "s").log();
     let above = Plot::new("", axis(), Axis::new(name_of(signal), unit_of(signal)))

@@ -5,7 +5,7 @@ use super::{
     region_table, shaded, unit_of,
 };
 use palpate_analysis::press::Press;
-use palpate_analysis::regions::numeral;
+use palpate_analysis::regions::{numeral, type_name};
 use palpate_fit::exponentials::Parameter;
 use palpate_report::number::significant;
 use palpate_report::{Axis, Callout, Colour, Column, Panels, Plot, Section, Series, Table};
@@ -97,7 +97,7 @@ fn relaxation(trace: &Trace, press: &Press) -> Section {
     for hold in &press.force_holds {
         section = section.callout(
             Callout::Finding,
-            format!("Type {}", numeral(hold.relaxation)),
+            type_name(hold.relaxation),
             format!(
                 "the hold at {} mm from {:.2} s is of Type {}: the force goes from {} N towards {} N",
                 hold.displacement.map_or("?".into(), |x| significant(x, 3)),

@@ -5,7 +5,7 @@ use shared::phase::{Region, RelaxationType};
 use super::pull_off::pull_off_table;
 use super::{estimate, region_spans, shaded};
 use palpate_analysis::cycles::{Cycle, Inertia, Piece, Segmentation, Turn};
-use palpate_analysis::regions::{name, numeral};
+use palpate_analysis::regions::{name, type_name};
 use palpate_report::number::{percent, significant};
 use palpate_report::{Axis, Callout, Colour, Column, Panels, Plot, Section, Series, Table};
 use palpate_trace::{Control, Trace};
@@ -141,13 +141,13 @@ fn piece_table(trace: &Trace, found: &Segmentation) -> Table {
 fn of_type(piece: &Piece) -> String {
     match piece.relaxation {
         RelaxationType::None => String::new(),
-        relaxation => format!(", Type {}", numeral(relaxation)),
+        relaxation => format!(", {}", type_name(relaxation)),
     }
 }
 
 /// The type of a hold in words; none for other regions.
 pub fn type_of(relaxation: RelaxationType) -> Option<String> {
-    (relaxation != RelaxationType::None).then(|| format!("Type {}", numeral(relaxation)))
+    (relaxation != RelaxationType::None).then(|| type_name(relaxation))
 }
 
 fn cycle_table(trace: &Trace, found: &Segmentation) -> Table {
