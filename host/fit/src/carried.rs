@@ -123,12 +123,6 @@ impl Carried {
         Some(carried)
     }
 
-    /// Whether the base law of a chain can be carried wherever the search goes.
-    #[must_use]
-    pub fn is_possible(chain: &Chain, coordinates: &Coordinates) -> bool {
-        Self::new(chain, coordinates, &vec![0.5; coordinates.count()]).is_some()
-    }
-
     /// Predicts the force, N, over a stretch into `force`, and the derivative by each coordinate `wanted`
     /// into its column.
     pub fn run(

@@ -92,6 +92,7 @@ impl Compressed {
             channels: Vec::new(),
             effects: data.effects.clone(),
             laws: data.laws.clone(),
+            keeps: data.keeps,
         }
     }
 }

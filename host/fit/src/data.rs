@@ -1,5 +1,8 @@
 //! Measurements as a fit takes them: motions with the signal that answered.
 
+use std::borrow::Cow;
+use std::sync::OnceLock;
+
 use palpate_model::Laws;
 use palpate_model::effects::{Effects, Scales, Setting};
 use palpate_model::{Channel, Gauge, GaugeError, Model, Motion, MotionError, Past, Scene, Span};
@@ -27,13 +30,54 @@ pub struct Piece<'a> {
     temperature: Option<&'a [f64]>,
     /// The other channels at each sample.
     channels: Vec<Channel<'a>>,
+    /// What follows from it without a model, once it was asked for.
+    known: OnceLock<Known>,
+}
+
+/// What follows from a stretch and its past alone, at each sample.
+#[derive(Clone, Debug)]
+struct Known {
+    /// Time since the trace began, s.
+    since: Vec<f64>,
+    velocity: Vec<f64>,
+    acceleration: Vec<f64>,
+    loadings: Vec<f64>,
+    largest: Vec<f64>,
+    /// Temperature above the reference, K; absent where it was not recorded.
+    warmth: Option<Vec<f64>>,
 }
 
 impl Piece<'_> {
     /// The same stretch with other samples of its motion and its signal, and nothing else recorded.
     pub(super) fn with_samples<'b>(&self, motion: Motion<'b>, measured: &'b [f64]) -> Piece<'b> {
         let Self { trace, first, begin, past, .. } = *self;
-        Piece { trace, motion, measured, first, begin, past, temperature: None, channels: vec![] }
+        Piece {
+            trace,
+            motion,
+            measured,
+            first,
+            begin,
+            past,
+            temperature: None,
+            channels: vec![],
+            known: OnceLock::new(),
+        }
+    }
+
+    fn derive(&self, reference: Option<f64>) -> Known {
+        let reference = reference.unwrap_or_default();
+        let warmth = |values: &[f64]| values.iter().map(|value| value - reference).collect();
+        let mut past = self.past;
+        let (loadings, largest) = past.follow(&self.motion);
+        let velocity = velocity(&self.motion);
+        Known {
+            since: self.motion.time.iter().map(|time| time - self.first).collect(),
+            acceleration: acceleration(&self.motion, &velocity),
+            velocity,
+            loadings,
+            largest,
+            warmth: self.temperature.map(warmth),
+        }
     }
 }
 
@@ -57,8 +101,11 @@ pub struct Data<'a> {
     pub effects: Effects,
     /// The base laws that a model of it may name.
     pub laws: Laws,
+    pub(super) keeps: bool,
 }
 
+/// Samples up to which what follows from the motions is kept: some 60 MB.
+const KEPT: usize = 1_500_000;
 /// A value this many times what nine of ten are below stands far out.
 const FAR_OUT: f64 = 100.0;
 
@@ -138,6 +185,7 @@ impl<'a> Data<'a> {
             channels: others(traces, signal),
             effects: Effects::library(),
             laws: Laws::library(),
+            keeps: true,
         };
         let mut past = Past::default();
         for (index, (trace, motion)) in traces.iter().zip(&motions).enumerate() {
@@ -147,6 +195,7 @@ impl<'a> Data<'a> {
         if data.pieces.is_empty() {
             return Err(DataError::NothingLeft);
         }
+        data.keeps = data.samples() <= KEPT;
         Ok(data)
     }
 
@@ -204,6 +253,7 @@ impl<'a> Data<'a> {
                 past: before,
                 temperature: temperature.map(|values| &values[run.clone()]),
                 channels: self.channels.iter().filter_map(channel).collect(),
+                known: OnceLock::new(),
             });
         }
     }
@@ -240,6 +290,7 @@ impl<'a> Data<'a> {
     pub fn with_reference(mut self, temperature: Option<f64>) -> Self {
         if self.reference_temperature.is_some() && temperature.is_some() {
             self.reference_temperature = temperature;
+            self.pieces.iter_mut().for_each(|piece| piece.known = OnceLock::new());
         }
         self
     }
@@ -295,25 +346,50 @@ impl<'a> Data<'a> {
         self.pieces.iter().take_while(enough).map(timed).collect()
     }
 
+    /// Whether what follows from the traces alone is kept once it is known; a longer data set derives it anew each time.
+    #[must_use]
+    pub const fn keeps(&self) -> bool {
+        self.keeps
+    }
+
     /// Everything that is known at every sample of a stretch without a model.
     #[must_use]
     pub fn scene<'b>(&self, piece: &'b Piece<'a>) -> Scene<'b> {
-        let mut past = piece.past;
-        let (loadings, largest) = past.follow(&piece.motion);
-        let velocity = velocity(&piece.motion);
-        let reference = self.reference_temperature.unwrap_or_default();
-        let warmth = |values: &[f64]| values.iter().map(|value| value - reference).collect();
-        Scene {
+        let bare = Scene {
             trace: piece.trace,
             motion: &piece.motion,
-            since: piece.motion.time.iter().map(|time| time - piece.first).collect(),
+            since: Cow::default(),
             begin: piece.begin,
-            acceleration: acceleration(&piece.motion, &velocity),
-            velocity,
-            loadings,
-            largest,
-            warmth: piece.temperature.map(warmth),
+            velocity: Cow::default(),
+            acceleration: Cow::default(),
+            loadings: Cow::default(),
+            largest: Cow::default(),
+            warmth: None,
             channels: &piece.channels,
+        };
+        let derive = || piece.derive(self.reference_temperature);
+        if self.keeps {
+            let known = piece.known.get_or_init(derive);
+            Scene {
+                since: (&known.since).into(),
+                velocity: (&known.velocity).into(),
+                acceleration: (&known.acceleration).into(),
+                loadings: (&known.loadings).into(),
+                largest: (&known.largest).into(),
+                warmth: known.warmth.as_deref().map(Cow::from),
+                ..bare
+            }
+        } else {
+            let known = derive();
+            Scene {
+                since: known.since.into(),
+                velocity: known.velocity.into(),
+                acceleration: known.acceleration.into(),
+                loadings: known.loadings.into(),
+                largest: known.largest.into(),
+                warmth: known.warmth.map(Cow::from),
+                ..bare
+            }
         }
     }
 

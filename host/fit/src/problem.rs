@@ -27,9 +27,7 @@ pub struct Problem<'a> {
     /// The chain.
     pub chain: &'a Chain,
     data: &'a Data<'a>,
-    /// What is known at every sample; made anew for every run where it is not kept.
-    scenes: Arc<Vec<Scene<'a>>>,
-    /// ln(x/X) of the commanded compression at every sample, kept under the same limit.
+    /// ln(x/X) of the commanded compression at every sample, where the data set keeps what it knows.
     logarithms: Arc<Vec<Vec<f64>>>,
     spare: Arc<Spare>,
     whitening: &'a Whitening,
@@ -45,8 +43,6 @@ pub struct Problem<'a> {
 
 /// Samples whose products are taken at a time.
 const AT_A_TIME: usize = 1024;
-/// Samples up to which scenes are kept: some 100 MB.
-const KEPT: usize = 1_500_000;
 /// Step of a derivative, relative to the coordinate and to its range.
 const STEP: (f64, f64) = (1e-6, 1e-8);
 
@@ -59,36 +55,17 @@ impl<'a> Problem<'a> {
         whitening: &'a Whitening,
         left_out: Option<usize>,
     ) -> Self {
-        let mut problem = Self::alone(chain, data, whitening, left_out);
-        if problem.scenes.is_empty() && data.samples() <= KEPT {
-            problem.scenes = scenes(data);
-        }
-        problem
-    }
-
-    /// The same for a chain that stays as it is: where its derivatives are carried along and no effect
-    /// looks at a scene, none is made.
-    #[must_use]
-    pub fn alone(
-        chain: &'a Chain,
-        data: &'a Data<'a>,
-        whitening: &'a Whitening,
-        left_out: Option<usize>,
-    ) -> Self {
         let coordinates = Coordinates::new(chain.base, data.largest_compression());
-        let bare = chain.effects.is_empty() && Carried::is_possible(chain, &coordinates);
-        let keep = data.samples() <= KEPT;
         let logarithms_of = |piece: &Piece| {
             let mut values = Vec::new();
             logarithms(&piece.motion.displacement, coordinates.reference(), &mut values);
             values
         };
-        let logarithms =
-            if keep { data.pieces.iter().map(logarithms_of).collect() } else { Vec::new() };
+        let kept: &[Piece] = if data.keeps() { &data.pieces } else { &[] };
+        let logarithms = kept.iter().map(logarithms_of).collect();
         Self {
             chain,
             data,
-            scenes: if keep && !bare { scenes(data) } else { Arc::default() },
             logarithms: Arc::new(logarithms),
             spare: Arc::default(),
             whitening,
@@ -106,7 +83,7 @@ impl<'a> Problem<'a> {
     where
         'a: 'b,
     {
-        let mut problem = Problem::alone(self.chain, means, self.whitening, self.left_out);
+        let mut problem = Problem::new(self.chain, means, self.whitening, self.left_out);
         let reference = self.coordinates.reference();
         for (kept, piece) in Arc::make_mut(&mut problem.logarithms).iter_mut().zip(&means.pieces) {
             logarithms(&piece.motion.displacement, reference, kept);
@@ -141,7 +118,6 @@ impl<'a> Problem<'a> {
         Problem {
             chain,
             data: self.data,
-            scenes: self.scenes.clone(),
             logarithms: self.logarithms.clone(),
             spare: self.spare.clone(),
             whitening: self.whitening,
@@ -230,15 +206,12 @@ impl<'a> Problem<'a> {
         point
     }
 
-    fn scene(&self, index: usize) -> Cow<'_, Scene<'a>> {
-        match self.scenes.get(index) {
-            Some(scene) => Cow::Borrowed(scene),
-            None => Cow::Owned(self.data.scene(&self.data.pieces[index])),
-        }
+    fn scene(&self, index: usize) -> Scene<'a> {
+        self.data.scene(&self.data.pieces[index])
     }
 
     /// What effects see of a stretch; none where there are none to see it.
-    fn seen(&self, index: usize) -> Option<Cow<'_, Scene<'a>>> {
+    fn seen(&self, index: usize) -> Option<Scene<'a>> {
         (!self.chain.effects.is_empty()).then(|| self.scene(index))
     }
 
@@ -650,11 +623,6 @@ impl Block {
         let zeros = || Normal::zeros(dimension);
         Self { trace, samples: 0, white: zeros(), raw: zeros(), slow: 0.0, levels: None }
     }
-}
-
-/// What is known at every sample of a data set.
-fn scenes<'a>(data: &'a Data<'a>) -> Arc<Vec<Scene<'a>>> {
-    Arc::new(data.pieces.iter().map(|piece| data.scene(piece)).collect())
 }
 
 /// Bounds of every coordinate.

@@ -113,7 +113,7 @@ pub fn fit(law: BaseLaw, data: &Data) -> Result<MotionFit, DataError> {
         return Err(not_finite(&law, data));
     }
     let white = Whitening::none();
-    let problem = Problem::alone(&chain, data, &white, None);
+    let problem = Problem::new(&chain, data, &white, None);
     // Several starts: the sum of squares may have more than one minimum in the exponents and the rates.
     let compressed = Compressed::of(data);
     let means = compressed.as_ref().map(|compressed| compressed.data(data));
@@ -153,7 +153,7 @@ pub fn fit(law: BaseLaw, data: &Data) -> Result<MotionFit, DataError> {
 pub fn refit(chain: &Chain, from: &[f64], data: &Data) -> Result<MotionFit, DataError> {
     check_size(chain, data)?;
     let white = Whitening::none();
-    let problem = Problem::alone(chain, data, &white, None);
+    let problem = Problem::new(chain, data, &white, None);
     let found = minimise(&problem, &problem.point(from));
     let fit = describe(&problem, data, &found);
     if is_finite(&fit) { Ok(fit) } else { Err(not_finite(&chain.base, data)) }
@@ -183,7 +183,7 @@ const HARDLY: f64 = 1e-12;
 pub fn held_out(fit: &MotionFit, data: &Data) -> Vec<f64> {
     watch::stage("traces left out, each in turn", data.labels.len());
     let white = Whitening::none();
-    let problem = Problem::alone(&fit.chain, data, &white, None);
+    let problem = Problem::new(&fit.chain, data, &white, None);
     let point = problem.point(&fit.values);
     let traces = problem.by_trace(&point);
     let mut all = Normal::zeros(point.len());
@@ -496,7 +496,7 @@ mod tests {
         let fit = fit(law, &data).unwrap();
         let chain = Chain::new(law);
         let white = Whitening::none();
-        let problem = Problem::alone(&chain, &data, &white, None);
+        let problem = Problem::new(&chain, &data, &white, None);
         let compressed = Compressed::of(&data).unwrap();
         let means = compressed.data(&data);
         let few = problem.on_means(&compressed, &means);

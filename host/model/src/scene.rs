@@ -1,9 +1,11 @@
 //! Everything that is known at every sample of a stretch without a model.
 
+use std::borrow::Cow;
+
 use super::Motion;
 use palpate_trace::{Kind, segments};
 
-/// One stretch of recording without a gap, as laws see it. All vectors have one value for each sample.
+/// One stretch of recording without a gap, as laws see it. All columns have one value for each sample.
 #[derive(Clone, Debug)]
 pub struct Scene<'a> {
     /// Which trace of the set it is from.
@@ -11,19 +13,19 @@ pub struct Scene<'a> {
     /// Commanded motion: time, s, and displacement x, mm.
     pub motion: &'a Motion<'a>,
     /// Time t since the trace began, s.
-    pub since: Vec<f64>,
+    pub since: Cow<'a, [f64]>,
     /// Time t_set of the trace's first sample since the data set began, s.
     pub begin: f64,
     /// Velocity v, mm/s.
-    pub velocity: Vec<f64>,
+    pub velocity: Cow<'a, [f64]>,
     /// Acceleration a, mm/s².
-    pub acceleration: Vec<f64>,
+    pub acceleration: Cow<'a, [f64]>,
     /// Number n of loadings completed before this one, over the whole set.
-    pub loadings: Vec<f64>,
+    pub loadings: Cow<'a, [f64]>,
     /// Largest compression x_max so far, over the whole set, mm.
-    pub largest: Vec<f64>,
+    pub largest: Cow<'a, [f64]>,
     /// Temperature above the reference, T − T0, K; absent where it was not recorded.
-    pub warmth: Option<Vec<f64>>,
+    pub warmth: Option<Cow<'a, [f64]>>,
     /// The other channels that were recorded, in the order of their columns.
     pub channels: &'a [Channel<'a>],
 }

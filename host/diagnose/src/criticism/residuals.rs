@@ -58,16 +58,16 @@ fn stretch(piece: &Piece, predicted: Vec<f64>, data: &Data) -> Stretch {
         (Covariate::Displacement, piece.motion.displacement.to_vec()),
         (Covariate::Direction, scene.velocity.iter().map(direction).collect()),
         (Covariate::SetTime, (0..scene.len()).map(|k| scene.set_time(k)).collect()),
-        (Covariate::Acceleration, scene.acceleration),
-        (Covariate::Velocity, scene.velocity),
+        (Covariate::Acceleration, scene.acceleration.into_owned()),
+        (Covariate::Velocity, scene.velocity.into_owned()),
         (Covariate::Force, predicted.clone()),
-        (Covariate::Time, scene.since),
-        (Covariate::Cycle, scene.loadings),
-        (Covariate::Largest, scene.largest),
+        (Covariate::Time, scene.since.into_owned()),
+        (Covariate::Cycle, scene.loadings.into_owned()),
+        (Covariate::Largest, scene.largest.into_owned()),
     ];
     if let Some(warmth) = scene.warmth {
         let reference = data.reference_temperature.unwrap_or_default();
-        let temperature = warmth.into_iter().map(|value| value + reference).collect();
+        let temperature = warmth.iter().map(|value| value + reference).collect();
         covariates.push((Covariate::Temperature, temperature));
     }
     Stretch {

@@ -180,7 +180,8 @@ fn shares(fitted: &Fitted, place: usize, problem: &Problem, data: &Data) -> Shar
     let mut sums = [vec![[0.0; 2]; traces], vec![[0.0; 2]; traces], vec![[0.0; 2]; traces]];
     problem.each_piece(&points, |piece, forces| {
         let scene = data.scene(piece);
-        let samples = forces[0].iter().zip(&forces[1]).zip(piece.measured).zip(&scene.velocity);
+        let samples =
+            forces[0].iter().zip(&forces[1]).zip(piece.measured).zip(scene.velocity.iter());
         for (((with, without), measured), velocity) in samples {
             let (does, left) = (with - without, measured - without);
             let way = if *velocity > 0.0 { 0 } else { 1 };

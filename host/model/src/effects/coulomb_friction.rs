@@ -49,7 +49,7 @@ pub const EFFECT: Effect = Effect {
             strength: FRICTION,
             shapes: &[SLIDING_SPEED],
             act: Act::Force(|scene, parameters, _, force| {
-                for (force, velocity) in force.iter_mut().zip(&scene.velocity) {
+                for (force, velocity) in force.iter_mut().zip(scene.velocity.iter()) {
                     *force += parameters[0] * (velocity / parameters[1]).tanh();
                 }
             }),
@@ -73,7 +73,7 @@ pub const EFFECT: Effect = Effect {
             strength: FRICTION,
             shapes: &[SLIDING_SPEED],
             act: Act::Force(|scene, parameters, _, force| {
-                for (force, velocity) in force.iter_mut().zip(&scene.velocity) {
+                for (force, velocity) in force.iter_mut().zip(scene.velocity.iter()) {
                     if *force > 0.0 {
                         *force += parameters[0] * (velocity / parameters[1]).tanh();
                     }
@@ -92,7 +92,7 @@ pub const EFFECT: Effect = Effect {
                 role: Role::Fitted(|scales| (0.005 * scales.speed, 0.5 * scales.speed)),
             }],
             act: Act::Force(|scene, parameters, _, force| {
-                for (force, velocity) in force.iter_mut().zip(&scene.velocity) {
+                for (force, velocity) in force.iter_mut().zip(scene.velocity.iter()) {
                     let speeds = velocity / parameters[1];
                     let sticking = 1.0 + 0.5 * (-speeds * speeds).exp();
                     *force += parameters[0] * sticking * (10.0 * speeds).tanh();

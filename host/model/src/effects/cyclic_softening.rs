@@ -28,7 +28,7 @@ pub const EFFECT: Effect = Effect {
             },
             shapes: &[],
             act: Act::Elastic(|scene, parameters, _, _, elastic| {
-                for (elastic, loadings) in elastic.iter_mut().zip(&scene.loadings) {
+                for (elastic, loadings) in elastic.iter_mut().zip(scene.loadings.iter()) {
                     *elastic *= 1.0 - parameters[0] * loadings.ln_1p();
                 }
             }),
@@ -53,7 +53,7 @@ pub const EFFECT: Effect = Effect {
                 role: Role::Fitted(|scales| (0.3, 3.0 * scales.loadings.max(6.0))),
             }],
             act: Act::Elastic(|scene, parameters, _, _, elastic| {
-                for (elastic, loadings) in elastic.iter_mut().zip(&scene.loadings) {
+                for (elastic, loadings) in elastic.iter_mut().zip(scene.loadings.iter()) {
                     *elastic *= 1.0 + parameters[0] * (-loadings / parameters[1]).exp_m1();
                 }
             }),

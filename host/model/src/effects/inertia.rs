@@ -24,7 +24,7 @@ pub const EFFECT: Effect = Effect {
             strength: MASS,
             shapes: &[],
             act: Act::Force(|scene, parameters, _, force| {
-                for (force, acceleration) in force.iter_mut().zip(&scene.acceleration) {
+                for (force, acceleration) in force.iter_mut().zip(scene.acceleration.iter()) {
                     *force += parameters[0] * NEWTON * acceleration;
                 }
             }),

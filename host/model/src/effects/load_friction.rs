@@ -32,7 +32,7 @@ pub const EFFECT: Effect = Effect {
             strength: COEFFICIENT,
             shapes: &[SLIDING_SPEED],
             act: Act::Force(|scene, parameters, _, force| {
-                for (force, velocity) in force.iter_mut().zip(&scene.velocity) {
+                for (force, velocity) in force.iter_mut().zip(scene.velocity.iter()) {
                     *force *= 1.0 + parameters[0] * (velocity / parameters[1]).tanh();
                 }
             }),

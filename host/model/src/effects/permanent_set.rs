@@ -89,7 +89,7 @@ pub const EFFECT: Effect = Effect {
             },
             shapes: &[],
             act: Act::Compression(|scene, parameters, remembered, x| {
-                for (x, loadings) in x.iter_mut().zip(&scene.loadings) {
+                for (x, loadings) in x.iter_mut().zip(scene.loadings.iter()) {
                     *x -= parameters[0] * largest(remembered, *x) * loadings.ln_1p();
                 }
             }),

@@ -61,7 +61,7 @@ pub const EFFECT: Effect = Effect {
             ],
             act: Act::Force(|scene, parameters, _, force| {
                 let (drag, thinning, full) = (parameters[0], parameters[1], parameters[2]);
-                for (force, velocity) in force.iter_mut().zip(&scene.velocity) {
+                for (force, velocity) in force.iter_mut().zip(scene.velocity.iter()) {
                     *force += drag * (velocity / thinning).asinh() / (full / thinning).asinh();
                 }
             }),
@@ -71,7 +71,7 @@ pub const EFFECT: Effect = Effect {
 
 fn power(scene: &Scene, parameters: &[f64], _: &mut Remembered, force: &mut [f64]) {
     let (drag, exponent, full) = (parameters[0], parameters[1], parameters[2]);
-    for (force, velocity) in force.iter_mut().zip(&scene.velocity) {
+    for (force, velocity) in force.iter_mut().zip(scene.velocity.iter()) {
         let speeds = velocity / full;
         *force += drag * speeds * (speeds * speeds + LEAST * LEAST).powf(0.5 * (exponent - 1.0));
     }

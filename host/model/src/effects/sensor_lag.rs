@@ -150,12 +150,12 @@ mod tests {
         let scene = Scene {
             trace: 0,
             motion: &motion,
-            since: time.clone(),
+            since: (&time).into(),
             begin: 0.0,
-            velocity: time.clone(),
-            acceleration: time.clone(),
-            loadings: time.clone(),
-            largest: time.clone(),
+            velocity: (&time).into(),
+            acceleration: (&time).into(),
+            loadings: (&time).into(),
+            largest: (&time).into(),
             warmth: None,
             channels: &[],
         };

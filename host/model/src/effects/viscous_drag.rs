@@ -31,7 +31,7 @@ pub const EFFECT: Effect = Effect {
             strength: VISCOSITY,
             shapes: &[],
             act: Act::Force(|scene, parameters, _, force| {
-                for (force, velocity) in force.iter_mut().zip(&scene.velocity) {
+                for (force, velocity) in force.iter_mut().zip(scene.velocity.iter()) {
                     *force += parameters[0] * velocity;
                 }
             }),
@@ -42,7 +42,7 @@ pub const EFFECT: Effect = Effect {
             strength: VISCOSITY,
             shapes: &[],
             act: Act::Force(|scene, parameters, _, force| {
-                for (force, velocity) in force.iter_mut().zip(&scene.velocity) {
+                for (force, velocity) in force.iter_mut().zip(scene.velocity.iter()) {
                     if *force > 0.0 {
                         *force += parameters[0] * velocity;
                     }
@@ -56,7 +56,8 @@ pub const EFFECT: Effect = Effect {
             shapes: &[FULL_COMPRESSION],
             act: Act::Force(|scene, parameters, _, force| {
                 let path = scene.motion.displacement.iter();
-                for ((force, velocity), x) in force.iter_mut().zip(&scene.velocity).zip(path) {
+                for ((force, velocity), x) in force.iter_mut().zip(scene.velocity.iter()).zip(path)
+                {
                     *force += parameters[0] * velocity * x.max(0.0) / parameters[1];
                 }
             }),
