@@ -150,6 +150,25 @@ impl Browser {
         self.until(&format!("{css} says {words:?}"), &condition);
     }
 
+    /// Clicks an element as soon as another says this. The page itself looks: what passes within a second may be over before the
+    /// driver has asked twice.
+    pub fn click_when(&self, click: &str, css: &str, words: &str) {
+        let _ = self.later(&format!(
+            "const says = () => (document.querySelector({css})?.innerText ?? '').includes({words});
+             await new Promise((done) => {{
+               const look = () => says() && (watch.disconnect(), done());
+               const watch = new MutationObserver(look);
+               watch.observe(document.body, {{ subtree: true, childList: true, characterData: true }});
+               look();
+             }});
+             document.querySelector({click}).click();
+             return null",
+            css = json!(css),
+            words = json!(words),
+            click = json!(click),
+        ));
+    }
+
     /// How many elements there are.
     #[must_use]
     pub fn count(&self, css: &str) -> u64 {

@@ -3,8 +3,10 @@
 //! `cargo xtask fuzz` goes on for a minute with each target. What breaks something is written to its folder. Where the process
 //! itself ends, or never comes to an end, what was tried last lies in `target/fuzz/`.
 
+use std::fs::File;
+use std::io::{Seek, SeekFrom, Write};
 use std::panic::catch_unwind;
-use std::path::Path;
+use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use palpate_tests::fuzz::{Mutator, TARGETS, Target};
@@ -36,9 +38,30 @@ impl Wanted {
     }
 }
 
+/// What is tried, on the disk before it is tried.
+struct Last {
+    path: PathBuf,
+    file: File,
+}
+
+impl Last {
+    fn of(target: &Target) -> Self {
+        let path = workspace().join("target/fuzz").join(target.name);
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        Self { file: File::create(&path).unwrap(), path }
+    }
+
+    /// Written over in place: some file systems write a file through to the disk once it was emptied first.
+    fn keep(&mut self, input: &[u8]) {
+        self.file.seek(SeekFrom::Start(0)).unwrap();
+        self.file.write_all(input).unwrap();
+        self.file.set_len(input.len() as u64).unwrap();
+    }
+}
+
 /// Fails with the input, once it is kept, if the target panics.
-fn attempt(target: &Target, input: &[u8], last: &Path) {
-    std::fs::write(last, input).unwrap();
+fn attempt(target: &Target, input: &[u8], last: &mut Last) {
+    last.keep(input);
     if catch_unwind(|| (target.run)(input)).is_ok() {
         return;
     }
@@ -52,19 +75,18 @@ fn attempt(target: &Target, input: &[u8], last: &Path) {
 fn run(target: &Target, wanted: &Wanted) {
     let corpus = target.corpus();
     assert!(!corpus.is_empty(), "{} has no inputs", target.name);
-    let last = workspace().join("target/fuzz").join(target.name);
-    std::fs::create_dir_all(last.parent().unwrap()).unwrap();
-    corpus.iter().for_each(|input| attempt(target, input, &last));
+    let mut last = Last::of(target);
+    corpus.iter().for_each(|input| attempt(target, input, &mut last));
     let mut mutator = Mutator::new(wanted.seed, &corpus, target.words);
     let (begun, mut cases, mut slowest) = (Instant::now(), 0, Duration::ZERO);
     while wanted.time.map_or(cases < CASES, |time| begun.elapsed() < time) {
         let input = mutator.next_input();
         let tried = Instant::now();
-        attempt(target, &input, &last);
+        attempt(target, &input, &mut last);
         slowest = slowest.max(tried.elapsed());
         cases += 1;
     }
-    std::fs::remove_file(last).unwrap();
+    std::fs::remove_file(last.path).unwrap();
     println!(
         "{}: {} known inputs, {cases} changed ones with seed {} in {:.0} s, the slowest {:.0} ms",
         target.name,

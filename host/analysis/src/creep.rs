@@ -73,7 +73,7 @@ pub fn creep(
     let found = hold::fit_responses(&trace, signal, Response::Creep, exponentials, signs)?;
     let values = trace.changing(signal).map_err(HoldError::from)?;
     let of = |fit: HoldFit| {
-        let (time, values) = (&trace.time[fit.range.clone()], &values[fit.range.clone()]);
+        let (time, values) = (&trace.elapsed(fit.range.clone())[..], &values[fit.range.clone()]);
         let failed = |source| HoldError::Fit { trace: trace.label(), from_s: fit.from_s, source };
         let asked = Response::Creep.options(hold::Terms::Auto, signs.then_some(fit.relaxation));
         let terms = terms::terms(time, values, &asked).map_err(failed)?;

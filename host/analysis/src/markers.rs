@@ -147,7 +147,7 @@ impl Series {
             trace: trace.label(),
             between: pair.to_vec(),
             from_s,
-            time: trace.time[range.clone()].iter().map(|t| t - from_s).collect(),
+            time: trace.elapsed(range.clone()).into_owned(),
             gap,
         })
     }

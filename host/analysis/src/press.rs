@@ -108,7 +108,8 @@ fn recovery(
     let Some(last) = regions.stretches().into_iter().rfind(|s| s.region == Region::Recovery) else {
         return Ok(None);
     };
-    let (time, values) = (&trace.time[last.range.clone()], &channel.input[last.range.clone()]);
+    let (time, values) =
+        (&trace.elapsed(last.range.clone())[..], &channel.input[last.range.clone()]);
     // What is left decays from the largest value on.
     let highest = (0..values.len()).max_by(|&a, &b| values[a].abs().total_cmp(&values[b].abs()));
     let start = highest.unwrap_or(0);
@@ -116,7 +117,7 @@ fn recovery(
     let options = Options { terms: 1, ..Options::relaxation() };
     let prepared = Prepared::new(&time[start..], &options).map_err(failed)?;
     let fit = prepared.fit(&values[start..]).map_err(failed)?;
-    let from_s = time[start];
-    let duration_s = time[time.len() - 1] - from_s;
+    let from_s = trace.time[last.range.start + start];
+    let duration_s = time[time.len() - 1] - time[start];
     Ok(Some(Recovery { signal: channel.signal.clone(), from_s, duration_s, fit }))
 }

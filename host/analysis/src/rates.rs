@@ -185,7 +185,7 @@ fn run(
     let failed =
         |source| RatesError::Fit { trace: trace.label(), from_s: trace.time[hold.start], source };
     let options = Options { terms, normalisation: Normalisation::Asymptotic, ..Options::default() };
-    let prepared = Prepared::new(&trace.time[hold.clone()], &options).map_err(failed)?;
+    let prepared = Prepared::new(&trace.elapsed(hold.clone()), &options).map_err(failed)?;
     let fit = prepared.fit(&force[hold.clone()]).map_err(failed)?;
     let estimate =
         |parameter| (fit.value(parameter).unwrap_or(f64::NAN), fit.standard_error(parameter));

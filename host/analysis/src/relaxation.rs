@@ -87,7 +87,7 @@ pub fn relaxation(
     let found = hold::fit_holds(trace, signal, exponentials, signs)?;
     let values = trace.changing(signal).map_err(HoldError::from)?;
     let of = |fit: HoldFit| {
-        let (time, values) = (&trace.time[fit.range.clone()], &values[fit.range.clone()]);
+        let (time, values) = (&trace.elapsed(fit.range.clone())[..], &values[fit.range.clone()]);
         let failed = |source| HoldError::Fit { trace: trace.label(), from_s: fit.from_s, source };
         let asked =
             Response::Relaxation.options(hold::Terms::Auto, signs.then_some(fit.relaxation));

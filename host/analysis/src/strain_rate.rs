@@ -189,7 +189,7 @@ impl Strains {
             return Err(StrainRateError::NoContact { trace, from_s, displacement_mm });
         }
         let strain = force[range.clone()].iter().map(|f| 1e6 * f / area_mm2 / modulus_pa).collect();
-        let time = trace.time[range.clone()].iter().map(|t| t - from_s).collect();
+        let time = trace.elapsed(range.clone()).into_owned();
         Ok(Self { trace: trace.label(), range, from_s, time, strain, displacement_mm, area_mm2 })
     }
 

@@ -6,7 +6,7 @@ use std::sync::OnceLock;
 use palpate_model::Laws;
 use palpate_model::effects::{Effects, Scales, Setting};
 use palpate_model::{Channel, Gauge, GaugeError, Model, Motion, MotionError, Past, Scene, Span};
-use palpate_trace::{FORCE, GAUGES, SignalError, TANGENTIAL, TEMPERATURE, Trace, runs};
+use palpate_trace::{FORCE, GAUGES, SignalError, TANGENTIAL, TEMPERATURE, Trace, elapsed, runs};
 
 use super::line::line_near;
 use super::slope::{acceleration, slope, velocity};
@@ -16,7 +16,7 @@ use super::slope::{acceleration, slope, velocity};
 pub struct Piece<'a> {
     /// Which trace of the set it is from.
     pub trace: usize,
-    /// What was done.
+    /// What was done, over the time since the trace began, s.
     pub motion: Motion<'a>,
     /// What was measured at each sample.
     pub measured: &'a [f64],
@@ -37,8 +37,6 @@ pub struct Piece<'a> {
 /// What follows from a stretch and its past alone, at each sample.
 #[derive(Clone, Debug)]
 struct Known {
-    /// Time since the trace began, s.
-    since: Vec<f64>,
     velocity: Vec<f64>,
     acceleration: Vec<f64>,
     loadings: Vec<f64>,
@@ -64,6 +62,12 @@ impl Piece<'_> {
         }
     }
 
+    /// Time of each sample as it was recorded, s.
+    #[must_use]
+    pub fn recorded_time(&self) -> Vec<f64> {
+        self.motion.time.iter().map(|time| self.first + time).collect()
+    }
+
     fn derive(&self, reference: Option<f64>) -> Known {
         let reference = reference.unwrap_or_default();
         let warmth = |values: &[f64]| values.iter().map(|value| value - reference).collect();
@@ -71,7 +75,6 @@ impl Piece<'_> {
         let (loadings, largest) = past.follow(&self.motion);
         let velocity = velocity(&self.motion);
         Known {
-            since: self.motion.time.iter().map(|time| time - self.first).collect(),
             acceleration: acceleration(&self.motion, &velocity),
             velocity,
             loadings,
@@ -222,6 +225,7 @@ impl<'a> Data<'a> {
     fn add(&mut self, part: &Part<'a>, motion: &Motion<'a>, past: &mut Past) {
         let Part { index, trace, measured, begin } = *part;
         let displacement = trace.displacement().unwrap_or_default();
+        let elapsed = elapsed(&trace.time);
         let temperature = self.reference_temperature.and_then(|_| trace.column(TEMPERATURE));
         for (number, run) in runs(&trace.time).into_iter().enumerate() {
             if number > 0 && displacement[run.start] > 0.0 {
@@ -233,8 +237,12 @@ impl<'a> Data<'a> {
                 ));
                 continue;
             }
+            let time = match &elapsed {
+                Cow::Borrowed(time) => time[run.clone()].into(),
+                Cow::Owned(time) => time[run.clone()].to_vec().into(),
+            };
             let motion = Motion {
-                time: trace.time[run.clone()].into(),
+                time,
                 displacement: displacement[run.clone()].into(),
                 rest_before: if number == 0 { motion.rest_before } else { None },
             };
@@ -242,8 +250,9 @@ impl<'a> Data<'a> {
             let _ = past.follow(&motion);
             let channel = |name: &&str| {
                 let values = &trace.column(name)?[run.clone()];
-                Some(Channel { values, slope: slope(&trace.time[run.clone()], values) })
+                Some(Channel { values, slope: slope(&motion.time, values) })
             };
+            let channels = self.channels.iter().filter_map(channel).collect();
             self.pieces.push(Piece {
                 trace: index,
                 motion,
@@ -252,7 +261,7 @@ impl<'a> Data<'a> {
                 begin,
                 past: before,
                 temperature: temperature.map(|values| &values[run.clone()]),
-                channels: self.channels.iter().filter_map(channel).collect(),
+                channels,
                 known: OnceLock::new(),
             });
         }
@@ -340,7 +349,7 @@ impl<'a> Data<'a> {
             samples <= HEARD.max(piece.measured.len())
         };
         let timed = |piece: &Piece<'a>| {
-            let time = piece.motion.time.iter().map(|t| piece.begin + t - piece.first).collect();
+            let time = piece.motion.time.iter().map(|t| piece.begin + t).collect();
             (time, piece.measured)
         };
         self.pieces.iter().take_while(enough).map(timed).collect()
@@ -358,7 +367,7 @@ impl<'a> Data<'a> {
         let bare = Scene {
             trace: piece.trace,
             motion: &piece.motion,
-            since: Cow::default(),
+            since: (&piece.motion.time[..]).into(),
             begin: piece.begin,
             velocity: Cow::default(),
             acceleration: Cow::default(),
@@ -371,7 +380,6 @@ impl<'a> Data<'a> {
         if self.keeps {
             let known = piece.known.get_or_init(derive);
             Scene {
-                since: (&known.since).into(),
                 velocity: (&known.velocity).into(),
                 acceleration: (&known.acceleration).into(),
                 loadings: (&known.loadings).into(),
@@ -382,7 +390,6 @@ impl<'a> Data<'a> {
         } else {
             let known = derive();
             Scene {
-                since: known.since.into(),
                 velocity: known.velocity.into(),
                 acceleration: known.acceleration.into(),
                 loadings: known.loadings.into(),
@@ -428,7 +435,7 @@ impl<'a> Data<'a> {
             let own = self.pieces.iter().filter(|piece| piece.trace == trace);
             let ends = own.flat_map(|piece| {
                 let time = &piece.motion.time;
-                let since = |time: &f64| piece.begin + time - piece.first;
+                let since = |time: &f64| piece.begin + time;
                 time.first().into_iter().chain(time.last()).map(since).collect::<Vec<_>>()
             });
             let (least, most) = ends
@@ -458,7 +465,7 @@ impl<'a> Data<'a> {
                 self.labels[piece.trace],
                 self.signal,
                 piece.measured[place],
-                piece.motion.time[place],
+                piece.first + piece.motion.time[place],
             ))
         })
     }
@@ -466,8 +473,7 @@ impl<'a> Data<'a> {
     /// Times, s, over which what the specimen remembers counts.
     #[must_use]
     pub fn span(&self) -> Span {
-        let end =
-            |piece: &Piece| piece.begin + piece.motion.time.last().unwrap_or(&0.0) - piece.first;
+        let end = |piece: &Piece| piece.begin + piece.motion.time.last().unwrap_or(&0.0);
         let end = self.pieces.iter().map(end).fold(0.0, f64::max);
         Span::of(self.shortest_interval(), end.max(self.longest()))
     }

@@ -130,8 +130,8 @@ fn fit_hold(
     terms: Terms,
     signs: bool,
 ) -> Result<HoldFit, HoldError> {
-    let (time, values) = (&trace.time[range.clone()], &values[range.clone()]);
-    let from_s = time[0];
+    let (time, values) = (&trace.elapsed(range.clone())[..], &values[range.clone()]);
+    let from_s = trace.time[range.start];
     let failed = |source| HoldError::Fit { trace: trace.label(), from_s, source };
     // Signs are relative to the signal in this hold, the type is relative to the whole recording: a
     // force that crosses zero after unloading still rises.
@@ -154,7 +154,7 @@ fn fit_hold(
     };
     let relaxation = direction(&fit, sense).map_or(trend, |falls| response.of_fall(falls));
     let displacement = trace.column(DISPLACEMENT).map(|x| mean(&x[range.clone()]));
-    let duration_s = time[time.len() - 1] - from_s;
+    let duration_s = time[time.len() - 1];
     let trace = trace.label();
     Ok(HoldFit { trace, range, from_s, duration_s, displacement, relaxation, fit, candidates })
 }

@@ -325,14 +325,22 @@ impl<'a> Problem<'a> {
     }
 
     /// Steps of the derivatives at a point, within the bounds.
-    fn steps(&self, point: &[f64]) -> Vec<f64> {
-        let step = |(&value, &(lower, upper)): (&f64, &(f64, f64))| {
-            let range = upper - lower;
-            let range = if range.is_finite() { range } else { 1.0 };
-            let step = STEP.0 * value.abs() + STEP.1 * range;
-            if value + step > upper { -step } else { step }
+    pub(super) fn steps(&self, point: &[f64]) -> Vec<f64> {
+        let unbounded = |&j: &usize| !(self.bounds[j].1 - self.bounds[j].0).is_finite();
+        // What the base law leaves without a bound are forces: they reach as far as all of them together.
+        let base = self.coordinates.count();
+        let force: f64 = (0..base).filter(unbounded).map(|j| point[j].abs()).sum();
+        let step = |j: usize| {
+            let (lower, upper) = self.bounds[j];
+            let range = match upper - lower {
+                range if range.is_finite() => range,
+                _ if j < base && force > 0.0 => force,
+                _ => 1.0,
+            };
+            let step = STEP.0 * point[j].abs() + STEP.1 * range;
+            if point[j] + step > upper { -step } else { step }
         };
-        point.iter().zip(&self.bounds).map(step).collect()
+        (0..point.len()).map(step).collect()
     }
 
     /// Hands over, stretch by stretch, the residual (predicted minus measured) and its derivatives, not

@@ -321,8 +321,7 @@ pub fn declared_uncertainty(
     let dimension = point.len();
     let at = problem.declared(point);
     let mut slope = DMatrix::zeros(dimension, dimension);
-    for j in 0..dimension {
-        let step = 1e-6 * point[j].abs() + 1e-9;
+    for (j, step) in problem.steps(point).into_iter().enumerate() {
         let mut moved = point.to_vec();
         moved[j] += step;
         for (row, value) in problem.declared(&moved).iter().enumerate() {

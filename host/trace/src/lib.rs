@@ -21,6 +21,7 @@
 mod block_means;
 pub mod caught;
 mod control;
+mod elapsed;
 mod error;
 pub mod files;
 mod first_force;
@@ -63,6 +64,7 @@ mod write;
 
 pub use block_means::{REST, block_begins, block_means};
 pub use control::control;
+pub use elapsed::elapsed;
 pub use error::{Error, Place, SignalError};
 pub use foreign::Export;
 pub use from_columns::ColumnsError;
@@ -89,6 +91,8 @@ pub use write::{shortest, write, write_to};
 #[cfg(not(feature = "parquet"))]
 use unbuilt as parquet;
 
+use std::borrow::Cow;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 /// Extension of the name of a Parquet file.
@@ -176,10 +180,20 @@ impl Trace {
         self.time.len()
     }
 
+    /// Time from the first of these samples to each of them, s; see [`elapsed`].
+    ///
+    /// # Panics
+    /// When the trace does not have these samples.
+    #[must_use]
+    pub fn elapsed(&self, samples: Range<usize>) -> Cow<'_, [f64]> {
+        elapsed(&self.time[samples])
+    }
+
     /// Time from the first sample to the last, s; 0 where there is none.
     #[must_use]
     pub fn duration(&self) -> f64 {
-        self.time.first().zip(self.time.last()).map_or(0.0, |(first, last)| last - first)
+        let ends = self.time.first().zip(self.time.last());
+        ends.map_or(0.0, |(&first, &last)| elapsed(&[first, last])[1])
     }
 
     /// Whether there is no sample.

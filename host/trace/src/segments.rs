@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use super::elapsed::elapsed;
 use super::scatter::{self, NORMAL_MAD};
 
 /// What happens in a segment.
@@ -66,6 +67,7 @@ pub fn segments(time: &[f64], displacement: &[f64]) -> Vec<Segment> {
     if time.len() < 2 {
         return Vec::new();
     }
+    let time = &elapsed(time)[..];
     let course = Course::new(time, displacement);
     let mut kinds = course.moves();
     course.mark_touches(&mut kinds);

@@ -15,15 +15,10 @@ use crate::opened;
 #[test]
 #[ignore = "needs a browser: cargo xtask browser"]
 fn a_replayed_press_is_drawn_and_can_be_paused_and_zoomed_into() {
-    let press = bundled("press.csv").display().to_string();
-    let server = Server::begin(&["--replay", &press, "--speed", "4"]);
-    let browser = opened(&server);
+    let (_server, browser) = paused_press();
     browser.says(".gauge .reading", "µε, settles at");
     browser.says(".health", "replayed");
     assert_eq!(browser.count(".gauge canvas"), 4);
-    browser.says(".gauge .reading", "CD");
-    browser.click(".live .tools button");
-    browser.says(".live .where", "…");
     let (from, to) = seen(&browser);
     browser.drag(".gauge .u-over", 0.4, 0.6);
     browser.until(
@@ -146,10 +141,9 @@ fn no_line_is_drawn_over_the_time_between_two_streams() {
 /// A bundled press, replayed until region CD is there, and paused.
 fn paused_press() -> (Server, Browser) {
     let press = bundled("press.csv").display().to_string();
-    let server = Server::begin(&["--replay", &press, "--speed", "4"]);
+    let server = Server::begin(&["--replay", &press, "--speed", "2"]);
     let browser = opened(&server);
-    browser.says(".gauge .reading", "CD");
-    browser.click(".live .tools button");
+    browser.click_when(".live .tools button", ".gauge .reading", "CD");
     browser.says(".live .where", "…");
     (server, browser)
 }

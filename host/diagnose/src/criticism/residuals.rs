@@ -50,7 +50,7 @@ pub fn stretches(chain: &Chain, parameters: &[f64], data: &Data) -> Vec<Stretch>
 
 fn stretch(piece: &Piece, predicted: Vec<f64>, data: &Data) -> Stretch {
     let scene = data.scene(piece);
-    let time = piece.motion.time.to_vec();
+    let time = piece.recorded_time();
     // A velocity within a hundredth of the fastest is rest.
     let fastest = scene.velocity.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
     let direction = |v: &f64| if v.abs() > 0.01 * fastest { v.signum() } else { 0.0 };
@@ -72,7 +72,7 @@ fn stretch(piece: &Piece, predicted: Vec<f64>, data: &Data) -> Stretch {
     }
     Stretch {
         trace: piece.trace,
-        regions: regions(&time, &piece.motion.displacement),
+        regions: regions(&piece.motion.time, &piece.motion.displacement),
         time,
         measured: piece.measured.to_vec(),
         predicted,

@@ -200,7 +200,7 @@ impl FitSummary<'_> {
         let (mut time, mut measured, mut model, mut residual) = (vec![], vec![], vec![], vec![]);
         let pieces = self.data.pieces.iter().zip(&predicted);
         for (piece, predicted) in pieces.filter(|(piece, _)| piece.trace == trace) {
-            time.extend_from_slice(&piece.motion.time);
+            time.extend(piece.recorded_time());
             measured.extend_from_slice(piece.measured);
             model.extend_from_slice(predicted);
             residual.extend(piece.measured.iter().zip(predicted).map(|(y, f)| y - f));

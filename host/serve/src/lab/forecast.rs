@@ -46,7 +46,8 @@ impl Forecast {
         let drawing = |trace: usize| {
             let own = || data.pieces.iter().enumerate().filter(move |(_, p)| p.trace == trace);
             let pick = |of: &[Vec<f64>]| own().flat_map(|(k, _)| &of[k]).copied().collect();
-            let times: Vec<&[f64]> = own().map(|(_, piece)| &piece.motion.time[..]).collect();
+            let times: Vec<Vec<f64>> = own().map(|(_, piece)| piece.recorded_time()).collect();
+            let times: Vec<&[f64]> = times.iter().map(Vec::as_slice).collect();
             Drawing::of_lines(&times, vec![("foretold", pick(&predicted)), ("left", pick(&left))])
         };
         Some(Self {
