@@ -33,26 +33,38 @@ pub struct Browser {
     _profile: tempfile::TempDir,
 }
 
+/// How often the driver is started until it says its port.
+const STARTS: u32 = 5;
+
+/// Starts the driver; none where it ends at once. The port that it takes on IPv4 may be another program's on IPv6, and then it gives up.
+fn drive() -> Option<(Child, String)> {
+    let mut driver = Command::new(DRIVER)
+        .arg("--port=0")
+        .stdout(Stdio::piped())
+        .stderr(Stdio::null())
+        .spawn()
+        .expect("chromedriver is there: cargo xtask browser installs it");
+    let mut lines = BufReader::new(driver.stdout.take().expect("it is piped")).lines();
+    let port = lines.find_map(|line| {
+        let line = line.ok()?;
+        let (_, port) = line.split_once("started successfully on port ")?;
+        Some(port.trim_end_matches('.').to_owned())
+    });
+    let Some(port) = port else {
+        let _ = driver.wait();
+        return None;
+    };
+    // What it says later is read, so that it does not wait for a reader.
+    std::thread::spawn(move || lines.for_each(drop));
+    Some((driver, port))
+}
+
 impl Browser {
     /// Opens an address in a window of this size, px.
     #[must_use]
     pub fn open(url: &str, width: u32, height: u32) -> Self {
         let profile = tempfile::tempdir().expect("a folder for the browser");
-        let mut driver = Command::new(DRIVER)
-            .arg("--port=0")
-            .stdout(Stdio::piped())
-            .stderr(Stdio::null())
-            .spawn()
-            .expect("chromedriver is there: cargo xtask browser installs it");
-        let mut lines = BufReader::new(driver.stdout.take().expect("it is piped")).lines();
-        let port = lines.find_map(|line| {
-            let line = line.ok()?;
-            let (_, port) = line.split_once("started successfully on port ")?;
-            Some(port.trim_end_matches('.').to_owned())
-        });
-        let port = port.expect("chromedriver says its port");
-        // What it says later is read, so that it does not wait for a reader.
-        std::thread::spawn(move || lines.for_each(drop));
+        let (driver, port) = (0..STARTS).find_map(|_| drive()).expect("chromedriver says its port");
         let options = json!({
             "browserName": "chrome",
             "goog:chromeOptions": { "args": [

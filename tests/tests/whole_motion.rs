@@ -5,9 +5,10 @@ use palpate::fit::whole_motion::fit;
 use palpate::model::{BaseLaw, Motion, Separation};
 use palpate::trace::{Column, DISPLACEMENT, FORCE, Trace};
 use palpate_tests::press;
-use rand::SeedableRng;
+use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
+use rayon::prelude::*;
 
 /// p, q, c1, c2, v1, v2 of the specimen.
 const TRUTH: [f64; 6] = [0.08, 0.8, 0.25, 0.24, 4.0, 0.55];
@@ -22,7 +23,17 @@ fn motions() -> Vec<Motion<'static>> {
 
 /// What a sensor with noise of this size and correlation between neighbours would record.
 fn record(law: BaseLaw, noise: f64, correlation: f64, seed: u64) -> Vec<Trace> {
-    let motions = motions();
+    record_of(motions(), law, noise, correlation, seed)
+}
+
+/// The same of these motions.
+fn record_of(
+    motions: Vec<Motion<'static>>,
+    law: BaseLaw,
+    noise: f64,
+    correlation: f64,
+    seed: u64,
+) -> Vec<Trace> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let normal = Normal::new(0.0, 1.0).unwrap();
     let fresh = noise * (1.0 - correlation * correlation).sqrt();
@@ -99,4 +110,84 @@ fn one_exponential_too_many_is_said_to_be_one_too_many() {
     assert!(fit(law, &data).unwrap().bic() < more.bic());
     let less = fit(BaseLaw { terms: 1, ..law }, &data).unwrap();
     assert!(fit(law, &data).unwrap().bic() + 100.0 < less.bic());
+}
+
+/// What three presses of one specimen are recorded with.
+#[derive(Clone, Copy, Debug)]
+struct Sensor {
+    /// Standard deviation of the noise, N.
+    noise: f64,
+    /// Correlation between neighbours.
+    correlation: f64,
+    /// Share of the samples that are recorded, which ones by chance.
+    kept: f64,
+}
+
+const SENSOR: Sensor = Sensor { noise: 0.02, correlation: 0.0, kept: 1.0 };
+
+impl Sensor {
+    fn motions(&self, seed: u64) -> Vec<Motion<'static>> {
+        let mut random = ChaCha8Rng::seed_from_u64(seed ^ (1 << 40));
+        let mut thinned = |motion: Motion<'static>| {
+            let kept: Vec<usize> =
+                (0..motion.time.len()).filter(|_| random.random_bool(self.kept)).collect();
+            let pick = |values: &[f64]| kept.iter().map(|&k| values[k]).collect::<Vec<_>>().into();
+            let (time, displacement) = (pick(&motion.time), pick(&motion.displacement));
+            Motion { time, displacement, ..motion }
+        };
+        [(4.0, 5.0), (8.0, 20.0), (12.0, 60.0)]
+            .map(|(to_mm, speed)| thinned(press(to_mm, speed, 1.5)))
+            .into()
+    }
+
+    /// Share of so many sets in which the 95 % interval of each parameter holds the truth.
+    fn coverage(&self, sets: u64) -> [f64; 6] {
+        let law = BaseLaw::fung(2, Separation::Clamp);
+        let holds = |seed: u64| {
+            let traces = record_of(self.motions(seed), law, self.noise, self.correlation, seed);
+            let found = fit(law, &Data::of(&traces, FORCE).unwrap()).unwrap();
+            std::array::from_fn(|k| {
+                let error = found.standard_errors[k].expect("determined");
+                f64::from((found.values[k] - TRUTH[k]).abs() < 1.96 * error)
+            })
+        };
+        let all: Vec<[f64; 6]> = (0..sets).into_par_iter().map(holds).collect();
+        std::array::from_fn(|k| all.iter().map(|set| set[k]).sum::<f64>() / sets as f64)
+    }
+}
+
+#[test]
+fn intervals_from_three_traces_hold_the_truth_as_often_as_they_say() {
+    let sets = 200;
+    for correlation in [0.0, 0.7] {
+        let coverage = Sensor { correlation, ..SENSOR }.coverage(sets);
+        // Four standard deviations of a share of 95 % among so many sets.
+        let off = 4.0 * (0.95 * 0.05 / sets as f64).sqrt();
+        assert!(
+            coverage.iter().all(|share| (share - 0.95).abs() < off),
+            "{correlation}: {coverage:?}"
+        );
+    }
+}
+
+/// The figures of docs/measured.md.
+#[test]
+#[ignore = "minutes: the figures of docs/measured.md"]
+fn coverage_of_intervals() {
+    for sensor in [
+        SENSOR,
+        Sensor { noise: 0.1, ..SENSOR },
+        Sensor { correlation: 0.7, ..SENSOR },
+        Sensor { correlation: 0.95, ..SENSOR },
+        Sensor { kept: 0.3, ..SENSOR },
+        Sensor { kept: 0.3, correlation: 0.7, ..SENSOR },
+    ] {
+        let coverage = sensor.coverage(2_000);
+        let shares: Vec<String> = ["p", "q", "c1", "c2", "v1", "v2"]
+            .iter()
+            .zip(coverage)
+            .map(|(name, share)| format!("{name} {:.1} %", 100.0 * share))
+            .collect();
+        println!("{sensor:?}: {}", shares.join(", "));
+    }
 }
