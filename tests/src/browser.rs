@@ -22,7 +22,7 @@ use crate::workspace;
 /// The program that drives the browser; Debian has it in `chromium-driver`.
 pub const DRIVER: &str = "chromedriver";
 /// How long anything may take to appear.
-const PATIENCE: Duration = Duration::from_secs(60);
+const PATIENCE: Duration = Duration::from_secs(180);
 const LOOK: Duration = Duration::from_millis(50);
 
 /// A window with a page in it.

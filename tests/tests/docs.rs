@@ -209,6 +209,66 @@ fn every_task_of_the_readme_is_a_task() {
     }
 }
 
+/// The source files of a package of the workspace.
+fn sources(package: &str) -> Vec<String> {
+    let folder = match package {
+        "palpate-tests" => "tests".to_owned(),
+        _ => match package.strip_prefix("palpate-") {
+            Some(part) if workspace().join("host").join(part).is_dir() => format!("host/{part}"),
+            Some(part) => part.to_owned(),
+            None => "host".to_owned(),
+        },
+    };
+    let manifest = fs::read_to_string(workspace().join(&folder).join("Cargo.toml")).unwrap();
+    assert!(manifest.contains(&format!("name = \"{package}\"")), "no package {package}");
+    let mut folders = vec![workspace().join(folder)];
+    let mut found = Vec::new();
+    while let Some(folder) = folders.pop() {
+        for entry in fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|extension| extension == "rs") {
+                found.push(path.display().to_string().replace('\\', "/"));
+            }
+        }
+    }
+    found
+}
+
+/// The commands that print figures take too long to be run here; that they could be run is looked at.
+#[test]
+fn the_commands_behind_the_figures_name_what_there_is() {
+    let text = fs::read_to_string(workspace().join("docs/measured.md")).unwrap();
+    let commands = text.split('`').filter(|part| part.contains("cargo ") && part.contains(" -p "));
+    let mut seen = 0;
+    for command in commands {
+        let after = |flag: &str| {
+            let rest = command.split_once(flag)?.1;
+            rest.split_whitespace().next()
+        };
+        let sources = sources(after(" -p ").unwrap());
+        for flag in [" --test ", " --bench "] {
+            let Some(target) = after(flag) else { continue };
+            let is_target = |file: &String| {
+                file.ends_with(&format!("/{target}.rs"))
+                    || file.ends_with(&format!("/{target}/main.rs"))
+            };
+            assert!(sources.iter().any(is_target), "{command}: no target {target}");
+        }
+        if let Some(filter) = after(" --lib ") {
+            let name = filter.rsplit("::").next().unwrap();
+            let holds = |file: &String| {
+                file.contains(&format!("/{name}"))
+                    || fs::read_to_string(file).unwrap().contains(&format!("fn {name}"))
+            };
+            assert!(sources.iter().any(holds), "{command}: nothing called {name}");
+        }
+        seen += 1;
+    }
+    assert!(seen > 10, "{seen}");
+}
+
 /// The blocks of kind `toml` in the description of the formats that begin with a key.
 fn toml_blocks(key: &str) -> Vec<String> {
     let text = fs::read_to_string(workspace().join("docs/formats.md")).unwrap();

@@ -6,7 +6,7 @@ use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
 use miette::{IntoDiagnostic, bail};
 
-use crate::{browser, emulate, firmware, formats, modelled};
+use crate::{browser, emulate, firmware, formats, modelled, supply};
 
 /// How long a device streams in the whole check, to the emulator's host and to a browser, s.
 const STEADY_S: u32 = 20;
@@ -39,6 +39,7 @@ pub fn run() -> miette::Result<()> {
         &["doc", "--workspace", "--no-deps"],
         &[("RUSTDOCFLAGS", "-D warnings")],
     )?;
+    supply::run()?;
     formats::run()?;
     browser::run(STEADY_S)?;
     firmware::set_up()?;

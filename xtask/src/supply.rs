@@ -17,9 +17,9 @@ pub fn run() -> miette::Result<()> {
     let tool = set_up()?;
     let config = workspace().join("deny.toml");
     let fetched = Command::new(&tool)
-        .args(["fetch", "--config"])
+        .arg("--config")
         .arg(&config)
-        .arg("db")
+        .args(["fetch", "db"])
         .current_dir(workspace())
         .output()
         .is_ok_and(|out| out.status.success());
@@ -32,15 +32,9 @@ pub fn run() -> miette::Result<()> {
     for folder in [workspace().to_path_buf(), firmware::folder(), python::folder()] {
         println!("==> supply chain of {}: cargo deny check {}", folder.display(), checks.join(" "));
         let status = Command::new(&tool)
-            .args([
-                "--locked",
-                "--log-level",
-                "error",
-                "check",
-                "--hide-inclusion-graph",
-                "--config",
-            ])
+            .args(["--locked", "--log-level", "error", "--config"])
             .arg(&config)
+            .args(["check", "--hide-inclusion-graph"])
             .args(&checks)
             .current_dir(&folder)
             .status()
