@@ -30,7 +30,7 @@ const DOING: &str = "looking for what is missing";
 #[command(after_help = "\
 Refits the model, screens every effect of the library (and laws of your own, `[[candidate]]` in the
 model file), refits with the best few, and names the missing one, a set that these traces cannot
-tell apart, or none. `palpate add` puts it into the model.
+distinguish, or none. `palpate add` puts it into the model.
 
 Examples:
   palpate diagnose --model model.toml traces/
@@ -45,7 +45,7 @@ pub struct Args {
     /// Traces, or folders of traces: one data set
     #[arg(required = true, value_name = "TRACE")]
     traces: Vec<PathBuf>,
-    /// Write the motion that would best tell apart what these traces do not, with what each effect predicts for it
+    /// Write the motion that would best distinguish what these traces do not, with what each effect predicts for it
     #[arg(long, value_name = "MOTION.csv")]
     next: Option<PathBuf>,
     /// Limits of the rig for it [default: what the traces did]

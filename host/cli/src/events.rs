@@ -19,7 +19,7 @@ held; several jolts soon after each other, vibrations of FA above a corner, are 
 gauges of a trace are heard together, as those of one fingertip; a trace without gauges by its force.
 The same code runs in `shared/` without an allocator, sample by sample: nothing later is looked at.
 
-Each event has the time at which it was told, and when it began by hindsight. A simulated trace says
+Each event has the time at which it was reported, and when it began by hindsight. A simulated trace says
 what happened when; then each has its delay, and false alarms and misses are counted.
 
 Examples:

@@ -39,7 +39,7 @@ Examples:
   palpate serve traces/ --model model.toml   the same, from this model on
   palpate serve --simulate --open            a simulated fingertip
   palpate serve --port /dev/ttyUSB0          a fingertip on a port
-  palpate serve --simulate --model model.toml  the same, and whether this model foretells how a
+  palpate serve --simulate --model model.toml  the same, and whether this model predicts how a
                                              held press goes on; without one, the device's filter
   palpate serve --port /dev/ttyUSB0 --port /dev/ttyUSB1
                                              the fingers of a hand side by side
@@ -52,7 +52,7 @@ Examples:
 pub struct Args {
     /// Folder of traces to open in the Lab; practice sets and model files are written to it
     folder: Option<PathBuf>,
-    /// Model to begin with in the Lab, and that foretells a held press in the Live room
+    /// Model to begin with in the Lab, and that predicts a held press in the Live room
     #[arg(long, value_name = "MODEL.toml")]
     model: Option<PathBuf>,
     /// Serial port of the device, once for each finger of a hand; without it, the only device that answers on any port
@@ -215,14 +215,14 @@ impl Args {
         viewers.transpose().map_err(Failure::input)
     }
 
-    /// The model that foretells in the Live room. One that does not is of use in the Lab alone.
+    /// The model that predicts in the Live room. One that does not is of use in the Lab alone.
     fn given(&self, beside: bool) -> Result<Option<Given>, Failure> {
         let Some(path) = &self.model else { return Ok(None) };
         let name = path.display().to_string();
         match Law::of(&Model::read(path).map_err(Failure::input)?) {
             Ok(law) => Ok(Some(Given { name, law })),
             Err(error) if beside => {
-                eprintln!("! {name} foretells nothing in the Live room: {error}");
+                eprintln!("! {name} predicts nothing in the Live room: {error}");
                 Ok(None)
             }
             Err(error) => Err(Failure::Input(miette::miette!("{name}: {error}"))),

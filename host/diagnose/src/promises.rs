@@ -63,7 +63,7 @@ pub fn contract(law: &StoredEffect) -> Result<Vec<Promise>, ContractError> {
         promise("at strength 0 it changes nothing", case.vanishes()),
         promise("at its values it changes the prediction", case.acts()),
         promise("it depends on nothing that comes later", case.is_causal()?),
-        promise("it says the same in other units", case.keeps_units()?),
+        promise("it is the same in other units", case.keeps_units()?),
         promise("a closed cycle gives no energy", case.is_passive()),
     ])
 }

@@ -111,7 +111,7 @@ fn doubts(fit: &PowerFit, converged: bool, at_bound: &[bool]) -> Vec<String> {
         );
     }
     if fit.gap.1.is_none_or(|error| fit.gap.0.abs() < 2.0 * error) {
-        found.push("the gap is not told from zero: nothing relaxes beyond the noise, or its size trades off with ε_e".into());
+        found.push("the gap is not significantly different from zero: nothing relaxes beyond the noise, or its size trades off with ε_e".into());
     } else if fit.equilibrium.1.is_none_or(|error| error > 0.5 * fit.gap.0.abs()) {
         found.push(
             "ε_e is not identifiable from this hold: its standard error exceeds half the gap"
@@ -127,7 +127,7 @@ fn doubts(fit: &PowerFit, converged: bool, at_bound: &[bool]) -> Vec<String> {
         found.push("ε_e lies on the other side of zero strain: it is an extrapolation that no specimen reaches".into());
     }
     if fit.rate.1.is_none_or(|error| error > 0.7) {
-        found.push("ν is not told within a factor of two".into());
+        found.push("ν is not known within a factor of two".into());
     }
     if fit.trade_off.is_some_and(|r| r.abs() > 0.98) {
         found.push(

@@ -228,7 +228,7 @@ class Step:
     effect: str
     #: The law of it that fits best.
     law: str | None
-    #: Effects that the traces do not tell apart from it.
+    #: Effects that the traces cannot distinguish from it.
     credible_set: list[str]
     #: Its parameters by name.
     parameters: dict[str, Parameter]

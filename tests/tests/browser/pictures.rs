@@ -76,7 +76,7 @@ fn no_room_is_torn_at_any_width_in_any_theme() {
     // The pointer may be there already.
     browser.point("h1");
     browser.point(".lab-next");
-    browser.says(".lab-legend", "foretold");
+    browser.says(".lab-legend", "predicted");
     for_docs(&browser, "page-lab");
     browser.click(".lab-next");
     browser.says(".lab-floor-reached", "nothing but noise");

@@ -21,8 +21,8 @@ use palpate_report::Section;
 With a constant force the body creeps: its contact grows, and with it the moment that it carries.
 With a constant compression the force relaxes, and all that it carries shrinks with it.
 
-  --model M --force N                        creep that the model foretells
-  --model M --compression MM                 relaxation that the model foretells
+  --model M --force N                        creep that the model predicts
+  --model M --compression MM                 relaxation that the model predicts
   --creep D --shares c1,… --rates v1,… --force N        D (1 + Σ ci e^(−vi t)), eqs 6.1 and 6.2
   --shares c1,… --rates v1,… --force N --compression MM   N (c0 + Σ ci e^(−vi t)), eq. 3.4
 

@@ -92,7 +92,7 @@ impl ForceCurve {
     #[must_use]
     pub fn with_spring(mut self, spring_n_per_m: f64) -> Self {
         self.spring_n_per_m = Some(spring_n_per_m);
-        self.notes.push(format!("spring constant as told: {spring_n_per_m} N/m"));
+        self.notes.push(format!("spring constant as given: {spring_n_per_m} N/m"));
         self
     }
 }

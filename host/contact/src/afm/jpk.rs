@@ -160,7 +160,7 @@ fn column(name: &str, block: &Block, column: &str, unit: &str) -> Result<Vec<f64
         Some(found) => {
             Err(fault(format!("`{column}` is in {found}, not in {unit}: export calibrated values")))
         }
-        None => Err(fault(format!("`# units:` says no unit of `{column}`"))),
+        None => Err(fault(format!("`# units:` gives no unit for `{column}`"))),
     }
 }
 

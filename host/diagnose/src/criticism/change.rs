@@ -328,7 +328,7 @@ fn stale(model: &Model, chain: &Chain, values: &[f64], data: &Data) -> Option<&'
     let problem = Problem::new(chain, data, &white, None);
     let rms = problem.rms(&problem.point(values));
     ((rms / record.residual_rms - 1.0).abs() > SAME)
-        .then_some("the values in the model file do not leave the error that it tells")
+        .then_some("the values in the model file do not leave the error that it states")
 }
 
 /// Fits the base law alone, then with one effect more at a time.

@@ -55,7 +55,7 @@ pub struct DiagnosisAnswer {
     pub next_experiment: Option<String>,
     /// The findings in sentences.
     pub in_words: String,
-    /// Every effect that could be tried, the largest foretold gain first.
+    /// Every effect that could be tried, the largest predicted gain first.
     pub candidates: Vec<CandidateAnswer>,
     /// What is known of the noise.
     pub noise: NoiseAnswer,
@@ -99,7 +99,7 @@ pub enum VerdictAnswer {
     Adequate,
     /// Single effects are missing, and what remains is noise.
     Named,
-    /// Effects are missing that the traces do not tell apart.
+    /// Effects are missing that the traces cannot distinguish.
     Ambiguous,
     /// Something is missing that no effect of the library explains.
     Unknown,
@@ -135,7 +135,7 @@ pub struct StepAnswer {
     pub effect: String,
     /// Name of its law.
     pub law: String,
-    /// Effects that the traces do not tell apart in this place, the effect first.
+    /// Effects that the traces cannot distinguish in this place, the effect first.
     pub credible_set: Vec<String>,
     /// Its parameters by name, in the last model.
     pub parameters: BTreeMap<String, Estimate>,
@@ -241,7 +241,7 @@ pub struct UntestableAnswer {
 pub struct CandidateAnswer {
     /// Name of the effect.
     pub effect: String,
-    /// Fall of the whitened sum of squares that the score test foretells, before any refit.
+    /// Fall of the whitened sum of squares that the score test predicts, before any refit.
     pub gain_foretold: f64,
     /// p value of such a score under noise alone, over the whole library.
     pub chance: f64,

@@ -14,7 +14,7 @@ use super::finite;
 pub struct NextMotionAnswer {
     /// The file of the motion; null where none is proposed.
     pub file: Option<String>,
-    /// The effects that it is to tell apart.
+    /// The effects that it is to distinguish.
     pub tells_apart: Vec<String>,
     /// Least predicted misfit between two of them, in sums of squares over the noise; null where no motion is proposed.
     pub separates: Option<f64>,
@@ -22,7 +22,7 @@ pub struct NextMotionAnswer {
     pub separates_of_menu: Option<f64>,
     /// Number of pairs of effects; null where no motion is proposed.
     pub pairs: Option<usize>,
-    /// Number of pairs that it tells apart beyond the noise; null where no motion is proposed.
+    /// Number of pairs that it distinguishes beyond the noise; null where no motion is proposed.
     pub pairs_told: Option<usize>,
     /// How long it lasts, s; null where no motion is proposed.
     pub duration_s: Option<f64>,

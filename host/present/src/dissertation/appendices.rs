@@ -270,7 +270,7 @@ fn more_exponentials() -> [Comparison; 2] {
 
 fn relaxation_section() -> Section {
     let section = Section::new("Appendix A: exponentials in a relaxation")
-        .paragraph("The relaxation of row 05 of Table 3.1 was fitted with one to four exponentials. Two were chosen because the curves of two and more cannot be told apart by eye, R² hardly grows, and the shortest time constant settles. R² cannot decide: it never falls with more terms. An information criterion and the error on samples that the fit did not see can.");
+        .paragraph("The relaxation of row 05 of Table 3.1 was fitted with one to four exponentials. Two were chosen because the curves of two and more cannot be distinguished by eye, R² hardly grows, and the shortest time constant settles. R² cannot decide: it never falls with more terms. An information criterion and the error on samples that the fit did not see can.");
     let section = section.callout(
         Callout::Warning,
         "A slip",
@@ -291,7 +291,7 @@ fn relaxation_section() -> Section {
         Callout::Finding,
         "Decided",
         format!(
-            "{decided} exponentials{as_printed}. Terms beyond are not told by a hold of {HOLD_A} s."
+            "{decided} exponentials{as_printed}. Terms beyond are not identifiable in a hold of {HOLD_A} s."
         ),
     )
 }
@@ -343,7 +343,7 @@ fn creep_section(creep: &Creep) -> Section {
         section = section.callout(Callout::Warning, format!("n = {n}"), format!("{text}."));
     }
     let words = format!(
-        "The data show {} exponential(s). A time constant of 128 s cannot be told from a straight line in 9.5 s, so D = 8.10 mm is an extrapolation; one exponential gives 6.48 mm. With three, Table B.1 lists v3 below v2 and both near 0.01 /s: two names for one slow drift, of which the hold identifies neither.",
+        "The data show {} exponential(s). A time constant of 128 s cannot be distinguished from a straight line in 9.5 s, so D = 8.10 mm is an extrapolation; one exponential gives 6.48 mm. With three, Table B.1 lists v3 below v2 and both near 0.01 /s: two names for one slow drift, of which the hold identifies neither.",
         found.decided()
     );
     section = section.callout(Callout::Finding, "What 9.5 s tell", words);

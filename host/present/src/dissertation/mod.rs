@@ -66,7 +66,7 @@ pub const SLIPS: [(&str, &str); 9] = [
         "the last entry, 11628 s, is that of unrounded coefficients; the printed 8.5e-5 gives 11765 s",
     ),
     ("Table B.1, R²", "0.9162 for one exponential does not follow from the curves (B.1) and (B.2)"),
-    ("Table B.1, n = 3", "v3 < v2, and neither can be told from 9.5 s of data"),
+    ("Table B.1, n = 3", "v3 < v2, and neither is identifiable from 9.5 s of data"),
 ];
 
 /// Why a chapter could not be computed: a fault of this program.

@@ -118,6 +118,6 @@ fn laws(change: &Change) -> Table {
         table = table.row([tried.law.clone(), format!("{:.1}", tried.over_best)]);
     }
     table.note(
-        "The Bayesian information criterion (BIC) decides: least is best; within 10 the traces do not tell the laws apart.",
+        "The Bayesian information criterion (BIC) decides: least is best; within 10 the traces cannot distinguish the laws.",
     )
 }

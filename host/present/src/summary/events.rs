@@ -21,12 +21,12 @@ pub fn events_sections(trace: &Trace, events: &Events) -> Section {
         section = section.table(judged_table(&known, &judged, events));
     }
     if events.found.is_empty() {
-        let words = "Nothing was touched, let go of or slipped, as far as FA tells.";
+        let words = "Nothing was touched, let go of or slipped, as far as FA shows.";
         section = section.callout(Callout::Finding, "No event", words);
     }
     section.figure(
         figure(trace, events),
-        "Marked: when an event was told. Dashed lines: FA beyond them is a burst.",
+        "Marked: when an event was reported. Dashed lines: FA beyond them is a burst.",
     )
 }
 
@@ -35,8 +35,7 @@ fn looked_for(events: &Events) -> String {
     let unit = unit(events);
     let settings = &events.settings;
     let level = |value: f64| format!("{} {unit}", significant(value, 3));
-    let noise =
-        events.noise.map_or("cannot be told".into(), |noise| format!("is {}", level(noise)));
+    let noise = events.noise.map_or("is not known".into(), |noise| format!("is {}", level(noise)));
     let slip = if settings.jolts > 0 {
         format!(
             "{} jolts of {} above {} Hz within {} s are a slip",
@@ -70,9 +69,9 @@ fn signal_of(events: &Events, index: usize) -> &str {
 fn event_table(events: &Events) -> Table {
     let columns = vec![
         Column::text("event"),
-        Column::number("told at", "s"),
+        Column::number("reported at", "s"),
         Column::number("began at", "s"),
-        Column::number("told after", "ms"),
+        Column::number("reported after", "ms"),
         Column::text("by"),
     ];
     let mut table = Table::new("Events", columns);
@@ -93,7 +92,7 @@ fn judged_table(known: &[(Kind, f64)], judged: &Judged, events: &Events) -> Tabl
     let columns = vec![
         Column::text("happened"),
         Column::number("at", "s"),
-        Column::number("told after", "ms"),
+        Column::number("reported after", "ms"),
     ];
     let mut table = Table::new("What the simulation says happened", columns);
     for ((kind, at), (_, delay)) in known.iter().zip(&judged.delay_s) {

@@ -123,9 +123,10 @@ const CONCISE: &str = "In parentheses: the standard error in units of the last d
 /// What a derivative in a figure can show.
 fn bandwidth_words(found: &Derivative) -> String {
     let width = significant(found.half_width_s, 3);
-    let bandwidth = found.bandwidth_hz.map_or("not told by so few samples".into(), |bandwidth| {
-        format!("{} Hz", significant(bandwidth, 3))
-    });
+    let bandwidth =
+        found.bandwidth_hz.map_or("not known from so few samples".into(), |bandwidth| {
+            format!("{} Hz", significant(bandwidth, 3))
+        });
     let quiet = if found.quiet { "" } else { ", still above 5 % of the fastest rate" };
     format!(
         "The derivative is the slope of parabolas fitted within ±{width} s: bandwidth (−3 dB) {bandwidth}; noise of 1 in a sample makes {} /s{quiet}.",

@@ -16,7 +16,7 @@ pub fn motion_file(proposed: &Proposed, signal: &str) -> Option<Trace> {
     let (_, unit) = signal.rsplit_once('_').unwrap_or(("", "N"));
     let head = Head {
         version: Some(1),
-        name: Some(format!("next experiment: tells {} apart", listed(&proposed.members))),
+        name: Some(format!("next experiment: distinguishes {}", listed(&proposed.members))),
         control: Some(Control::Displacement),
         ..Head::default()
     };
@@ -35,9 +35,9 @@ pub fn motion_file(proposed: &Proposed, signal: &str) -> Option<Trace> {
 pub fn no_motion(proposed: &Proposed, diagnosis: &Diagnosis) -> String {
     match (diagnosis.verdict, proposed.members.len()) {
         (Verdict::Adequate, _) => "nothing is missing, so there is nothing to decide".into(),
-        (_, 0 | 1) => "no two effects are left that these traces do not tell apart".into(),
+        (_, 0 | 1) => "these traces distinguish all effects that are left".into(),
         _ => format!(
-            "no motion within the limits tells {} apart beyond the noise; wider limits may (--rig)",
+            "no motion within the limits distinguishes {} beyond the noise; wider limits may (--rig)",
             listed(&proposed.members)
         ),
     }
@@ -68,11 +68,11 @@ pub fn next_motion_section(proposed: &Proposed, path: &Path, signal: &str) -> Se
     let told = match foreseen.told() {
         told if told == pairs => String::new(),
         told => format!(
-            " Of {pairs} pairs it tells {told}; the others need something else than another motion."
+            " Of {pairs} pairs it distinguishes {told}; the others need something else than another motion."
         ),
     };
     let words = format!(
-        "{} holds {} s of motion that tell {} apart: if one of them is right, each other, refitted, leaves at least {} squares of \
+        "{} holds {} s of motion that distinguish {}: if one of them is right, each other, refitted, leaves at least {} squares of \
          the noise ({menu}; more than 10 tell).{told} Weighed: {weighed} motions (seed {SEED}), from {} mm off to {} mm deep, at most {} mm/s, {} {unit} and {} s.",
         path.display(),
         significant(trace.duration(), 3),

@@ -65,7 +65,7 @@ fn places_table(ranking: &Ranking, signal: &str) -> Table {
     }
     let noise = match &ranking.noise {
         Some(noise) => format!("The noise is {} {unit}.", significant(noise.standard_deviation, 3)),
-        None => "The noise cannot be told without a model.".into(),
+        None => "The noise is not known without a model.".into(),
     };
     let unfinished: Vec<String> = ranking
         .places

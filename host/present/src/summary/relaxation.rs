@@ -56,7 +56,7 @@ pub fn relaxation_sections(
     let mut latency = Section::new("Latency model").table(latency_table(holds, signal));
     for hold in holds.iter().filter(|hold| hold.latency.is_none()) {
         let text = format!(
-            "{}: where it settles is not told from zero, so there is no equilibrium strain and no latency model. Hold longer, or the specimen flows.",
+            "{}: where it settles is not significantly different from zero, so there is no equilibrium strain and no latency model. Hold longer, or the specimen flows.",
             place(&hold.fit)
         );
         latency = latency.callout(Callout::Warning, "No equilibrium", text);
@@ -142,7 +142,7 @@ fn tally(holds: &[Hold]) -> String {
     let untold = holds.iter().filter(|hold| !hold.terms.best().identified).count();
     let untold = match untold {
         0 => String::new(),
-        _ => format!(" In {untold} hold(s) not even that one is told."),
+        _ => format!(" In {untold} hold(s) not even that one is identifiable."),
     };
     format!("Exponentials that the data show: {}.{untold}", counted.collect::<Vec<_>>().join(", "))
 }

@@ -36,7 +36,7 @@ pub fn segment_sections(trace: &Trace, found: &Segmentation) -> Vec<Section> {
 }
 
 fn introduction(trace: &Trace, found: &Segmentation) -> String {
-    let source = if found.control_told { "the head says so" } else { "told from the data" };
+    let source = if found.control_told { "the head says so" } else { "derived from the data" };
     format!(
         "{}: {} cycle(s), {} controlled ({source}); noise of the force {} N.",
         trace.label(),

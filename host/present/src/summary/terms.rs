@@ -17,7 +17,7 @@ pub(super) fn terms_tables(holds: &[(&HoldFit, &Terms)], signal: &str) -> Vec<Ta
     );
     let last = tables.pop().unwrap_or_default();
     tables.push(last.note(
-        "BIC: Bayesian information criterion. Left out: every other of 14 inner blocks predicted from the rest; forecast: the last third from the first two. Told: no term at a limit, none vanishes or coincides, every share at least two standard errors from 0. R² never falls with more terms and decides nothing; used is the lesser of the least BIC among those told and the least number whose left-out error is the best within one standard error.",
+        "BIC: Bayesian information criterion. Left out: every other of 14 inner blocks predicted from the rest; forecast: the last third from the first two. Identifiable: no term at a limit, none vanishes or coincides, every share at least two standard errors from 0. R² never falls with more terms and decides nothing; used is the lesser of the least BIC among the identifiable ones and the least number whose left-out error is the best within one standard error.",
     ));
     tables
 }
@@ -28,7 +28,7 @@ fn chosen_table(holds: &[(&HoldFit, &Terms)]) -> Table {
         Column::whole("used"),
         Column::whole("by BIC"),
         Column::whole("by left-out"),
-        Column::text("told"),
+        Column::text("identifiable"),
     ];
     let mut table = Table::new("How many exponentials (appendices A and B)", columns);
     for (hold, terms) in holds {
@@ -57,7 +57,7 @@ pub fn number_table(caption: impl Into<String>, terms: &Terms, unit: &str) -> Ta
         Column::number("left out", unit),
         Column::number("forecast", unit),
         Column::text("time constants, s"),
-        Column::text("told"),
+        Column::text("identifiable"),
         Column::text(""),
     ];
     let mut table = Table::new(caption, columns);

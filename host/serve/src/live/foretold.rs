@@ -196,9 +196,9 @@ fn words(followers: &[Follower; GAUGES]) -> String {
         ),
         (
             Standing::Moves,
-            "The finger moves, or has let go. How it moves is not measured, so nothing is foretold until it stands in contact.",
+            "The finger moves, or has let go. How it moves is not measured, so nothing is predicted until it stands in contact.",
         ),
-        (Standing::Rests, "At rest. A press will be foretold while it is held."),
+        (Standing::Rests, "At rest. A press is predicted while it is held."),
     ];
     let said = sentence.into_iter().find(|(standing, _)| any(*standing));
     let unknown = "What was felt before is not known; a rest, or some time, is needed first.";

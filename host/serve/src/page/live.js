@@ -19,7 +19,7 @@ export const keys = [
 ];
 
 /** What is drawn besides, and no signal of the stream. */
-const FORETOLD = ["foretold", "c4", [4, 4], true, "how a held press must go on by the model, from what was felt before"];
+const FORETOLD = ["predicted", "c4", [4, 4], true, "how a held press must go on by the model, from what was felt before"];
 const DRAWN = [...SIGNALS, FORETOLD];
 /** Colour of each region by its number; rest has none. */
 const REGION_COLOURS = [undefined, "c4", "c1", "c3", "c0", "c2", "c5"];

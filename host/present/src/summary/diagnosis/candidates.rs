@@ -43,7 +43,7 @@ impl DiagnosisSummary<'_> {
         let found = &self.diagnosis.found;
         let columns = vec![
             Column::text("effect"),
-            Column::number("foretold", "Δχ²"),
+            Column::number("predicted", "Δχ²"),
             Column::number("p value", ""),
             Column::number("refitted", unit),
             Column::number("ΔBIC behind", ""),

@@ -42,7 +42,7 @@ impl DiagnosisSummary<'_> {
             let after = if found { value(after) } else { String::new() };
             table = std::mem::take(&mut table).row([name, &value(before), &after, noise]);
         };
-        row("chance of its block sums", |a| significant(a.p_value, 2), "above 0.001");
+        row("p value of its block sums", |a| significant(a.p_value, 2), "above 0.001");
         row("Ljung–Box, over 20", |a| format!("{:.2}", a.lights.ljung_box), "1");
         row("Durbin–Watson", |a| format!("{:.2}", a.lights.durbin_watson), "2");
         row("runs over expected", |a| format!("{:.2}", a.lights.runs), "1");

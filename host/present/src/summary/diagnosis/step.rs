@@ -133,7 +133,7 @@ impl DiagnosisSummary<'_> {
             Column::number("error", self.unit()),
             Column::number("ΔBIC behind", ""),
             Column::number("wins", ""),
-            Column::text("told apart?"),
+            Column::text("distinguished?"),
         ];
         let mut table = Table::new(format!("In place of {}", step.effect), columns);
         for rival in &step.rivals {
@@ -187,7 +187,7 @@ impl DiagnosisSummary<'_> {
         let own = self.foretold(&steps[index].effect).filter(|gain| *gain > 0.0);
         match (own, self.foretold(name)) {
             (Some(own), Some(gain)) if steps.len() == 1 => format!(
-                "yes: it foretold {} of the gain of {}",
+                "yes: it predicted {} of the gain of {}",
                 percent(gain / own, 2),
                 steps[index].effect
             ),

@@ -87,7 +87,7 @@ impl DiagnosisSummary<'_> {
         };
         let untold = (!sets.is_empty()).then(|| {
             let verb = if told.is_some() { "so is" } else { "missing is" };
-            format!("{verb} {}, which these traces do not tell apart", sets.join(", and "))
+            format!("{verb} {}, which these traces cannot distinguish", sets.join(", and "))
         });
         let all: Vec<String> = told.into_iter().chain(untold).collect();
         super::sentence(&all.join("; "))

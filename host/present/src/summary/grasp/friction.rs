@@ -13,7 +13,7 @@ pub fn friction_sections(found: &Friction, law: PressureLaw) -> Vec<Section> {
     let columns = vec![Column::text(""), Column::text("value")];
     let exponent = match found.exponent {
         Some((k, low, high)) => format!("{} ({} to {})", words(k), words(low), words(high)),
-        None => "not told".into(),
+        None => "not given".into(),
     };
     let (least, most) = found.moment_share;
     let table = Table::new("Friction of the slide", columns)

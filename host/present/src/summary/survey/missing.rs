@@ -22,7 +22,7 @@ fn effects(overview: &Overview) -> Table {
         columns.push(Column::whole("specimens"));
         columns.push(Column::text("first"));
     }
-    columns.push(Column::whole("not told from others"));
+    columns.push(Column::whole("not distinguished from"));
     let mut table = Table::new("Missing effects", columns);
     for (name, effect) in overview.most_frequent_effects() {
         let mut cells = vec![name.to_owned(), effect.rows.len().to_string()];

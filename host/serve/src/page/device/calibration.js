@@ -216,7 +216,7 @@ export function calibrationPanel(desk) {
     return h("div", { class: "device-outcome" },
       h("h3", {}, `Gauge ${of.gauge}`),
       h("dl", {}, list.flatMap(([name, words]) => [h("dt", {}, name), h("dd", {}, words)])),
-      of.points && of.ustrain_per_count_standard_error === null ? h("p", { class: "muted" }, "Two readings meet every line, so they tell no errors; a third one would.") : null,
+      of.points && of.ustrain_per_count_standard_error === null ? h("p", { class: "muted" }, "Two readings meet every line, so they give no errors; a third one would.") : null,
       of.points ? h("div", { class: "device-fit" }, residuals(of), table("Readings and line", ["Strain (µε)", "Counts", "Residual (µε)"],
         of.points.map((point) => [number(point.strain_ustrain, 6), figure(point.counts, 1), number(point.residual_ustrain)]))) : null);
   }

@@ -65,7 +65,7 @@ function verdict(diagnosis) {
     "div",
     { class: `lab-verdict lab-verdict-${diagnosis.verdict}` },
     h("p", {}, h("strong", {}, capital(diagnosis.verdict)), ". ", diagnosis.in_words),
-    sets.length ? h("p", {}, "These traces do not tell apart: ", sets.join("; "), ".") : null,
+    sets.length ? h("p", {}, "These traces cannot distinguish: ", sets.join("; "), ".") : null,
     diagnosis.next_experiment ? h("p", {}, "Next experiment: ", words(diagnosis.next_experiment)) : null,
     diagnosis.notes.map((note) => h("p", { class: "lab-note" }, note)),
   );
@@ -76,7 +76,7 @@ function candidate(of, diagnosis, scale, unit, act) {
   const rival = diagnosis.steps.flatMap((step) => step.rivals).find((other) => other.effect === of.effect);
   const credible = diagnosis.steps.some((step) => step.credible_set.includes(of.effect));
   const evidence = [
-    named ? "named" : credible ? "cannot be told apart" : null,
+    named ? "named" : credible ? "cannot be distinguished" : null,
     of.gain_foretold > 0 ? (of.rms_foretold ? `would leave ${number(of.rms_foretold)} ${unit} RMS` : null) : "explains nothing here",
     of.gain_foretold > 0 ? `Δχ² ${number(of.gain_foretold)}` : null,
     of.gain_foretold > 0 ? `chance alone p = ${number(of.chance, 2)}` : null,

@@ -35,7 +35,7 @@ function formula(of, act) {
   const rows = [
     ["Can come from", of.cause],
     ["Would confirm it", of.experiment],
-    ["Not told apart", of.alternatives.map((other) => `${other.expression} (Δ BIC ${number(other.delta_bic, 2)})`).join("; ")],
+    ["Not distinguished", of.alternatives.map((other) => `${other.expression} (Δ BIC ${number(other.delta_bic, 2)})`).join("; ")],
     ["Resembles", alike.join(", ")],
     ["p value", number(of.p_value, 2)],
   ];

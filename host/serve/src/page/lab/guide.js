@@ -46,7 +46,7 @@ function found({ diagnosis, discovery }, model, left) {
   if (!next) return { at: 2, words: `${left} Nothing is missing.` };
   const effect = next.effect;
   const others = next.credible_set.filter((name) => name !== effect);
-  const doubt = others.length ? ` These traces do not tell it apart from ${others.join(", ")}.` : "";
+  const doubt = others.length ? ` These traces cannot distinguish it from ${others.join(", ")}.` : "";
   const words = `${left} What is missing looks like ${effect}.${doubt} The pointer on the button lays over the plots what it would change.`;
   return { at: 2, words, task: { add: { effect } }, button: `Add ${effect}`, effect };
 }

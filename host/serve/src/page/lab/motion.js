@@ -20,7 +20,7 @@ export function motion(found) {
   return h(
     "div",
     {},
-    h("p", {}, `${number(found.duration_s)} s of motion that tell ${found.tells_apart.join(", ")} apart: if one is right, each other, refitted, leaves at least ${number(found.separates)} squares of the noise (more than 10 tell).${told}`),
+    h("p", {}, `${number(found.duration_s)} s of motion that distinguish ${found.tells_apart.join(", ")}: if one is right, each other, refitted, leaves at least ${number(found.separates)} squares of the noise (more than 10 tell).${told}`),
     h(
       "div",
       { class: "lab-charts" },

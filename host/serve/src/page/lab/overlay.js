@@ -100,7 +100,7 @@ export function overlay(root, picker, ask, fail) {
     const model = [
       { label: "other model", colour: "c3", dash: [9, 3, 2, 3], width: 1.6 },
       { label: "model", colour: "c1", width: 1.6 },
-      { label: "foretold", colour: "c2", dash: [6, 3], width: 1.6 },
+      { label: "predicted", colour: "c2", dash: [6, 3], width: 1.6 },
     ].map((one) => ({ ...one, values: [] }));
     const upper = plot(place, {
       x: [],
@@ -116,7 +116,7 @@ export function overlay(root, picker, ask, fail) {
     const residual = [
       { label: "residual of the other", colour: "c3" },
       { label: "residual", colour: "c0" },
-      { label: "foretold", colour: "c2" },
+      { label: "predicted", colour: "c2" },
       { label: "noise", colour: "muted", dash: [4, 4] },
       { label: "", colour: "muted", dash: [4, 4] },
     ].map((one) => ({ ...one, values: [] }));
@@ -147,7 +147,7 @@ export function overlay(root, picker, ask, fail) {
         other && key("other", `other model: ${info.beside}`),
         ...Object.entries(SHADES).filter(([name]) => data.regions?.some(([, , of]) => of === name)).map(([name, shade]) => h("span", { class: `lab-key lab-shade lab-shade-${shade}` }, name)),
         data.regions === null && h("span", { class: "muted" }, "regions are being looked for …"),
-        foretold && key("foretold", `with ${forecast.effect} (${forecast.law}), foretold: ${number(forecast.rms)} ${info.unit} RMS`),
+        foretold && key("foretold", `with ${forecast.effect} (${forecast.law}), predicted: ${number(forecast.rms)} ${info.unit} RMS`),
       ].filter(Boolean),
     );
   }

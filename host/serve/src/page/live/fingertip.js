@@ -15,7 +15,7 @@ export function fingertip(root) {
 }
 
 /** What ring and disc mean. */
-export const tipLegend = () => h("p", { class: "muted" }, h("span", { class: "key c1" }), "ring: FA, fast ", h("span", { class: "key c0" }), "disc: SA, slow; full is the largest of late");
+export const tipLegend = () => h("p", { class: "muted" }, h("span", { class: "key c1" }), "ring: FA, fast ", h("span", { class: "key c0" }), "disc: SA, slow; full is the largest of the last while");
 
 /** The picture, in `root`; `show(value)` draws `value(part, gauge)`, µε, of the parts FA (1) and SA (2), and returns the strain, µε,
  *  that lights up fully. `full` is a greater one that other pictures beside it light up with. */

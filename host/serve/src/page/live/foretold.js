@@ -43,8 +43,8 @@ export function foretoldPanel(root) {
   const legend = h("p", { class: "muted foretold-legend" }, COLOURS.flatMap((colour, gauge) => [h("span", { class: `key ${colour}` }), `${gauge + 1} `]), "gauge");
   root.append(h("section", { class: "panel foretold", "aria-label": "The model now" },
     h("h2", {}, "The model now"), words, law, figure, legend,
-    h("details", {}, h("summary", {}, "What is foretold from what"), h("p", { class: "muted" },
-      "A fingertip does not measure how the finger moves. While it stands in contact, in region CD, the model's relaxation alone says how each signal must go on from what was felt before it stood: the dashed line beside the signal. What is left of the signal is drawn here. A mean of it over 0.2 s that is six standard errors of the noise away from zero, twice in a row, is more than noise. Then the model's relaxation is not that of this silicone, or the finger did not stand: from the signal alone these two are not told apart."))));
+    h("details", {}, h("summary", {}, "What is predicted from what"), h("p", { class: "muted" },
+      "A fingertip does not measure how the finger moves. While it stands in contact, in region CD, the model's relaxation alone says how each signal must go on from what was felt before it stood: the dashed line beside the signal. What is left of the signal is drawn here. A mean of it over 0.2 s that is six standard errors of the noise away from zero, twice in a row, is more than noise. Then the model's relaxation is not that of this silicone, or the finger did not stand: from the signal alone these two cannot be distinguished."))));
   let drawn = null;
 
   return {
