@@ -214,8 +214,14 @@ mod tests {
             seen.fetch_add(1, Ordering::Relaxed);
         };
         let every = Duration::from_millis(1);
-        assert_eq!(looked_at(&watch, every, look, || 7).ok(), Some(7));
-        assert!(seen.load(Ordering::Relaxed) > 0);
+        // Work that goes on until it was looked at.
+        let work = || {
+            while seen.load(Ordering::Relaxed) == 0 {
+                std::thread::yield_now();
+            }
+            7
+        };
+        assert_eq!(looked_at(&watch, every, look, work).ok(), Some(7));
         let work = || looked_at(&watch, every, look, || panic!("of the test"));
         assert!(std::panic::catch_unwind(std::panic::AssertUnwindSafe(work)).is_err());
     }
