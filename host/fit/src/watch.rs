@@ -217,7 +217,7 @@ mod tests {
         // Work that goes on until it was looked at.
         let work = || {
             while seen.load(Ordering::Relaxed) == 0 {
-                std::thread::yield_now();
+                thread::yield_now();
             }
             7
         };

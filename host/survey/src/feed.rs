@@ -6,7 +6,7 @@ use std::sync::Mutex;
 use super::group::{Group, Place};
 use super::results::About;
 use palpate_trace::many::Rows;
-use palpate_trace::{self as trace, Trace, read_set};
+use palpate_trace::{self as trace, Trace, order, read_set};
 
 /// Most files with many traces that are held open at a time.
 const OPEN: usize = 16;
@@ -61,7 +61,9 @@ impl Feed {
             Place::Rows { .. } => None,
         };
         let files: Vec<PathBuf> = group.places.iter().filter_map(file).collect();
-        if !files.is_empty() {
+        if files.is_empty() {
+            order(&mut rows)?;
+        } else {
             rows.extend(read_set(&files)?);
         }
         Ok(rows)

@@ -4,14 +4,14 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use super::error::Error;
-use super::{PARQUET, Trace, has_extension, read, recorded};
+use super::{PARQUET, Trace, elapsed, has_extension, read, recorded};
 use crate::recording;
 
 /// Reads files and folders; a folder stands for its `.csv` and `.parquet` files by name (`.csv.gz` and
 /// `.csv.zst` too), a recording of a device (`.palpate`)
 /// for the stretches of its stream, in the time of the device. Where every trace has
-/// `setup.sequence`, else where every trace has `setup.start_s`, the set is put into that order;
-/// otherwise it keeps the order given.
+/// `setup.sequence`, else where every trace has `setup.start_s`, the set is put into that order; where no head says anything of it and no
+/// two traces share a time, one clock ran through all of them, and says when each began. Otherwise the set keeps the order given.
 ///
 /// # Errors
 /// The first of: a folder without traces, no trace at all, a file given twice, a file that
@@ -80,11 +80,12 @@ fn folder(path: &Path) -> Result<Vec<PathBuf>, Error> {
     if files.is_empty() { Err(Error::EmptyFolder { path: path.into() }) } else { Ok(files) }
 }
 
-/// Puts a set into the order in which it was recorded, if its heads say it.
+/// Puts a set into the order in which it was recorded, if its heads say it, or the one clock that ran through all of it.
 ///
 /// # Errors
 /// [`Error::SameOrder`].
 pub fn order(traces: &mut [Trace]) -> Result<(), Error> {
+    begin_by_the_clock(traces);
     let sequence = |trace: &Trace| trace.head.setup.sequence;
     let start = |trace: &Trace| trace.head.setup.start_s;
     let key = if traces.iter().all(|trace| sequence(trace).is_some()) {
@@ -110,6 +111,28 @@ pub fn order(traces: &mut [Trace]) -> Result<(), Error> {
             value: value(&pair[0]).unwrap_or_default(),
         })
     })
+}
+
+/// Notes in each head when its trace began, where no head says anything of the order and the stamps are of one clock: no two traces then
+/// share a time. Clocks that begin anew with each trace do.
+fn begin_by_the_clock(traces: &mut [Trace]) {
+    let ordered = |trace: &Trace| {
+        trace.is_empty()
+            || trace.head.setup.sequence.is_some()
+            || trace.head.setup.start_s.is_some()
+    };
+    if traces.len() < 2 || traces.iter().any(ordered) {
+        return;
+    }
+    let mut spans: Vec<(f64, f64)> =
+        traces.iter().map(|trace| (trace.time[0], trace.time[trace.len() - 1])).collect();
+    spans.sort_by(|a, b| a.0.total_cmp(&b.0));
+    if spans.windows(2).all(|pair| pair[0].1 < pair[1].0) {
+        let first = spans[0].0;
+        for trace in traces {
+            trace.head.setup.start_s = Some(elapsed(&[first, trace.time[0]])[1]);
+        }
+    }
 }
 
 #[cfg(test)]
@@ -151,6 +174,28 @@ mod tests {
         assert_eq!(names(&read_set(&[&a, &b]).unwrap()), ["b.csv", "a.csv"]);
         assert_eq!(names(&read_set(&[&b, &c, &a]).unwrap()), ["a.csv", "c.csv", "b.csv"]);
         assert_eq!(names(&read_set(&[&d, &b]).unwrap()), ["d.csv", "b.csv"]);
+    }
+
+    #[test]
+    fn one_clock_through_all_traces_says_their_order_and_their_beginnings() {
+        let folder = tempfile::tempdir().unwrap();
+        let write = |name: &str, times: [&str; 2]| {
+            let path = folder.path().join(name);
+            let rows = format!("time_s,force_N\n{},1\n{},2\n", times[0], times[1]);
+            std::fs::write(&path, rows).unwrap();
+            path
+        };
+        let later = write("a.csv", ["1700000060.005", "1700000070.005"]);
+        let earlier = write("b.csv", ["1700000000.000", "1700000030.000"]);
+        let set = read_set(&[&later, &earlier]).unwrap();
+        assert_eq!(names(&set), ["b.csv", "a.csv"]);
+        let begins: Vec<_> = set.iter().map(|trace| trace.head.setup.start_s).collect();
+        assert_eq!(begins, [Some(0.0), Some(60.005)]);
+        // A clock of its own for each.
+        let other = write("c.csv", ["1700000020.000", "1700000080.000"]);
+        let set = read_set(&[&other, &earlier]).unwrap();
+        assert_eq!(names(&set), ["c.csv", "b.csv"]);
+        assert!(set.iter().all(|trace| trace.head.setup.start_s.is_none()));
     }
 
     #[test]
