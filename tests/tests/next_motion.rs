@@ -83,7 +83,10 @@ fn where_nothing_is_open_no_motion_is_written() {
     let (status, out, error) = call(folder.path(), NEXT);
     assert_eq!(status, 1);
     follows_schema("diagnose", &serde_json::from_str(&out).unwrap());
-    assert!(error.contains("motion.csv was not written: no two effects are left"), "{error}");
+    assert!(
+        error.contains("motion.csv was not written: these traces distinguish all effects"),
+        "{error}"
+    );
     assert!(!folder.path().join("motion.csv").exists());
 }
 
