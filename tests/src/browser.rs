@@ -257,6 +257,12 @@ impl Browser {
         self.runtime.block_on(resized).expect("the window has a size");
     }
 
+    /// Waits until the page is no wider than its window.
+    pub fn fits(&self, what: &str) {
+        let condition = "(({ scrollWidth, clientWidth }) => scrollWidth <= clientWidth)(document.scrollingElement)";
+        self.until(&format!("{what} is no wider than its window"), condition);
+    }
+
     /// Keeps a picture of the window in `target/browser/`.
     #[must_use]
     pub fn picture(&self, name: &str) -> PathBuf {

@@ -11,10 +11,9 @@ use crate::{HEIGHT, WIDTH, opened};
 
 const WIDTHS: [u32; 4] = [390, 1024, 1440, 2560];
 
-/// What is wider than the window, and texts that are cut off without a sign of it.
+/// Texts that are cut off without a sign of it.
 const TORN: &str = r"
   const found = [];
-  if (document.scrollingElement.scrollWidth > innerWidth) found.push(`the page is ${document.scrollingElement.scrollWidth} px wide`);
   for (const e of document.querySelectorAll('button,h1,h2,h3,th,td,dt,dd,p,li,summary,figcaption,select')) {
     if (!e.checkVisibility() || e.closest('.spoken,.skip')) continue;
     const style = getComputedStyle(e);
@@ -41,6 +40,7 @@ fn looked_at(browser: &Browser, name: &str) -> Vec<String> {
         theme(browser, colours);
         for width in WIDTHS {
             let _ = browser.whole_picture(&format!("{name}-{width}-{colours}"), width);
+            browser.fits(&format!("{name} at {width}"));
             let torn = words(&browser.script(TORN));
             wrong.extend(torn.iter().map(|text| format!("{name} at {width}: {text}")));
         }
