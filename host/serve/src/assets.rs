@@ -23,6 +23,7 @@ const FILES: &[(&str, &str, &[u8])] = &[
     ("/reading.js", SCRIPT, include_bytes!("page/reading.js")),
     ("/save.js", SCRIPT, include_bytes!("page/save.js")),
     ("/settings.js", SCRIPT, include_bytes!("page/settings.js")),
+    ("/symbols.js", SCRIPT, include_bytes!("page/symbols.js")),
     ("/hand.css", CSS, include_bytes!("page/hand.css")),
     ("/hand.js", SCRIPT, include_bytes!("page/hand.js")),
     ("/live.css", CSS, include_bytes!("page/live.css")),

@@ -57,13 +57,22 @@ export function keepingFocus(root, draw) {
   enter(now, [same[place], same[0]]);
 }
 
+/** A whole number as a power. */
+export const raised = (value) => String(value).replace("-", "⁻").replace(/[0-9]/g, (digit) => "⁰¹²³⁴⁵⁶⁷⁸⁹"[digit]);
+
+/** A column of a trace with its unit, as an axis has it: `force, N` for `force_N`. */
+export function quantity(name, unit) {
+  const of = name.replace(unit === "µε" ? /_ustrain$/ : `_${unit}`, "").replaceAll("_", " ");
+  return unit ? `${of}, ${unit}` : of;
+}
+
 /** A number as it is read, to so many significant digits, zeros at its end included; whole numbers as they are. */
 export function number(value, digits = 3) {
   if (value === null || value === undefined || !Number.isFinite(value)) return "–";
   const size = Math.abs(value);
   const written = () => {
     if (Number.isInteger(value) && size < 1e5) return String(value);
-    if (size < 1e-3 || size >= 1e5) return value.toExponential(digits - 1);
+    if (size < 1e-3 || size >= 1e5) return value.toExponential(digits - 1).replace(/e\+?(-?\d+)/, (_, power) => `×10${raised(power)}`);
     return size >= 10 ** digits ? String(Math.round(value)) : value.toPrecision(digits);
   };
   return written().replace("-", "−");

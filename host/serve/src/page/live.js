@@ -86,7 +86,7 @@ export function open(root, api) {
       h("div", { class: "heading" }, h("h2", {}, `Gauge ${gauge + 1}`), reading));
     gauges.append(place);
     const drawn = plot(place, {
-      x: [], label: `Strain of gauge ${gauge + 1} over time`, axes: { x: "s", y: "µε" }, units: { unit: "µε", decimals: 1 }, height: LEAST_HEIGHT, group: "live",
+      x: [], label: `Strain of gauge ${gauge + 1} over time`, axes: { x: "time, s", y: "strain, µε" }, units: { unit: "µε", decimals: 1 }, height: LEAST_HEIGHT, group: "live",
       // Hairlines: those that are wider are stroked with joins, which without a GPU takes most of a frame.
       series: DRAWN.map(([label, colour, dash, show]) => ({ label, colour, dash, show, width: 1, values: [] })),
       onZoom: (from, to) => (from === null ? goOn() : look(from, to)),

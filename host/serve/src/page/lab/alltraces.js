@@ -1,6 +1,6 @@
 // All traces that were taken: as small pictures side by side on one scale, or one over the other.
 
-import { choice, h, number } from "../dom.js";
+import { choice, h, number, quantity } from "../dom.js";
 import { chart } from "./chart.js";
 
 /** Most traces that are drawn, and points across a picture. */
@@ -80,7 +80,7 @@ export function allTraces(ask, fail, show) {
     return { x: [0, Math.max(...drawings.map(({ whole }) => whole[1] - whole[0]))], y: values.length ? [low, high] : [0, 1] };
   }
 
-  const axis = () => `${residuals() ? "residual" : info.signal}, ${info.unit}`;
+  const axis = () => (residuals() ? `residual, ${info.unit}` : quantity(info.signal, info.unit));
   const rms = (values) => Math.sqrt(values.reduce((sum, value) => sum + value * value, 0) / (values.length || 1));
 
   function side() {

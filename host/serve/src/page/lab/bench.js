@@ -1,6 +1,6 @@
 // What is on the bench: data set, traces, signal, base law, model file.
 
-import { choice, fold, h, number } from "../dom.js";
+import { choice, counted, fold, h, number } from "../dom.js";
 
 const PARTING = { clamp: "clamp: no pull", free: "free: recovers by itself", bonded: "bonded: it pulls" };
 
@@ -23,7 +23,7 @@ function data(state, act) {
     state.signals.length ? choice("Signal", state.signals, state.signal, (signal) => act.choose({ signal })) : null,
     state.traces.length
       ? traces(
-          `${taken} of ${state.traces.length} traces`,
+          `${taken} of ${counted(state.traces.length, "trace")}`,
           h("ul", {}, boxes.map(([trace, box]) => h("li", {}, h("label", {}, box, `${trace.name}, ${trace.samples} samples, ${number(trace.duration_s)} s`)))),
           h("button", { class: "lab-take", onclick: pick }, "Take these"),
         )

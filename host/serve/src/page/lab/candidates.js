@@ -1,6 +1,7 @@
 // What could be missing, with what speaks for it.
 
 import { fold, h, number, percent, s } from "../dom.js";
+import { symbols } from "../symbols.js";
 import { reach, sparkline } from "./sparkline.js";
 
 /**
@@ -109,7 +110,7 @@ function details(of) {
     ["Leaves", of.signature],
     ["Mistaken for", of.confused_with?.join(", ")],
     ["Told apart by", of.experiment],
-    ["Laws", of.laws?.map((law) => `${law.name}: ${law.formula}`).join("; ") || of.expression],
+    ["Laws", of.laws?.length ? symbols(of.laws.map((law) => `${law.name}: ${law.formula}`).join("; ")) : of.expression],
   ];
   return fold(
     `candidate ${of.effect}`,

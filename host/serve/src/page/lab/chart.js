@@ -16,26 +16,25 @@ function ticks(least, most, whole, steps) {
   return Array.from({ length: Math.max(Math.floor(most / step) - first + 1, 0) }, (_, k) => (first + k) * step);
 }
 
-export const raised = (value) => String(value).replace("-", "⁻").replace(/[0-9]/g, (digit) => "⁰¹²³⁴⁵⁶⁷⁸⁹"[digit]);
-
 const plain = new Intl.NumberFormat("en", { maximumSignificantDigits: 4, useGrouping: false });
 const decimal = (value) => plain.format(value).replace("-", "−");
 
-/** A figure. `lines`: `[{kind, x, y, name}]`, null for none; `within`: `{x, y}`, pairs that the axes cover whatever is drawn; `size`: of the
+/** A figure. `lines`: `[{kind, x, y, name}]`, null for none; `points`: `[{x, y, error}]`; `beside`: what the values are; `within`: `{x, y}`, pairs that the axes cover whatever is drawn; `size`: of the
  *  picture, px; what is `hidden` is told by what stands around it. */
-export function chart({ label, x: under, lines, bars = [], least, within = {}, written = decimal, whole = false, caption, size = SIZE, hidden = false }) {
+export function chart({ label, x: under, lines = [], bars = [], points = [], beside, least, within = {}, written = decimal, whole = false, caption, size = SIZE, hidden = false }) {
   const [width, height] = size;
   const foot = under ? BOTTOM : BOTTOM - 18;
+  const head = beside ? TOP + 18 : TOP;
   const known = (value) => value !== null && Number.isFinite(value);
-  const xs = [...lines.flatMap((line) => (line.y.length ? line.x : [])), ...bars.flatMap((bar) => [bar.from, bar.to]), ...(within.x ?? [])].filter(known);
-  const ys = [...lines.flatMap((line) => line.y), ...bars.map((bar) => bar.share), ...(within.y ?? [])].filter(known);
+  const xs = [...lines.flatMap((line) => (line.y.length ? line.x : [])), ...bars.flatMap((bar) => [bar.from, bar.to]), ...points.map((point) => point.x), ...(within.x ?? [])].filter(known);
+  const ys = [...lines.flatMap((line) => line.y), ...bars.map((bar) => bar.share), ...points.flatMap(({ y, error }) => [y - error, y + error]), ...(within.y ?? [])].filter(known);
   const extent = (of) => of.reduce(([low, high], value) => [Math.min(low, value), Math.max(high, value)], [Infinity, -Infinity]);
   const [left, right] = extent(xs);
   const [low, high] = extent(least === undefined ? ys : [...ys, least]);
   const room = 0.05 * (high - low || 1);
   const [bottom, top] = [least === low ? low : low - room, high + room];
   const x = (value) => LEFT + ((width - LEFT - RIGHT) * (value - left)) / (right - left || 1);
-  const y = (value) => height - foot - ((height - TOP - foot) * (value - bottom)) / (top - bottom || 1);
+  const y = (value) => height - foot - ((height - head - foot) * (value - bottom)) / (top - bottom || 1);
   const at = (value) => value.toFixed(1);
   const path = (line) => {
     let pen = "M";
@@ -60,6 +59,11 @@ export function chart({ label, x: under, lines, bars = [], least, within = {}, w
       s("path", { class: "lab-chart-axis", d: `M${LEFT} ${height - foot}H${width - RIGHT}` }),
       bars.map((bar) => s("rect", { class: "lab-chart-bar", x: at(x(bar.from)), y: at(y(bar.share)), width: at(x(bar.to) - x(bar.from)), height: at(y(bottom) - y(bar.share)) })),
       lines.map((line) => s("path", { class: `lab-chart-line lab-chart-${line.kind}`, d: path(line) }, line.name ? s("title", {}, line.name) : null)),
+      points.flatMap((point) => [
+        s("path", { class: "lab-error", d: `M${at(x(point.x))} ${at(y(point.y - point.error))}V${at(y(point.y + point.error))}` }),
+        s("circle", { class: "lab-point", cx: at(x(point.x)), cy: at(y(point.y)), r: 3 }),
+      ]),
+      beside ? s("text", { x: 6, y: TOP + 4 }, beside) : null,
       under ? s("text", { x: (LEFT + width - RIGHT) / 2, y: height - 6, "text-anchor": "middle" }, under) : null,
     ),
     h("figcaption", {}, caption),

@@ -1,7 +1,7 @@
 // One trace looked at more closely: force over displacement, and what its residual is like beside the noise.
 
-import { h } from "../dom.js";
-import { chart, raised } from "./chart.js";
+import { h, quantity, raised } from "../dom.js";
+import { chart } from "./chart.js";
 
 /** Four charts of what `/lab/closer` gives. */
 export function closer({ loop, residual }, { unit, signal }) {
@@ -17,7 +17,7 @@ function force(loop, signal, unit) {
     label: `${signal} over displacement, measured and model`,
     x: "displacement, mm",
     lines: [...lines("measured"), ...lines("predicted")],
-    caption: `${signal}, ${unit}, over displacement: measured, and the model in colour.`,
+    caption: `${quantity(signal, unit)}, over displacement: measured, and the model in colour.`,
   });
 }
 

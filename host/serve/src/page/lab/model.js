@@ -1,6 +1,7 @@
 // The model at hand: its parameters, its effects, how it came about.
 
 import { fold, h, number } from "../dom.js";
+import { symbols } from "../symbols.js";
 
 /** The panel. `act` has `drop(effect)`, `add(effect)`, `undo()`, `save()`, `export(kind)` and `copy(task or text)`. */
 export function model(state, choices, act) {
@@ -39,10 +40,10 @@ function parameters(of, choices) {
       "tr",
       {},
       h("th", { scope: "row" }, name),
-      h("td", {}, parameter),
+      h("td", {}, symbols(parameter)),
       h("td", { class: "lab-number" }, number(value.value, 4)),
       h("td", { class: "lab-number" }, value.standard_error === undefined ? "" : `± ${number(value.standard_error, 2)}`),
-      h("td", {}, value.unit ?? ""),
+      h("td", {}, symbols(value.unit ?? "")),
     );
   const head = h("tr", {}, ["of", "parameter", "value", "standard error", "unit"].map((name, k) => h("th", { scope: "col", class: k === 2 || k === 3 ? "lab-number" : null }, name)));
   const body = rows.flatMap(([name, list]) => Object.entries(list).map(row(name)));
@@ -50,14 +51,14 @@ function parameters(of, choices) {
   return h(
     "div",
     { class: "lab-scroll" },
-    law ? h("p", { class: "lab-formula" }, h("strong", {}, of.base.law), " ", h("span", {}, law)) : null,
+    law ? h("p", { class: "lab-formula" }, h("strong", {}, of.base.law), " ", h("span", {}, symbols(law))) : null,
     h("table", { class: "lab-parameters" }, h("thead", {}, head), h("tbody", {}, body)),
   );
 }
 
 function inModel(effect, choices, act) {
   const task = { drop: { effect: effect.name } };
-  return h("li", {}, h("strong", {}, effect.name), effect.expression ? h("code", {}, effect.expression) : ` (${effect.law}) ${choices.formulas[effect.name]?.[effect.law] ?? ""}`, h("button", { class: "lab-drop", onclick: () => act.start(task) }, "Drop", h("span", { class: "spoken" }, ` ${effect.name}`)), act.copy(task));
+  return h("li", {}, h("strong", {}, effect.name), effect.expression ? h("code", {}, effect.expression) : [` (${effect.law}) `, ...symbols(choices.formulas[effect.name]?.[effect.law] ?? "")], h("button", { class: "lab-drop", onclick: () => act.start(task) }, "Drop", h("span", { class: "spoken" }, ` ${effect.name}`)), act.copy(task));
 }
 
 function candidate(own, act) {

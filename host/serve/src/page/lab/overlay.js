@@ -1,7 +1,7 @@
 // One trace: measurement and model, the residual below, regions shaded, zoom linked.
 
 import { plot } from "../plot.js";
-import { h, number } from "../dom.js";
+import { h, number, quantity } from "../dom.js";
 import { picture as asPicture, table } from "../save.js";
 
 const SHADES = { loading: "c2", "early hold": "c4", "late hold": "c0", unloading: "c3" };
@@ -105,7 +105,7 @@ export function overlay(root, picker, ask, fail) {
     const upper = plot(place, {
       x: [],
       series: [{ label: "measured", colour: "ink", values: [] }, ...(fits ? model : [])],
-      axes: { x: fits ? "" : "time, s", y: `${info.signal}, ${info.unit}` },
+      axes: { x: fits ? "" : "time, s", y: quantity(info.signal, info.unit) },
       units: { unit: info.unit },
       // Until there is a residual its room is the measurement's.
       height: fits ? UPPER : UPPER + LOWER,
@@ -155,7 +155,7 @@ export function overlay(root, picker, ask, fail) {
   const save = (how) => data && Promise.resolve(how(`${info.label.replace(/\.csv$/, "")}-${info.signal}`)).catch(fail);
 
   function picture(name) {
-    const heading = `${info.label}: ${info.signal}, ${info.unit}${plots.fits ? ", measured and model" : ""}`;
+    const heading = `${info.label}: ${quantity(info.signal, info.unit)}${plots.fits ? ", measured and model" : ""}`;
     const residual = plots.lower ? [{ drawn: plots.lower, heading: `residual, ${info.unit}` }] : [];
     return asPicture(name, [{ drawn: plots.upper, heading }, ...residual]);
   }

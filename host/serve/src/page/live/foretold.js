@@ -40,7 +40,7 @@ export function foretoldPanel(root) {
   const words = h("p", { class: "margin-words foretold-words", role: "status" }, "Waiting for the device.");
   const law = h("p", { class: "muted foretold-law" });
   const figure = h("div");
-  const legend = h("p", { class: "muted foretold-legend" }, COLOURS.flatMap((colour, gauge) => [h("span", { class: `key ${colour}` }), `${gauge + 1} `]), "gauge");
+  const legend = h("p", { class: "muted foretold-legend" }, "gauge ", COLOURS.flatMap((colour, gauge) => [h("span", { class: `key ${colour}` }), `${gauge + 1} `]));
   root.append(h("section", { class: "panel foretold", "aria-label": "The model now" },
     h("h2", {}, "The model now"), words, law, figure, legend,
     h("details", {}, h("summary", {}, "What is predicted from what"), h("p", { class: "muted" },
@@ -68,7 +68,7 @@ export function foretoldPanel(root) {
       const left = Array.from({ length: GAUGES }, (_, gauge) => foretold(times, holds, gauge)
         .map((value, point) => (value === null ? null : values[gauge][EACH * point + EACH - 1] - value)));
       drawn ??= plot(figure, {
-        x: times, label: "What the model leaves of each gauge's signal while a press is held, over time", axes: { x: "s", y: "residual, µε" },
+        x: times, label: "What the model leaves of each gauge's signal while a press is held, over time", axes: { x: "time, s", y: "residual, µε" },
         units: { unit: "µε", decimals: 2 }, height: 150, zero: true,
         series: left.map((of, gauge) => ({ label: `gauge ${gauge + 1}`, colour: COLOURS[gauge], width: 1, values: of })),
       });

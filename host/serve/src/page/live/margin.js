@@ -127,7 +127,7 @@ export function marginPanel(root, api) {
     const x = Float64Array.from(times);
     const values = [now, settled, times.map(() => 1)];
     drawn ??= plot(figure, {
-      x, label: "Share of the grip in use over time, now and once settled; at 1 it slips", axes: { x: "s", y: "1/margin" }, height: 130, zero: true,
+      x, label: "Share of the grip in use over time, now and once settled; at 1 it slips", axes: { x: "time, s", y: "1/margin" }, height: 130, zero: true,
       series: [
         { label: "now", colour: "c0", values: now }, { label: "once settled", colour: "c2", dash: [8, 4], values: settled },
         { label: "slip", colour: "c1", dash: [2, 3], values: values[2] },
