@@ -417,7 +417,7 @@ fn the_traces_of_a_group_are_given_back_for_the_other_commands() {
     assert_eq!(call(lab.path(), &segment).0, 0);
     let traces = ["survey", "traces", "out", "1", "-o", "one"];
     let (status, _, error) = call(lab.path(), &traces);
-    assert!(status == 0 && error.contains("finger 2: 1 trace(s) in one"), "{error}");
+    assert!(status == 0 && error.contains("finger 2: 1 trace in one"), "{error}");
     let given = read(&lab.path().join("one").join(FEW[1])).unwrap();
     let own = read(&bundled(FEW[1])).unwrap();
     assert_eq!((given.time, given.columns), (own.time, own.columns));

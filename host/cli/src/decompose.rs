@@ -17,6 +17,7 @@ use palpate_model::Model;
 use palpate_present::answers::{self, DecompositionAnswer};
 use palpate_present::summary::{decomposed_trace, decomposition_sections};
 use palpate_report::Section;
+use palpate_report::number::counted;
 use palpate_trace::files::plan::COMPUTED;
 use palpate_trace::{Trace, read_set, write};
 
@@ -178,7 +179,7 @@ fn write_all(folder: &Path, found: &Decomposed) -> Result<(), Failure> {
         let path = folder.join(file_name(trace));
         write(&path, &decomposed_trace(trace, channels)).map_err(Failure::work)?;
     }
-    eprintln!("{} trace(s) in {}", found.parts.len(), folder.display());
+    eprintln!("{} in {}", counted(found.parts.len(), "trace"), folder.display());
     Ok(())
 }
 

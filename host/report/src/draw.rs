@@ -170,11 +170,21 @@ fn left_margin(frame: &Frame<'_>) -> f64 {
     labels.fold(0.0, f64::max) + 12.0 + (TEXT + 5.0) * frame.y_title.len() as f64 + 4.0
 }
 
+/// A legend, or the names of levels, stand right of the drawing area.
 fn right_margin(plot: &Plot) -> f64 {
+    let lines = plot.levels.iter().flat_map(|level| level_lines(&level.label));
+    let names = lines.map(|line| text_width(&line, TEXT) + 12.0);
     match plot.legend {
         Legend::Right => layout::legend_width(plot) + 28.0,
-        _ => 18.0,
+        _ => names.fold(18.0, f64::max),
     }
+}
+
+/// Width of the name of a level, at which it goes on in the next line, user units.
+const LEVEL_NAME: f64 = 56.0;
+
+fn level_lines(label: &str) -> Vec<String> {
+    wrap(label, TEXT, LEVEL_NAME)
 }
 
 /// Gives a frame its place below `top`; returns the bottom of its drawing area.
@@ -395,22 +405,22 @@ fn strip(svg: &mut Svg, frame: &Frame<'_>) {
     }
 }
 
-/// Labels of levels, at the right end: above their line, or below where another is in the way.
+/// Names of levels, right of the drawing area, each at its line, where no other is in the way.
 fn level_labels(svg: &mut Svg, frame: &Frame<'_>) {
-    let (bottom, top) = frame.y.drawn;
-    let mut taken: Vec<f64> = Vec::new();
+    let mut taken: Vec<(f64, f64)> = Vec::new();
     for level in frame.plot.levels.iter().filter(|l| frame.y.holds(l.y)) {
         let y = frame.y.at(level.y);
-        let free = |offset: &f64| {
-            let at = y + offset;
-            at - TEXT >= top - 1.0
-                && at <= bottom - 2.0
-                && taken.iter().all(|t| (t - at).abs() >= TEXT + 2.0)
-        };
-        let Some(offset) = [-5.0, TEXT + 2.0].into_iter().find(free) else { continue };
-        taken.push(y + offset);
+        let lines = level_lines(&level.label);
+        let half = 0.5 * (TEXT + 2.0) * lines.len() as f64;
+        if taken.iter().any(|(at, other)| (at - y).abs() < half + other) {
+            continue;
+        }
+        taken.push((y, half));
         svg.element("g").data("y", level.y).at(0.0, y).open();
-        anchored(svg, "pl-note pl-halo", frame.x.drawn.1 - 5.0, offset, "end", &level.label);
+        for (row, line) in lines.iter().enumerate() {
+            let base = (TEXT + 2.0) * (row as f64 + 0.8) - half;
+            anchored(svg, "pl-note", frame.x.drawn.1 + 6.0, base, "start", line);
+        }
         svg.close();
     }
 }

@@ -106,6 +106,12 @@ pub fn duration(seconds: f64) -> String {
     format!("{sign}{whole} {large} {rest} {small}")
 }
 
+/// So many of something: `1 hold`, `2 holds`.
+#[must_use]
+pub fn counted(count: usize, of: &str) -> String {
+    format!("{count} {of}{}", if count == 1 { "" } else { "s" })
+}
+
 /// A number of this module with one decimal less: `0.00785` is `0.0079`, `3.981 ± 0.074` is `3.98 ± 0.07`, `1.1187(18)` is
 /// `1.119(2)`. None where a plain number would be left with one digit, an error with none, or there are no decimals.
 #[must_use]
@@ -274,6 +280,11 @@ mod tests {
         assert_eq!(percent(0.613, 2), "61 %");
         assert_eq!(percent(0.0004, 2), "0.040 %");
         assert_eq!(percent(1.0, 2), "100 %");
+    }
+
+    #[test]
+    fn one_is_not_many() {
+        assert_eq!([0, 1, 2].map(|n| counted(n, "hold")), ["0 holds", "1 hold", "2 holds"]);
     }
 
     #[test]

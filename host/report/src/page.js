@@ -550,7 +550,7 @@
     };
     save(".svg", "image/svg+xml", () => picture(figure));
     if (drawn) save(".csv", "text/csv", () => table(drawn));
-    if (plot) html("span", "", "Drag to zoom; click, then turn the wheel; double-click shows all. Keys: ← → + − 0.", tools);
+    if (plot) html("span", "hint", "Drag to zoom; click, then turn the wheel; double-click shows all. Keys: ← → + − 0.", tools);
   }
 
   for (const block of document.querySelectorAll(".code")) {

@@ -326,7 +326,9 @@ fn html_table(table: &Table) -> Markup {
                             @if index == 0 && !table.cell(row, 0).is_empty() {
                                 th scope="row" class=[row_class(table, row)] { (html_cell(table, row, index)) }
                             } @else {
-                                td class=[class(column)] { (html_cell(table, row, index)) }
+                                td class=[class(column).or_else(|| short(table.cell(row, index)))] {
+                                    (html_cell(table, row, index))
+                                }
                             }
                         }
                     } }
@@ -337,10 +339,20 @@ fn html_table(table: &Table) -> Markup {
     }
 }
 
+/// Characters of a cell that stays on one line.
+const SHORT_CELL: usize = 16;
+
+fn short(cell: &str) -> Option<&'static str> {
+    (1..=SHORT_CELL).contains(&cell.chars().count()).then_some("line")
+}
+
 /// A name of one word, as of a file, is not broken at its hyphens.
 fn row_class(table: &Table, row: usize) -> Option<&'static str> {
     match table.columns[0].align {
-        Align::Left => (!table.cell(row, 0).contains(' ')).then_some("name"),
+        Align::Left => {
+            let name = table.cell(row, 0);
+            (!name.contains(' ') || short(name).is_some()).then_some("name")
+        }
         Align::Right | Align::Decimal => Some("num"),
     }
 }

@@ -7,17 +7,22 @@ pub(super) struct Part<'a> {
     pub(super) is_index: bool,
 }
 
-/// The parts of a text. An index follows a single letter and `_`, and is a short word; names such as `force_N` have none.
+/// The parts of a text. An index follows a single letter: a short word after `_`, or one or two digits; names such as `force_N` have
+/// none.
 pub(super) fn parts(text: &str) -> Vec<Part<'_>> {
     let mut parts = Vec::new();
     let (mut begun, mut from) = (0, 0);
-    while let Some(found) = text[from..].find('_') {
+    while let Some(found) = text[from..].find(|c: char| c == '_' || c.is_ascii_digit()) {
         let at = from + found;
-        from = at + 1;
-        let Some(length) = index_length(text, at) else { continue };
+        let index = at + usize::from(text[at..].starts_with('_'));
+        let run = text[index..].find(|c: char| !c.is_ascii_alphanumeric());
+        let length = run.unwrap_or(text.len() - index);
+        from = index + length;
+        if !is_index(text, at, index, length) {
+            continue;
+        }
         parts.push(Part { text: &text[begun..at], is_index: false });
-        parts.push(Part { text: &text[from..from + length], is_index: true });
-        from += length;
+        parts.push(Part { text: &text[index..from], is_index: true });
         begun = from;
     }
     parts.push(Part { text: &text[begun..], is_index: false });
@@ -25,20 +30,23 @@ pub(super) fn parts(text: &str) -> Vec<Part<'_>> {
     parts
 }
 
-/// The length of the index that follows the `_` at a place, in bytes.
-fn index_length(text: &str, at: usize) -> Option<usize> {
+/// Whether so many bytes from `index` on are the index of the one letter that ends at `at`.
+fn is_index(text: &str, at: usize, index: usize, length: usize) -> bool {
     let mut before = text[..at].chars().rev();
     let is_symbol = before.next().is_some_and(char::is_alphabetic);
     let stands_alone = before.next().is_none_or(|c| !(c.is_alphanumeric() || "_-.".contains(c)));
-    let after = &text[at + 1..];
-    let length = after.find(|c: char| !c.is_ascii_alphanumeric()).unwrap_or(after.len());
-    let mut behind = after[length..].chars();
+    let is_short = if index > at {
+        (1..=4).contains(&length)
+    } else {
+        length <= 2 && text[index..index + length].bytes().all(|b| b.is_ascii_digit())
+    };
+    let mut behind = text[index + length..].chars();
     let goes_on = match behind.next() {
         Some('_' | '-') => true,
         Some('.') => behind.next().is_some_and(char::is_alphanumeric),
         _ => false,
     };
-    (is_symbol && stands_alone && (1..=4).contains(&length) && !goes_on).then_some(length)
+    is_symbol && stands_alone && is_short && !goes_on
 }
 
 #[cfg(test)]
@@ -65,6 +73,8 @@ mod tests {
             ("t_1-2", "t_1-2"),
             ("_e", "_e"),
             ("no index", "no index"),
+            ("v1 (1/s), c12", "v[1] (1/s), c[12]"),
+            ("c1.csv, row-01, 3e5, mm2, v123, A4x", "c1.csv, row-01, 3e5, mm2, v123, A4x"),
         ] {
             assert_eq!(shown(text), expected);
         }

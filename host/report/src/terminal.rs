@@ -4,7 +4,7 @@ mod fitting;
 
 use comfy_table::{CellAlignment, ColumnConstraint, LineStyle, TableStyle, Width};
 
-use self::fitting::{Fitted, PADDING, TIE, fitted, stacked, transposed};
+use self::fitting::{Fitted, TIE, fitted, stacked, transposed};
 use super::number::significant;
 use super::table::{Align, Table, split_decimal};
 
@@ -52,7 +52,7 @@ impl Terminal {
         out
     }
 
-    fn grid(&self, Fitted { table, widths }: &Fitted) -> String {
+    fn grid(&self, Fitted { table, widths, padding }: &Fitted) -> String {
         let mut grid = comfy_table::Table::new();
         let rule = if self.unicode { '─' } else { '-' };
         let rule = LineStyle::none().fill(rule).junction(rule);
@@ -67,8 +67,9 @@ impl Terminal {
             }
         }
         for (index, width) in widths.iter().enumerate() {
-            let width = u16::try_from(width + PADDING).unwrap_or(u16::MAX);
+            let width = u16::try_from(width + padding).unwrap_or(u16::MAX);
             if let Some(column) = grid.column_mut(index) {
+                column.set_padding((1, u16::from(*padding > 1)));
                 column.set_constraint(ColumnConstraint::Absolute(Width::Fixed(width)));
             }
         }

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use super::fleet::wrong;
 use crate::Failure;
 use crate::output::{Force, cannot_write};
+use palpate_report::number::counted;
 use palpate_survey::results::{about, group};
 use palpate_survey::{Group, apart};
 use palpate_trace::files::plan::{Plan, TRACE};
@@ -52,5 +53,5 @@ pub fn run(args: &Args) -> Result<(), Failure> {
 }
 
 fn tell(group: &Group, by: &[String], folder: &std::path::Path, traces: usize) {
-    eprintln!("{}: {traces} trace(s) in {}", group.in_words(by), folder.display());
+    eprintln!("{}: {} in {}", group.in_words(by), counted(traces, "trace"), folder.display());
 }

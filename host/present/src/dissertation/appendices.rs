@@ -10,6 +10,7 @@ use crate::summary::number_table;
 use palpate_analysis::creep::doubts;
 use palpate_analysis::terms::{Terms, terms};
 use palpate_fit::exponentials::{ExponentialSum, Fit, Normalisation, Options, Prepared, Term};
+use palpate_report::number::counted;
 use palpate_report::{Axis, Callout, Colour, Plot, Section, Series};
 use palpate_trace::{FORCE, Trace, holds};
 
@@ -343,8 +344,8 @@ fn creep_section(creep: &Creep) -> Section {
         section = section.callout(Callout::Warning, format!("n = {n}"), format!("{text}."));
     }
     let words = format!(
-        "The data show {} exponential(s). A time constant of 128 s cannot be distinguished from a straight line in 9.5 s, so D = 8.10 mm is an extrapolation; one exponential gives 6.48 mm. With three, Table B.1 lists v3 below v2 and both near 0.01 /s: two names for one slow drift, of which the hold identifies neither.",
-        found.decided()
+        "The data show {}. A time constant of 128 s cannot be distinguished from a straight line in 9.5 s, so D = 8.10 mm is an extrapolation; one exponential gives 6.48 mm. With three, Table B.1 lists v3 below v2 and both near 0.01 /s: two names for one slow drift, of which the hold identifies neither.",
+        counted(found.decided(), "exponential")
     );
     section = section.callout(Callout::Finding, "What 9.5 s tell", words);
     let (long, axes) =

@@ -172,7 +172,7 @@ pub fn overlays(comparison: &Comparison) -> Section {
         let mut overlay = Plot::new("", time(), Axis::new(name, unit))
             .series(line("measured", &stretch.measured).colour(Colour::MEASURED))
             .series(line("model", &stretch.predicted).colour(Colour::MODEL).width(1.8));
-        let mut left = Plot::new("", time(), Axis::new("measured − model", unit))
+        let mut left = Plot::new("", time(), Axis::new("residual", unit))
             .series(line("residual", &stretch.residual()).colour(Colour::RESIDUAL))
             .height(140.0);
         if let Some(noise) = comparison.noise {

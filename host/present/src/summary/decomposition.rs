@@ -5,7 +5,7 @@ use shared::phase::{Region, RelaxationType};
 use super::{name_of, unit_of};
 use palpate_analysis::decomposition::Channel;
 use palpate_analysis::regions::{Regions, Stretch, code, name, type_code, type_name};
-use palpate_report::number::significant;
+use palpate_report::number::{counted, significant};
 use palpate_report::{Axis, Colour, Column, Legend, Panels, Plot, Section, Series, Table};
 use palpate_trace::{DISPLACEMENT, FORCE, Trace};
 
@@ -74,8 +74,8 @@ fn type_word(stretch: &Stretch) -> String {
 #[must_use]
 pub fn part_panels(trace: &Trace, channels: &[(Channel, Regions)]) -> Panels {
     let mut panels = Panels::new("Fast and slow adapting parts").summary(format!(
-        "Signal, FA and SA of {} channel(s) over {} s",
-        channels.len(),
+        "Signal, FA and SA of {} over {} s",
+        counted(channels.len(), "channel"),
         significant(trace.duration(), 3)
     ));
     for (channel, regions) in channels {

@@ -17,21 +17,22 @@ use palpate_report::{
     stacked,
 };
 
-/// Every effect in one table.
+/// Every effect, in one table for each stage of the chain.
 #[must_use]
 pub fn library_section() -> Section {
-    let columns = ["stage", "effect", "law", "meaning"].map(Column::text).to_vec();
-    let mut table = Table::new("", columns);
-    for effect in LIBRARY {
-        let more = match effect.laws.len() - 1 {
-            0 => String::new(),
-            more => format!(" (and {more} more)"),
-        };
-        let law = format!("`{}`{more}", effect.laws[0].formula);
-        table =
-            table.row([effect.stage.name(), &format!("`{}`", effect.name), &law, effect.meaning]);
-    }
-    Section::new("The library of effects").table(table)
+    let columns = || vec![Column::text("effect"), Column::text("meaning"), Column::whole("laws")];
+    let title = |effect: &Effect| format!("{}: {}", effect.stage.name(), stage_in_words(effect));
+    let row = |table: Table, effect: &&Effect| {
+        let laws = effect.laws.len().to_string();
+        table.row([&format!("`{}`", effect.name), effect.meaning, &laws])
+    };
+    let stages = LIBRARY.chunk_by(|one, next| one.stage == next.stage);
+    let table =
+        |effects: &[&Effect]| effects.iter().fold(Table::new(title(effects[0]), columns()), row);
+    stages
+        .map(table)
+        .fold(Section::new("The library of effects"), Section::table)
+        .paragraph("The laws of an effect, its parameters and what it leaves in a residual: `palpate effects` with its name.")
 }
 
 /// Everything about one effect, in words and tables.

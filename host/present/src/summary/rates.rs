@@ -5,7 +5,7 @@ use super::{CONCISE, concise, estimate};
 use palpate_analysis::geometry::{Faces, Geometry};
 use palpate_analysis::rates::{Course, Group, Run, Study, Trend};
 use palpate_fit::consistency::Consistency;
-use palpate_report::number::{percent, significant};
+use palpate_report::number::{counted, percent, significant};
 use palpate_report::{Axis, Callout, Colour, Column, Panels, Plot, Section, Series, Table};
 use palpate_trace::Trace;
 
@@ -241,8 +241,10 @@ fn misfit_words(study: &Study) -> Option<String> {
     let (run, over) = worst.max_by(|a, b| a.1.total_cmp(&b.1))?;
     (over > MISFIT).then(|| {
         let terms = run.fit.sum.terms.len();
+        let leave = if terms == 1 { "leaves" } else { "leave" };
         format!(
-            "{terms} exponential(s) leave {} times the noise in the hold of {}: the asymptote and v1 then depend on how long the hold lasted, and standard errors are too small. `--terms` takes up to four.",
+            "{} {leave} {} times the noise in the hold of {}: the asymptote and v1 then depend on how long the hold lasted, and standard errors are too small. `--terms` takes up to four.",
+            counted(terms, "exponential"),
             significant(over, 2),
             run.trace
         )

@@ -7,7 +7,7 @@ use palpate_analysis::relaxation::{Hold, Latency, OVER, StrainScale};
 use palpate_fit::exponentials::{MOST_TERMS, Parameter};
 use palpate_fit::hold::{HoldError, HoldFit, spreads};
 use palpate_fit::relaxation_form::Form;
-use palpate_report::number::significant;
+use palpate_report::number::{counted, significant};
 use palpate_report::{Axis, Callout, Colour, Column, Plot, Section, Series, Table};
 use palpate_trace::Trace;
 
@@ -134,17 +134,18 @@ fn form_in_words(hold: &Hold, signal: &str) -> Option<String> {
 
 /// How many holds show how many exponentials.
 fn tally(holds: &[Hold]) -> String {
-    let counted = (1..=4).filter_map(|number| {
+    let told = (1..=4).filter_map(|number| {
         let count = holds.iter().filter(|hold| hold.terms.decided() == number).count();
         let least = if number == MOST_TERMS { " or more" } else { "" };
-        (count > 0).then(|| format!("{number}{least} in {count} of {} hold(s)", holds.len()))
+        (count > 0)
+            .then(|| format!("{number}{least} in {count} of {}", counted(holds.len(), "hold")))
     });
     let untold = holds.iter().filter(|hold| !hold.terms.best().identified).count();
     let untold = match untold {
         0 => String::new(),
-        _ => format!(" In {untold} hold(s) not even that one is identifiable."),
+        _ => format!(" In {} not even that one is identifiable.", counted(untold, "hold")),
     };
-    format!("Exponentials that the data show: {}.{untold}", counted.collect::<Vec<_>>().join(", "))
+    format!("Exponentials that the data show: {}.{untold}", told.collect::<Vec<_>>().join(", "))
 }
 
 fn latency_table(holds: &[Hold], signal: &str) -> Table {

@@ -6,7 +6,7 @@ use super::pull_off::pull_off_table;
 use super::{estimate, region_spans, shaded};
 use palpate_analysis::cycles::{Cycle, Inertia, Piece, Segmentation, Turn};
 use palpate_analysis::regions::{name, type_name};
-use palpate_report::number::{percent, significant};
+use palpate_report::number::{counted, percent, significant};
 use palpate_report::{Axis, Callout, Colour, Column, Panels, Plot, Section, Series, Table};
 use palpate_trace::{Control, Trace};
 
@@ -38,9 +38,9 @@ pub fn segment_sections(trace: &Trace, found: &Segmentation) -> Vec<Section> {
 fn introduction(trace: &Trace, found: &Segmentation) -> String {
     let source = if found.control_told { "the head says so" } else { "derived from the data" };
     format!(
-        "{}: {} cycle(s), {} controlled ({source}); noise of the force {} N.",
+        "{}: {}, {} controlled ({source}); noise of the force {} N.",
         trace.label(),
-        found.cycles.len(),
+        counted(found.cycles.len(), "cycle"),
         word(found.control),
         significant(found.force_noise_n, 2),
     )
@@ -231,8 +231,8 @@ fn loop_plot(trace: &Trace, found: &Segmentation) -> Plot {
         Axis::new("force", "N"),
     )
     .summary(format!(
-        "Force over displacement of {} cycle(s) with their points",
-        found.cycles.len()
+        "Force over displacement of {} with their points",
+        counted(found.cycles.len(), "cycle")
     ));
     for (index, cycle) in listed(found).enumerate() {
         let samples = || cycle.pieces.iter().flat_map(|piece| piece.samples.clone());

@@ -210,7 +210,7 @@ impl FitSummary<'_> {
         let overlay = Plot::new("", seconds(), Axis::new(&name, unit))
             .series(Series::line("measured", time.clone(), measured).colour(Colour::MEASURED))
             .series(Series::line("model", time.clone(), model).colour(Colour::MODEL).width(1.8));
-        let mut left = Plot::new("", seconds(), Axis::new("measured − model", unit))
+        let mut left = Plot::new("", seconds(), Axis::new("residual", unit))
             .series(Series::line("residual", time, residual).colour(Colour::RESIDUAL))
             .height(140.0);
         if let Some(noise) = &self.noise {

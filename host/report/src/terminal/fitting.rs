@@ -1,11 +1,11 @@
-//! How a table is made to fit a terminal without a number being cut: its words wrap; then long words are shortened; then numbers
-//! lose a digit; where even that is too wide, its rows become its columns or are stacked.
+//! How a table is made to fit a terminal without a number being cut: its words wrap; then its columns move closer, and long words
+//! are shortened; then numbers lose a digit; where even that is too wide, its rows become its columns or are stacked.
 
 use super::super::number::with_a_digit_less;
 use super::super::table::{Align, Column, Table, split_decimal};
 
-/// Columns of characters that a column of a table takes beside its content.
-pub(super) const PADDING: usize = 2;
+/// Columns of characters that a column of a table takes beside its content: usually, and where room is scarce.
+const PADDINGS: [usize; 2] = [2, 1];
 /// Columns of characters between two columns of a table.
 const BETWEEN: usize = 1;
 /// A word is not shortened further than to so many characters.
@@ -15,10 +15,11 @@ const DIGITS_DROPPED: usize = 2;
 /// Keeps two words on one line.
 pub(super) const TIE: char = '\u{a0}';
 
-/// A table and the widths of its columns.
+/// A table, the widths of its columns, and what each takes beside its content.
 pub(super) struct Fitted {
     pub(super) table: Table,
     pub(super) widths: Vec<usize>,
+    pub(super) padding: usize,
 }
 
 /// The table as it fits into `width`; none where no number of it would stay whole.
@@ -33,8 +34,13 @@ pub(super) fn fitted(table: &Table, width: usize) -> Option<Fitted> {
         // Words stay as long as they can, the longest are shortened first.
         let limits = (SHORTEST_WORD..longest.max(SHORTEST_WORD + 1)).rev();
         let found = std::iter::once(table.clone())
+            .chain(without_ending(&table))
             .chain(limits.filter_map(|limit| with_short_words(&table, limit)))
-            .find_map(|table| widths(&table, width).map(|widths| Fitted { table, widths }));
+            .find_map(|table| {
+                let fits = |padding| Some((padding, widths(&table, width, padding)?));
+                let (padding, widths) = PADDINGS.into_iter().find_map(fits)?;
+                Some(Fitted { table, widths, padding })
+            });
         if found.is_some() {
             return found;
         }
@@ -43,7 +49,7 @@ pub(super) fn fitted(table: &Table, width: usize) -> Option<Fitted> {
 }
 
 /// The widths of the columns; none where a number or a word would have to be cut.
-fn widths(table: &Table, width: usize) -> Option<Vec<usize>> {
+fn widths(table: &Table, width: usize, padding: usize) -> Option<Vec<usize>> {
     let columns = || table.columns.iter().enumerate();
     let whole =
         |column: usize| (0..table.rows.len()).map(move |row| cell_width(table, row, column));
@@ -56,13 +62,13 @@ fn widths(table: &Table, width: usize) -> Option<Vec<usize>> {
     let cells: Vec<usize> =
         columns().map(|(index, _)| whole(index).max().unwrap_or(0).max(least[index])).collect();
     // A heading wraps before a cell does, and all headings into as few lines as can be.
-    let widths = shared(width.checked_sub(taken(&least))?, &least, &cells);
+    let widths = shared(width.checked_sub(taken(&least, padding))?, &least, &cells);
     let within = |lines: usize| -> Vec<usize> {
         let titled = columns().map(|(_, column)| title_width(&column.title(), lines));
         titled.zip(&widths).map(|(title, width)| title.max(*width)).collect()
     };
     let most = columns().map(|(_, column)| column.title().split(' ').count()).max().unwrap_or(1);
-    (1..=most).map(within).find(|widths| taken(widths) <= width).or(Some(widths))
+    (1..=most).map(within).find(|widths| taken(widths, padding) <= width).or(Some(widths))
 }
 
 /// The least width at which a title takes no more than so many lines.
@@ -83,9 +89,9 @@ fn title_width(title: &str, lines: usize) -> usize {
 }
 
 /// The width of a table whose columns are so wide.
-fn taken(widths: &[usize]) -> usize {
+fn taken(widths: &[usize], padding: usize) -> usize {
     let between = BETWEEN * widths.len().saturating_sub(1);
-    widths.iter().map(|width| width + PADDING).sum::<usize>() + between
+    widths.iter().map(|width| width + padding).sum::<usize>() + between
 }
 
 /// Shares the room among the columns: the first, which names the rows, is served first, then those that lack least.
@@ -154,6 +160,24 @@ fn with_short_words(table: &Table, limit: usize) -> Option<Table> {
     let told_apart = |a: usize, b: usize| same(&table.rows, a, b) || !same(&rows, a, b);
     let distinct = (0..rows.len()).all(|a| (a + 1..rows.len()).all(|b| told_apart(a, b)));
     distinct.then(|| Table { rows, ..table.clone() })
+}
+
+/// The table without the ending that the files share which name its rows; none where they share none.
+fn without_ending(table: &Table) -> Option<Table> {
+    let names = || table.rows.iter().filter_map(|row| row.first()).filter(|n| !n.contains(' '));
+    let at = names().next()?.rfind('.')?;
+    let ending = &names().next()?[at..];
+    let is_ending = ending.len() > 1 && ending[1..].chars().all(char::is_alphabetic);
+    if !is_ending || !names().all(|name| name.ends_with(ending)) {
+        return None;
+    }
+    let mut shorter = table.clone();
+    for name in shorter.rows.iter_mut().filter_map(|row| row.first_mut()) {
+        if !name.contains(' ') {
+            name.truncate(name.len() - ending.len());
+        }
+    }
+    Some(shorter)
 }
 
 /// A word without its middle; what tells file names apart is at their ends.
@@ -246,7 +270,7 @@ mod tests {
         assert_eq!(at(200).table, errors(4, 3));
         let wrapped = at(66);
         assert_eq!(wrapped.table, errors(4, 3));
-        assert!(taken(&wrapped.widths) <= 66);
+        assert!(taken(&wrapped.widths, wrapped.padding) <= 66);
         let short = at(56);
         assert!(short.table.cell(0, 0).contains('…') && short.table.cell(0, 1) == "0.001001");
         let rounded = at(52);
@@ -276,8 +300,8 @@ mod tests {
             let cells = values.iter().map(|value| super::super::super::number::with_error(*value, error));
             let name = std::iter::once("a-file-of-a-long-name.csv".to_owned());
             let table = Table::new("", columns).row(name.chain(cells));
-            if let Some(Fitted { table, widths }) = fitted(&table, width) {
-                prop_assert!(taken(&widths) <= width);
+            if let Some(Fitted { table, widths, padding }) = fitted(&table, width) {
+                prop_assert!(taken(&widths, padding) <= width);
                 for (column, width) in widths.iter().enumerate().skip(1) {
                     prop_assert!(cell_width(&table, 0, column) <= *width);
                 }

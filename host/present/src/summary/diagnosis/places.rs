@@ -154,7 +154,7 @@ impl DiagnosisSummary<'_> {
         first: bool,
     ) -> Plot {
         let noise = self.noise();
-        let axis = Axis::new("measured − model", self.unit()).range(-most, most);
+        let axis = Axis::new("residual", self.unit()).range(-most, most);
         let mut plot = Plot::new(name, Axis::new("time", "s"), axis).height(175.0);
         for stretch in comparison.stretches.iter().filter(|stretch| stretch.trace == trace) {
             plot = plot.series(
