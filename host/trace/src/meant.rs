@@ -3,7 +3,7 @@
 /// Likeness (Jaro and Winkler's, 0 to 1) from which a name is worth asking about.
 const ALIKE: f64 = 0.8;
 
-/// `; did you mean X?` where one of the known names is like the given one, else nothing.
+/// ` (did you mean X?)` where one of the known names is like the given one, else nothing.
 #[must_use]
 pub fn did_you_mean<'a>(given: &str, known: impl IntoIterator<Item = &'a str>) -> String {
     let given = given.to_lowercase();
@@ -12,7 +12,7 @@ pub fn did_you_mean<'a>(given: &str, known: impl IntoIterator<Item = &'a str>) -
     let nearest = nearest.max_by(|a, b| a.0.total_cmp(&b.0));
     nearest
         .filter(|(likeness, _)| *likeness >= ALIKE)
-        .map_or(String::new(), |(_, name)| format!("; did you mean `{name}`?"))
+        .map_or(String::new(), |(_, name)| format!(" (did you mean `{name}`?)"))
 }
 
 #[cfg(test)]
@@ -28,7 +28,7 @@ mod tests {
             ("coulomb_friction", "coulomb-friction"),
             ("kelvin", "kelvin-voigt"),
         ] {
-            assert_eq!(did_you_mean(given, known), format!("; did you mean `{meant}`?"));
+            assert_eq!(did_you_mean(given, known), format!(" (did you mean `{meant}`?)"));
         }
         for given in ["", "x", "set-01.csv"] {
             assert_eq!(did_you_mean(given, known), "");

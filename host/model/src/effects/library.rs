@@ -105,7 +105,7 @@ impl fmt::Debug for Effects {
     }
 }
 
-/// `; did you mean X?` where an effect has a name like this, else nothing.
+/// ` (did you mean X?)` where an effect has a name like this, else nothing.
 #[must_use]
 pub fn meant(name: &str) -> String {
     palpate_trace::meant::did_you_mean(name, LIBRARY.iter().map(|effect| effect.name))

@@ -197,7 +197,7 @@ impl<'a> Parser<'a> {
         let variables = VARIABLES.map(|(name, _)| name);
         let known = [self.parameters, &variables].concat();
         let meant = nearest(name, &[known.as_slice(), &names()].concat());
-        let hint = meant.map_or_else(String::new, |meant| format!("; did you mean `{meant}`?"));
+        let hint = meant.map_or_else(String::new, |meant| format!(" (did you mean `{meant}`?)"));
         format!("`{name}` is unknown{hint}; known here: {}", known.join(", "))
     }
 }

@@ -20,7 +20,7 @@ pub fn device_sections(identity: &Identity, settings: &Settings, status: &Status
     let mut who = vec![
         text("device", one_line(identity)),
         text("clock", clock_in_words(identity.clock).into()),
-        text("began because", reset_in_words(identity.reset).into()),
+        text("reset cause", reset_in_words(identity.reset).into()),
     ];
     if !identity.panic.is_empty() {
         who.push(text("last panic", identity.panic.clone()));
