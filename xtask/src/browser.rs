@@ -7,20 +7,18 @@ use crate::packages;
 
 /// Installs the browser, then writes the pictures of the local page to docs/.
 pub fn pictures() -> miette::Result<()> {
-    set_up()?;
+    let axe = set_up()?;
     let tests = ["test", "--workspace", "--test", "browser"];
     let how = ["--", "--ignored", "--nocapture", "--test-threads=1", "pictures::"];
-    let axe = axe();
     let mut environment = vec![("PALPATE_PICTURES", "docs")];
-    environment.extend(axe.as_deref().map(|file| (AXE, file)));
+    environment.extend(axe.iter().map(|(name, file)| (*name, file.as_str())));
     rust("pictures", workspace(), &[&tests[..], &how].concat(), &environment)
 }
 
 /// Installs the browser, then does everything that its user is promised; the Live room runs for so many seconds.
 pub fn run(steady_s: u32) -> miette::Result<()> {
-    set_up()?;
-    let axe = axe();
-    let environment: Vec<_> = axe.as_deref().map(|file| (AXE, file)).into_iter().collect();
+    let axe = set_up()?;
+    let environment: Vec<_> = axe.iter().map(|(name, file)| (*name, file.as_str())).collect();
     set_up_tests("page in a browser", "browser", steady_s, &environment)?;
     set_up_tests("page among what it should not trust", "hostile_page", steady_s, &environment)
 }
@@ -52,7 +50,9 @@ fn axe() -> Option<String> {
     file.is_file().then(|| file.display().to_string())
 }
 
-fn set_up() -> miette::Result<()> {
+/// Installs what is missing; the environment of the tests, which tells them where axe-core is if it is there.
+pub fn set_up() -> miette::Result<Option<(&'static str, String)>> {
     let why = "to see the local page as its user does";
-    packages::set_up("chromedriver", &["chromium", "chromium-driver"], why)
+    packages::set_up("chromedriver", &["chromium", "chromium-driver"], why)?;
+    Ok(axe().map(|file| (AXE, file)))
 }

@@ -9,7 +9,7 @@ use miette::{IntoDiagnostic, bail};
 use crate::{browser, emulate, firmware, formats, modelled, supply};
 
 /// How long a device streams in the whole check, to the emulator's host and to a browser, s.
-const STEADY_S: u32 = 20;
+pub const STEADY_S: u32 = 20;
 
 /// Courses of a line that are tried for each second that a target has, about as many as take that long.
 const LINES_A_SECOND: u64 = 3_000;

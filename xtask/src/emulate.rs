@@ -13,12 +13,22 @@ const QEMU: &str = "qemu-system-arm";
 
 /// Sets up, builds and runs everything that the firmware promises, with a steady stream of so many seconds.
 pub fn run(steady_s: u32, update: bool) -> miette::Result<()> {
-    packages::set_up(QEMU, &[QEMU], "to run the firmware")?;
+    install()?;
     let mut golden = Golden::open("firmware.txt", update)?;
     firmware::check(&mut golden)?;
     cost(&mut golden)?;
     golden.close()?;
     set_up_tests("emulated device", "emulated", steady_s, &[])
+}
+
+fn install() -> miette::Result<()> {
+    packages::set_up(QEMU, &[QEMU], "to run the firmware")
+}
+
+/// Sets up what the tests need: the emulator and the firmware.
+pub fn set_up() -> miette::Result<()> {
+    install()?;
+    firmware::build().map(drop)
 }
 
 /// Instructions of a sample, printed beside those of rivals and held to the golden file.

@@ -9,6 +9,7 @@ mod golden;
 mod modelled;
 mod packages;
 mod python;
+mod steady;
 mod supply;
 
 use std::process::ExitCode;
@@ -52,6 +53,15 @@ enum Task {
         /// Seconds of steady stream.
         #[arg(long, default_value_t = 3_600)]
         steady: u32,
+    },
+    /// Run the browser, emulator and device tests again and again beside two busy loops, and print a table of the rounds.
+    Steady {
+        /// Rounds in a row.
+        #[arg(long, default_value_t = 20)]
+        rounds: u32,
+        /// These tests alone [default: all three]
+        #[arg(value_enum)]
+        suites: Vec<steady::Suite>,
     },
     /// Take the pictures of the docs anew, in a real browser.
     Pictures,
@@ -108,6 +118,7 @@ fn main() -> ExitCode {
         }
         Task::Model { kills } => firmware::build().and_then(|_| modelled::run(kills)),
         Task::Browser { steady } => browser::run(steady),
+        Task::Steady { rounds, suites } => steady::run(rounds, &suites),
         Task::Pictures => browser::pictures(),
         Task::Fuzz { seconds, seed, target } => check::fuzz(seconds, seed, target.as_deref()),
         Task::Formats => formats::run(),

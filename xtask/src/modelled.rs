@@ -21,32 +21,42 @@ pub const KILLS: u32 = 20;
 
 /// Sets up, then runs the tests with so many killed hosts.
 pub fn run(kills: u32) -> miette::Result<()> {
-    set_up()?;
+    fetch()?;
     let kills = kills.to_string();
     cargo("modelled board", &["test"], &[("PALPATE_KILLS", &kills)])
 }
 
 /// Format and lints.
 pub fn check() -> miette::Result<()> {
-    set_up()?;
+    fetch()?;
     cargo("format of the modelled board", &["fmt", "--check"], &[])?;
     let lints = ["clippy", "--all-targets", "--", "-D", "warnings"];
     cargo("lints of the modelled board", &lints, &[])
 }
 
-fn folder() -> PathBuf {
+/// The workspace of the modelled board.
+pub fn folder() -> PathBuf {
     workspace().join("emulator")
 }
 
+/// Fetches what is missing; the environment of the tests: where they are built, and how many hosts are killed.
+pub fn set_up() -> miette::Result<Vec<(&'static str, String)>> {
+    fetch()?;
+    Ok(vec![("CARGO_TARGET_DIR", target()), ("PALPATE_KILLS", KILLS.to_string())])
+}
+
+fn target() -> String {
+    folder().join("target").to_string_lossy().into_owned()
+}
+
 fn cargo(name: &str, arguments: &[&str], more: &[(&str, &str)]) -> miette::Result<()> {
-    let target = folder().join("target");
-    let target = target.to_string_lossy();
+    let target = target();
     let environment = [&[("CARGO_TARGET_DIR", &*target)], more].concat();
     rust(name, &folder(), arguments, &environment)
 }
 
 /// Fetches the emulator's source with cargo and leaves a mended copy where `emulator/Cargo.toml` looks for it.
-fn set_up() -> miette::Result<()> {
+fn fetch() -> miette::Result<()> {
     let (name, version) = EMULATOR;
     let target = folder().join("target");
     let copy = target.join(name);
