@@ -115,13 +115,14 @@ impl Browser {
 
     /// Waits until a script gives `true`.
     pub fn until(&self, what: &str, condition: &str) {
-        self.within(PATIENCE, what, || self.script(&format!("return {condition}")) == true);
+        self.until_so(what, || self.script(&format!("return {condition}")) == true);
     }
 
-    fn within(&self, patience: Duration, what: &str, mut is_so: impl FnMut() -> bool) {
+    /// Waits until it is so.
+    pub fn until_so(&self, what: &str, mut is_so: impl FnMut() -> bool) {
         let begun = Instant::now();
         while !is_so() {
-            if begun.elapsed() > patience {
+            if begun.elapsed() > PATIENCE {
                 let file = self.picture("failed");
                 let text = self.script("return document.body.innerText");
                 panic!(
@@ -135,7 +136,7 @@ impl Browser {
 
     /// The one element of a selector that can be seen.
     fn element(&self, css: &str) -> Element {
-        self.within(PATIENCE, css, || {
+        self.until_so(css, || {
             self.runtime.block_on(async {
                 let Ok(element) = self.client.find(Locator::Css(css)).await else { return false };
                 element.is_displayed().await.unwrap_or(false)
@@ -191,7 +192,7 @@ impl Browser {
 
     /// Clicks with the mouse, when the element can be clicked.
     pub fn click(&self, css: &str) {
-        self.within(PATIENCE, &format!("a click on {css}"), || {
+        self.until_so(&format!("a click on {css}"), || {
             // An element that was drawn anew in between is looked for again.
             self.runtime.block_on(async {
                 match self.client.find(Locator::Css(css)).await {

@@ -33,10 +33,27 @@ impl Foreign {
     /// # Errors
     /// Without pseudo-terminals.
     pub fn begin() -> std::io::Result<Self> {
+        let words = Words { version: Self::VERSION, board: words.board, rest: "" };
+        Self::speaking(Self::SCHEMA, words)
+    }
+
+    /// Begins one that says these words wherever a device says words, in this schema.
+    ///
+    /// # Errors
+    /// As [`Self::begin`].
+    pub fn that_says(words: &'static str, schema: u64) -> std::io::Result<Self> {
+        Self::speaking(schema, Words { version: words, board: words, rest: words })
+    }
+
+    fn speaking(schema: u64, words: Words) -> std::io::Result<Self> {
         let pty = Pty::open()?;
         let ended = Arc::new(AtomicBool::new(false));
         let (port, flag) = (pty.path().to_owned(), ended.clone());
-        Ok(Self { port, ended, thread: Some(std::thread::spawn(move || speak(pty, &flag))) })
+        Ok(Self {
+            port,
+            ended,
+            thread: Some(std::thread::spawn(move || speak(pty, schema, &words, &flag))),
+        })
     }
 }
 
@@ -49,12 +66,20 @@ impl Drop for Foreign {
     }
 }
 
-fn speak(mut pty: Pty, ended: &AtomicBool) -> std::io::Result<()> {
+/// What it says of itself.
+struct Words {
+    version: &'static str,
+    board: &'static str,
+    /// Revision, and the panic before.
+    rest: &'static str,
+}
+
+fn speak(mut pty: Pty, schema: u64, words: &Words, ended: &AtomicBool) -> std::io::Result<()> {
     let mut frame = [0; FRAME_MAX];
     let hello = ToHost::Hello(Hello {
-        schema: Foreign::SCHEMA,
-        version: Foreign::VERSION,
-        git: "",
+        schema,
+        version: words.version,
+        git: words.rest,
         board: "of another release",
         serial: [0; 3],
         channels: 4,
@@ -62,7 +87,7 @@ fn speak(mut pty: Pty, ended: &AtomicBool) -> std::io::Result<()> {
         clock: ClockSource::Simulated,
         formats: Formats::OURS,
         reset: ResetCause::PowerOn,
-        panic: "",
+        panic: words.rest,
         counters: Counters::default(),
     });
     let hello = encode(Head::default(), &hello, &mut frame).map_err(std::io::Error::other)?;

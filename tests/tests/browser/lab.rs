@@ -7,6 +7,7 @@ use palpate_tests::server::Server;
 use palpate_tests::{answer, bundled, palpate, workspace};
 
 use crate::axe::axe;
+use crate::plots::kept;
 use crate::{HEIGHT, WIDTH, opened};
 
 /// A server with a practice set in its folder.
@@ -194,6 +195,8 @@ fn all_traces_stand_side_by_side_or_lie_over_each_other() {
         "document.querySelectorAll('.lab-small .lab-chart-model').length === 10",
     );
     let _ = browser.picture("lab-side");
+    let columns = kept(&browser, ".lab-picture", ".lab-data");
+    assert_eq!(columns, "time_s,force_N,predicted_N,residual_N");
     // A click opens the trace.
     browser.click(".lab-small button:nth-child(4)");
     browser.until("it is shown", "document.querySelector('.lab-trace select').value === '3'");
@@ -237,7 +240,7 @@ fn files_are_dropped_on_the_room_and_a_foreign_one_is_imported_with_its_mapping(
     browser.says(".lab-bench", "10 of 10 traces");
     let press = std::fs::read_to_string(bundled("press.csv")).unwrap();
     drop_files(&browser, &[("press.csv", &press)]);
-    browser.says(".lab-bench", "1 of 1 traces");
+    browser.says(".lab-bench", "1 of 1 trace");
     browser.says(".lab-trace", "press.csv");
     let rows = (0..40).map(|k| format!("{},{};{},5\n", k / 10, k % 10, k));
     let foreign = format!("Zeit;Kraft\ns;N\n{}", rows.collect::<String>());

@@ -7,6 +7,7 @@ mod hand;
 mod lab;
 mod live;
 mod pictures;
+mod plots;
 mod reports;
 mod rooms;
 
