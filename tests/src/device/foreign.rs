@@ -33,7 +33,7 @@ impl Foreign {
     /// # Errors
     /// Without pseudo-terminals.
     pub fn begin() -> std::io::Result<Self> {
-        let words = Words { version: Self::VERSION, board: words.board, rest: "" };
+        let words = Words { version: Self::VERSION, board: "of another release", rest: "" };
         Self::speaking(Self::SCHEMA, words)
     }
 
@@ -80,7 +80,7 @@ fn speak(mut pty: Pty, schema: u64, words: &Words, ended: &AtomicBool) -> std::i
         schema,
         version: words.version,
         git: words.rest,
-        board: "of another release",
+        board: words.board,
         serial: [0; 3],
         channels: 4,
         converter_clock_hz: 8_000_000,
