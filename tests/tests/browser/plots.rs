@@ -10,7 +10,8 @@ use crate::opened;
 const PLOT: &str = r"
   const { plot } = await import('/plot.js');
   const root = document.body.appendChild(document.createElement('div'));
-  root.style.width = '600px';
+  // Where nothing of the page moves it.
+  root.style = 'position: fixed; left: 0; top: 0; width: 600px; background: white';
   const x = Float64Array.from({ length: 601 }, (_, k) => k / 100);
   let asked = null;
   const drawn = plot(root, {
@@ -18,15 +19,18 @@ const PLOT: &str = r"
     onZoom: (from, to) => { asked = [from, to]; drawn.range(from ?? 0, to ?? 6); },
   });
   drawn.range(0, 6);
+  const laidOut = () => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
+  await laidOut();
   const over = root.querySelector('.u-over'), place = over.getBoundingClientRect();
   const at = (across, down, more = {}) => ({ bubbles: true, cancelable: true, movementX: 1, ...more,
     clientX: place.left + across * place.width, clientY: place.top + down * place.height });
   const mouse = (kind, ...where) => over.dispatchEvent(new MouseEvent(kind, at(...where)));
   const seen = async () => {
-    await new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
+    await laidOut();
     const canvas = drawn.canvas(), scale = canvas.width / canvas.getBoundingClientRect().width;
-    const left = Math.round(scale * (place.left - canvas.getBoundingClientRect().left));
-    const { data, width, height } = canvas.getContext('2d').getImageData(left, 0, Math.round(scale * place.width), canvas.height);
+    const copy = new OffscreenCanvas(Math.round(scale * place.width), canvas.height).getContext('2d', { willReadFrequently: true });
+    copy.drawImage(canvas, Math.round(scale * (canvas.getBoundingClientRect().left - place.left)), 0);
+    const { data, width, height } = copy.getImageData(0, 0, copy.canvas.width, copy.canvas.height);
     let columns = 0;
     for (let column = 0; column < width; column++) {
       for (let row = 0; row < height; row++) {

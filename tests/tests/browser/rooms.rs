@@ -97,7 +97,9 @@ fn faults(browser: &Browser, rooms: &[&str]) -> Vec<String> {
             add(&format!("{room}, {theme}, axe"), json!(axe(browser)));
         }
         add(&format!("{room}, without a name"), browser.script(NAMELESS));
-        if browser.script(NARROWED).as_f64().unwrap() > 0.0 {
+        // The other rooms have columns that only a narrower window puts below each other.
+        let stacks = ["live", "hand"].contains(room);
+        if stacks && browser.script(NARROWED).as_f64().unwrap() > 0.0 {
             add(room, json!(["too wide until plots have followed a narrower window"]));
         }
         browser.resize(420, 900);

@@ -103,7 +103,6 @@ export function plot(root, { x, series, axes = {}, units = {}, bands = [], onZoo
       if (Math.abs(now.clientY - begin.y) > 3) taken = [y.min + dy, y.max + dy];
       onZoom(min + dx, max + dx);
     };
-    event.preventDefault();
     addEventListener("mousemove", moved);
     addEventListener("mouseup", () => removeEventListener("mousemove", moved), { once: true });
   }
