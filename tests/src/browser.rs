@@ -123,7 +123,9 @@ impl Browser {
         let begun = Instant::now();
         while !is_so() {
             if begun.elapsed() > PATIENCE {
-                let file = self.picture("failed");
+                // Tests run beside each other: each has a thread of its name.
+                let test = std::thread::current().name().unwrap_or("a test").replace("::", "-");
+                let file = self.picture(&format!("failed-{test}"));
                 let text = self.script("return document.body.innerText");
                 panic!(
                     "it never came to this: {what}; see {}; the page said {text}",

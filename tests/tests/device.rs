@@ -1,7 +1,7 @@
 //! A fingertip as its user meets it, here a simulated one.
 #![cfg(unix)]
 
-use std::io::{BufRead, BufReader, Write};
+use std::io::{BufRead, BufReader, Read, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
@@ -231,13 +231,20 @@ fn a_calibration_asks_for_strains_and_averages_counts() {
         .spawn()
         .unwrap();
     let mut typed = process.stdin.take().unwrap();
+    let mut told = BufReader::new(process.stderr.take().unwrap());
     typed.write_all(b"0\nx\n").unwrap();
+    let mut before = String::new();
+    while !before.contains("`x` is no number") {
+        assert!(told.read_line(&mut before).unwrap() > 0, "{before}");
+    }
     // Whatever the simulated finger does then, its gauges read something else after two seconds.
     std::thread::sleep(Duration::from_secs(2));
     typed.write_all(b"40\n\n").unwrap();
-    let (status, out, error) = said(&process.wait_with_output().unwrap());
-    assert_eq!(status, 0, "{error}");
-    assert!(error.contains("400 µε:") && error.contains("`x` is no number"), "{error}");
+    let mut error = String::new();
+    told.read_to_string(&mut error).unwrap();
+    let (status, out, _) = said(&process.wait_with_output().unwrap());
+    assert_eq!(status, 0, "{before}{error}");
+    assert!(error.contains("400 µε:"), "{before}{error}");
     assert!(out.contains("Offset"), "{out}");
 }
 

@@ -19,9 +19,12 @@ pub fn pictures() -> miette::Result<()> {
 pub fn run(steady_s: u32) -> miette::Result<()> {
     let axe = set_up()?;
     let environment: Vec<_> = axe.iter().map(|(name, file)| (*name, file.as_str())).collect();
-    set_up_tests("page in a browser", "browser", steady_s, &environment)?;
-    set_up_tests("page among what it should not trust", "hostile_page", steady_s, &environment)
+    set_up_tests("page in a browser", "browser", AT_ONCE, steady_s, &environment)?;
+    set_up_tests("hostile page", "hostile_page", AT_ONCE, steady_s, &environment)
 }
+
+/// Tests at once: each waits most of its time, for a press, a replay or a fit.
+pub const AT_ONCE: u32 = 2;
 
 /// Where the tests are told that axe-core lies.
 const AXE: &str = "PALPATE_AXE";

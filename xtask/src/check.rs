@@ -94,16 +94,18 @@ pub fn fuzz(seconds: u32, seed: Option<u64>, target: Option<&str>) -> miette::Re
     step("hostile bytes", &tests, &environment)
 }
 
-/// Runs the tests of a file that need what was set up for them, one after the other, with a stream of so many seconds.
+/// Runs the tests of a file that need what was set up for them, so many at once, with a stream of so many seconds.
 pub fn set_up_tests(
     name: &str,
     file: &str,
+    at_once: u32,
     steady_s: u32,
     environment: &[(&str, &str)],
 ) -> miette::Result<()> {
     // With `--workspace` they share the build of all other tests. Pictures have a task of their own.
     let tests = ["test", "--workspace", "--test", file];
-    let how = ["--", "--ignored", "--nocapture", "--test-threads=1", "--skip", "pictures::"];
+    let threads = format!("--test-threads={at_once}");
+    let how = ["--", "--ignored", "--nocapture", &threads, "--skip", "pictures::"];
     let steady_s = steady_s.to_string();
     let environment = [&[("PALPATE_STEADY_S", &*steady_s)], environment].concat();
     step(name, &[&tests[..], &how].concat(), &environment)

@@ -18,7 +18,7 @@ pub fn run(steady_s: u32, update: bool) -> miette::Result<()> {
     firmware::check(&mut golden)?;
     cost(&mut golden)?;
     golden.close()?;
-    set_up_tests("emulated device", "emulated", steady_s, &[])
+    set_up_tests("emulated device", "emulated", 1, steady_s, &[])
 }
 
 fn install() -> miette::Result<()> {

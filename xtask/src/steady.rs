@@ -100,7 +100,7 @@ fn courses(suites: &[Suite]) -> miette::Result<Vec<Course>> {
         courses.extend(files.iter().map(|file| Course {
             name: file,
             folder: workspace().into(),
-            arguments: arguments(file, ignored),
+            arguments: arguments(file, ignored, *suite == Suite::Browser),
             environment: environment.clone(),
         }));
         if *suite == Suite::Emulator {
@@ -110,8 +110,9 @@ fn courses(suites: &[Suite]) -> miette::Result<Vec<Course>> {
     Ok(courses)
 }
 
-fn arguments(file: &str, ignored: bool) -> Vec<String> {
-    let tests = ["test", "--workspace", "--test", file, "--", "--test-threads=1"];
+fn arguments(file: &str, ignored: bool, in_browser: bool) -> Vec<String> {
+    let threads = format!("--test-threads={}", if in_browser { browser::AT_ONCE } else { 1 });
+    let tests = ["test", "--workspace", "--test", file, "--", &threads];
     let set_up: &[&str] = if ignored { &["--ignored", "--skip", "pictures::"] } else { &[] };
     tests.iter().chain(set_up).map(ToString::to_string).collect()
 }

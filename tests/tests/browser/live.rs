@@ -311,9 +311,9 @@ fn a_steady_stream_is_shown_without_a_loss_and_in_little_memory() {
         quantile(&memory, 1.0),
     );
     assert_eq!(count(&after["rows lost"]), 0);
-    // What the page says may be a second or two old on a busy machine.
+    // What the page says may be some seconds old on a busy machine.
     let behind = rows as f64 / 1_000.0 - passed;
-    assert!(behind.abs() < 2.0 + 0.01 * passed, "{rows} rows in {passed} s");
+    assert!(behind.abs() < 5.0 + 0.01 * passed, "{rows} rows in {passed} s");
     // The session that can be looked back at takes 9 MB when it is full.
     assert!(memory[memory.len() - 1] - memory[0] < 10.0, "{memory:?}");
     assert_eq!(browser.complaints(), Vec::<String>::new());
