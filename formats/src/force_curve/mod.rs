@@ -83,18 +83,15 @@ fn whole(path: &Path, format: &'static str) -> Result<Vec<u8>, Error> {
 fn whole_numbers(bytes: &[u8], size: usize, big_endian: bool) -> Vec<i64> {
     let number = |word: &[u8]| {
         let mut wide = [0; 8];
-        for (place, byte) in wide.iter_mut().rev().zip(word_from_the_most(word, big_endian)) {
-            *place = byte;
+        let upper = &mut wide[8 - size..];
+        upper.copy_from_slice(word);
+        if big_endian {
+            upper.reverse();
         }
-        // The number stands in the upper bytes; shifting it down keeps its sign.
+        // It stands in the upper bytes: shifting it down keeps its sign.
         i64::from_le_bytes(wide) >> (64 - 8 * size)
     };
     bytes.chunks_exact(size).map(number).collect()
-}
-
-fn word_from_the_most(word: &[u8], big_endian: bool) -> impl Iterator<Item = u8> {
-    let last = word.len() - 1;
-    (0..word.len()).map(move |at| word[if big_endian { at } else { last - at }])
 }
 
 #[cfg(test)]

@@ -106,55 +106,42 @@ impl<'a> Header<'a> {
 
     fn ramp(&self) -> Result<Ramp, Error> {
         let signal = self.signal()?;
-        let refused = |what: &str| Error::unread(NANOSCOPE, format!("list `{SIGNAL}`"), what);
         if self.anywhere("PeakForce Capture") == Some("Allow") {
-            return Err(refused(
-                "a capture of PeakForce, whose motion is no ramp: export its curves as text",
-            ));
-        }
-        let places = value(signal, "Samps/line").unwrap_or_default();
-        let places: Vec<&str> = places.split_whitespace().collect();
-        let points = places.first().and_then(|number| number.parse().ok());
-        let points =
-            points.filter(|points| (2..=crate::NUMBERS).contains(points)).ok_or_else(|| {
-                Error::damaged(NANOSCOPE, format!("list `{SIGNAL}`"), "no `Samps/line`")
-            })?;
-        if places.iter().any(|other| *other != places[0]) {
-            let what = "a way in and a way back of different lengths: export the curve as text";
+            let what = "a capture of PeakForce, whose motion is no ramp: export its curves as text";
             return Err(refused(what));
         }
+        let points = points(signal)?;
         let size = match value(signal, "Bytes/pixel").map_or(Some(2), |size| size.parse().ok()) {
             Some(size @ (2 | 4)) => size,
             _ => return Err(refused("numbers that are not of 2 or 4 bytes")),
         };
         let spring_n_per_m = value(signal, "Spring Constant").and_then(positive);
         let spring_n_per_m = spring_n_per_m.ok_or_else(|| refused("no spring constant"))?;
-        let scale = self.scaled(signal, "Z scale")?;
-        let full = 2.0_f64.powi(8 * size as i32);
-        let volts = scale.volts_per_count;
-        if (scale.volts / full / volts - 1.0).abs() > AGREES {
-            return Err(refused(
-                "a hard scale that is not that of its numbers: export the curve as text",
-            ));
+        let force = self.scaled(signal, "Z scale")?;
+        let count = force.volts / 2.0_f64.powi(8 * size as i32);
+        if (count / force.volts_per_count - 1.0).abs() > AGREES {
+            let what = "a hard scale that is not that of its numbers: export the curve as text";
+            return Err(refused(what));
         }
-        let size_of_ramp = self.scaled(signal, "Ramp size")?;
-        let volts_of_ramp = size_of_ramp.volts;
-        let rate = self.anywhere("Scan rate").and_then(positive);
-        let list = self.lists.iter().find(|list| list.0 == RAMP);
-        let lasts_s = |key: &str| {
-            let velocity = list.and_then(|list| value(list, key)).and_then(positive);
-            let by_velocity = velocity.map(|velocity| volts_of_ramp / velocity);
-            by_velocity.or(rate.map(|rate| 0.5 / rate)).ok_or_else(|| refused("no scan rate"))
-        };
+        let way = self.scaled(signal, "Ramp size")?;
         Ok(Ramp {
             points,
             size,
-            step_m: volts_of_ramp * size_of_ramp.nm_per_volt * 1e-9 / points as f64,
-            forward_step_s: lasts_s("Forward vel.")? / points as f64,
-            reverse_step_s: lasts_s("Reverse vel.")? / points as f64,
-            force_per_count_n: volts * scale.nm_per_volt * 1e-9 * spring_n_per_m,
+            step_m: way.volts * way.nm_per_volt * 1e-9 / points as f64,
+            forward_step_s: self.lasts_s("Forward vel.", way.volts)? / points as f64,
+            reverse_step_s: self.lasts_s("Reverse vel.", way.volts)? / points as f64,
+            force_per_count_n: force.volts_per_count * force.nm_per_volt * 1e-9 * spring_n_per_m,
             spring_n_per_m,
         })
+    }
+
+    /// How long a way of so many volts takes: by its velocity, V/s, or as half a cycle of the scan rate, Hz.
+    fn lasts_s(&self, velocity: &str, volts: f64) -> Result<f64, Error> {
+        let list = self.lists.iter().find(|list| list.0 == RAMP);
+        let velocity = list.and_then(|list| value(list, velocity)).and_then(positive);
+        let rate = || self.anywhere("Scan rate").and_then(positive);
+        let by_velocity = velocity.map(|velocity| volts / velocity);
+        by_velocity.or_else(|| rate().map(|rate| 0.5 / rate)).ok_or_else(|| refused("no scan rate"))
     }
 
     /// A value such as `V [Sens. DeflSens] (0.000375 V/LSB) 24.576 V`.
@@ -171,8 +158,9 @@ impl<'a> Header<'a> {
             })
         };
         found().ok_or_else(|| {
-            let what = format!("`{key}` is `{text}`, without a calibration in nm/V: calibrate the curve and save it anew");
-            Error::unread(NANOSCOPE, format!("list `{SIGNAL}`"), what)
+            refused(format!(
+                "`{key}` is `{text}`, without a calibration in nm/V: calibrate the curve and save it anew"
+            ))
         })
     }
 
@@ -198,6 +186,24 @@ impl<'a> Header<'a> {
         }
         Ok(there.chunks_exact(curve).collect())
     }
+}
+
+/// Numbers of a way in, which are as many as those of a way back.
+fn points(signal: &List) -> Result<usize, Error> {
+    let places = value(signal, "Samps/line").unwrap_or_default();
+    let places: Vec<&str> = places.split_whitespace().collect();
+    if places.iter().any(|other| *other != places[0]) {
+        let what = "a way in and a way back of different lengths: export the curve as text";
+        return Err(refused(what));
+    }
+    let points = places.first().and_then(|number| number.parse().ok());
+    points
+        .filter(|points| (2..=crate::NUMBERS).contains(points))
+        .ok_or_else(|| Error::damaged(NANOSCOPE, format!("list `{SIGNAL}`"), "no `Samps/line`"))
+}
+
+fn refused(what: impl Into<String>) -> Error {
+    Error::unread(NANOSCOPE, format!("list `{SIGNAL}`"), what)
 }
 
 /// A value with its hard and its soft scale.
@@ -254,8 +260,13 @@ fn value<'a>(list: &List<'a>, key: &str) -> Option<&'a str> {
     list.1.iter().find(|(found, _)| found.eq_ignore_ascii_case(key)).map(|(_, value)| *value)
 }
 
+/// The number that a text begins with, if it is above 0.
 fn positive(text: &str) -> Option<f64> {
-    text.trim().parse().ok().filter(|number: &f64| *number > 0.0 && number.is_finite())
+    text.split_whitespace()
+        .next()?
+        .parse()
+        .ok()
+        .filter(|number: &f64| *number > 0.0 && number.is_finite())
 }
 
 #[cfg(test)]
