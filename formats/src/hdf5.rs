@@ -48,6 +48,12 @@ fn read(path: &Path, wanted: Option<&str>, transposed: bool) -> Result<Contents,
             let message = format!("{} of {end} bytes are there", file.file_size());
             return Err(Error::damaged(format, "end of the file", message));
         }
+        let attributes =
+            file.root().attrs().map_err(|error| Error::damaged(format, "file", error))?;
+        if attributes.keys().any(|name| name.starts_with("nsf_file_version")) {
+            let what = "a file of Nanosurf Studio (.nhf), whose numbers are counts: export the curves as text or .nid";
+            return Err(Error::unread(format, "file", what));
+        }
         let mut walk = Walk { format, transposed, arrays: Vec::new() };
         walk.group(&file.root(), "", 0)?;
         let mut budget = Budget::new(format);

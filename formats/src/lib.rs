@@ -8,6 +8,7 @@
 
 mod error;
 pub mod export;
+pub mod force_curve;
 mod gather;
 pub mod hdf5;
 mod limits;

@@ -18,6 +18,8 @@ pub struct Part {
     pub name: String,
     /// Its numbers.
     pub content: Content,
+    /// What the file says of the set-up, by the key in the table `[setup]` of a trace's head.
+    pub setup: Vec<(&'static str, f64)>,
 }
 
 /// The numbers of a part.
@@ -42,7 +44,7 @@ pub struct Column {
 
 impl Part {
     pub(crate) fn columns(name: impl Into<String>, columns: Vec<Column>) -> Self {
-        Self { name: name.into(), content: Content::Columns(columns) }
+        Self { name: name.into(), content: Content::Columns(columns), setup: Vec::new() }
     }
 
     /// The part as CSV in UTF-8: of columns the names, then a row of units if any has one, then the numbers with all their

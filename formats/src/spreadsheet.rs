@@ -193,7 +193,7 @@ impl<'a> Sheet<'a> {
             text.push(b'\n');
             start = end;
         }
-        contents.parts.push(Part { name, content: Content::Cells(text) });
+        contents.parts.push(Part { name, content: Content::Cells(text), setup: Vec::new() });
         Ok(())
     }
 }

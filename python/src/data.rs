@@ -6,7 +6,7 @@ use std::sync::Arc;
 use numpy::{PyArray1, PyReadonlyArray1};
 use palpate::cli::ask::Set;
 use palpate::files::plan::{Overwrite, Plan, TRACE};
-use palpate::trace::{Column, Head, TIME, Trace, order, read_set, write};
+use palpate::trace::{Column, Head, Mapping, TIME, Trace, import_parts, order, read_set, write};
 use pyo3::exceptions::{PyIndexError, PyKeyError};
 use pyo3::prelude::*;
 
@@ -42,6 +42,33 @@ impl DataSet {
     #[staticmethod]
     fn read(py: Python<'_>, paths: Vec<PathBuf>) -> PyResult<Self> {
         py.detach(|| read_set(&paths)).map(Self::from).map_err(wrong)
+    }
+
+    /// Makes a trace of one recording of another program, in one file or several, as a mapping says: its text, or its file.
+    #[staticmethod]
+    fn imported(
+        py: Python<'_>,
+        paths: Vec<PathBuf>,
+        map: PathBuf,
+        text: Option<String>,
+        part: Option<String>,
+        every: Option<usize>,
+    ) -> PyResult<Self> {
+        if paths.is_empty() {
+            return Err(wrong("no file given"));
+        }
+        if every == Some(0) {
+            return Err(wrong("`every` counts from 1"));
+        }
+        let mapping = match text {
+            Some(text) => Mapping::parse(&map, &text),
+            None => Mapping::read(&map),
+        };
+        let mut mapping = mapping.map_err(wrong)?;
+        mapping.table.part = part.or(mapping.table.part);
+        mapping.every = every.or(mapping.every);
+        let found = py.detach(|| import_parts(&paths, &mapping)).map_err(wrong)?;
+        Ok(vec![found.trace].into())
     }
 
     /// Takes traces from arrays; each column is copied once, since its owner may change it while the interpreter is free.
@@ -107,6 +134,12 @@ impl DataSet {
         allowed(&path, &TRACE, force)?;
         py.detach(|| write(&path, trace)).map_err(broken)
     }
+}
+
+/// A mapping proposed for a file of another program.
+#[pyfunction]
+pub fn suggest(py: Python<'_>, path: PathBuf, part: Option<&str>) -> PyResult<String> {
+    py.detach(|| palpate::trace::suggest(&path, part)).map_err(wrong)
 }
 
 /// Refuses to write over what palpate did not write, unless that is allowed.

@@ -42,7 +42,7 @@ mod _palpate {
     #[pymodule_export]
     use super::command::run;
     #[pymodule_export]
-    use super::data::DataSet;
+    use super::data::{DataSet, suggest};
     #[pymodule_export]
     use super::device::Device;
     #[pymodule_export]

@@ -11,7 +11,7 @@ import pandas as pd
 import polars as pl
 import pyarrow as pa
 import pytest
-from conftest import PRESS, TRACES, command
+from conftest import PRESS, TOP, TRACES, command
 from palpate._data import column
 
 TIME = np.arange(5) / 200
@@ -69,6 +69,38 @@ def test_a_column_of_a_frame_is_taken_without_a_copy(kind: str) -> None:
     data = palpate.DataSet.from_frame(frame, name="one")
     assert data.names == ["one"]
     assert np.array_equal(data[0]["force_N"], FORCE) and np.array_equal(data[0].time, TIME)
+
+
+def test_files_of_other_programs_come_in_as_by_the_command(tmp_path: Path) -> None:
+    book = TOP / "tests" / "foreign" / "book.xlsx"
+    proposed = palpate.suggest(book, part="Run 1")
+    assert proposed == command("import", book, "--part", "Run 1", "--suggest").stdout
+    (tmp_path / "map.toml").write_text(proposed)
+    command("import", book, "--map", tmp_path / "map.toml", "-o", tmp_path / "run.csv")
+    wanted = palpate.read(tmp_path / "run.csv")[0]
+    for given in (proposed, tmp_path / "map.toml"):
+        found = palpate.import_(book, map=given)[0]
+        assert found.columns == wanted.columns
+        assert all(np.array_equal(found[name], wanted[name]) for name in wanted.columns)
+    assert len(palpate.import_(book, map=proposed, every=2)[0]) == (len(wanted) + 1) // 2
+    for words, ask in (
+        ("Say which: `--part NAME`", lambda: palpate.suggest(book)),
+        ("`every` counts from 1", lambda: palpate.import_(book, map=proposed, every=0)),
+        ("no file given", lambda: palpate.import_(map=proposed)),
+        ("no table `Run 9`; there are Run 1, Run 2", lambda: palpate.import_(book, map=proposed, part="Run 9")),
+        ("Run 1, Run 2", lambda: palpate.read(book)),
+    ):
+        with pytest.raises(palpate.Error, match=words):
+            ask()
+
+
+def test_several_files_of_one_run_are_joined_by_their_times(tmp_path: Path) -> None:
+    for name, start in (("b", 0), ("a", 5)):
+        rows = "".join(f"{start + i};{i}\n" for i in range(5))
+        (tmp_path / f"{name}.txt").write_text("Time (s);Force (N)\n" + rows)
+    files = [tmp_path / "a.txt", tmp_path / "b.txt"]
+    found = palpate.import_(*files, map=palpate.suggest(files[0]))[0]
+    assert list(found.time) == list(range(10))
 
 
 def test_other_numbers_come_as_doubles_and_other_columns_stay_away() -> None:

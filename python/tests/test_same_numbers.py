@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import tomllib
 from pathlib import Path
 
@@ -209,3 +210,42 @@ def test_effects_and_laws_of_ones_own(practice: Path, model: Path, tmp_path: Pat
     found = palpate.diagnose(own, practice)
     assert found.to_dict() == answer("diagnose", "--model", path, practice)
     assert "cogging" in {one["effect"] for one in found.to_dict()["candidates"]}
+
+
+def test_a_law_as_a_python_function_is_the_law_as_an_expression(practice: Path, model: Path) -> None:
+    def cogging(x, size, pitch):
+        return size * np.sin(2 * np.pi * x / pitch)
+
+    parameters = {"size": {"value": 0.0, "unit": "N"}, "pitch": {"value": 1.7, "lower": 0.5, "upper": 5.0, "unit": "mm"}}
+    base = palpate.Model.read(model)
+    one = palpate.diagnose(base.with_law("cogging", "sensor", cogging, parameters), practice).to_dict()
+    written = "size * sin(2 * PI * x / pitch)"
+    other = palpate.diagnose(base.with_law("cogging", "sensor", written, parameters), practice).to_dict()
+    assert one == other
+
+
+def test_a_law_as_a_python_function_may_do_all_that_a_formula_may(model: Path) -> None:
+    def law(t, x, v, depth, tau):
+        late = palpate.formula.lag(np.maximum(v, 0), tau) + palpate.formula.peak(x) - palpate.formula.total(abs(v)) / palpate.formula.since(x)
+        return depth * (-late**2 + np.exp(-t) * np.arctan2(x, 1) - +np.square(x))
+
+    found = palpate.Model.read(model).with_law("own", "sensor", law, {"depth": 0.0, "tau": 1.0}).to_dict()["candidate"][0]["expression"]
+    late = "((lag(max(v, 0.0), tau) + peak(x)) - (total(abs(v)) / since(x)))"
+    assert found == f"(depth * (((-({late} ^ 2.0)) + (exp((-t)) * atan2(x, 1.0))) - (x ^ 2.0)))"
+
+
+@pytest.mark.parametrize(
+    ("law", "words"),
+    [
+        (lambda x, size: size if x > 0 else 0, "no branches"),
+        (lambda x, size: size * max(x, 0), "no branches"),
+        (lambda x, size: size * math.sin(x), "not those of math"),
+        (lambda x, y, size: size * x * y, "takes `y`, which is no variable and no parameter; there are t, t_set, x"),
+        (lambda x: x, "does not take its parameter `size`"),
+        (lambda x, size: np.where(x, size, 0), "no branches"),
+        (lambda x, size: [x, size], "of single numbers, not of list"),
+    ],
+)
+def test_a_function_that_is_no_formula_is_refused_in_words(law, words: str, model: Path) -> None:
+    with pytest.raises(palpate.Error, match=words):
+        palpate.Model.read(model).with_law("own", "sensor", law, {"size": 0.0})

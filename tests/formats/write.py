@@ -1,4 +1,5 @@
-"""Writes one recording into a file of each format, by libraries that share no code with palpate's readers.
+"""Writes one recording into a file of each format, by libraries that share no code with palpate's readers; text exports of
+test machines, which no library writes, by hand.
 
 Call: write.py FOLDER. 200 samples: time i/100 s, displacement (i mod 50)/10 mm, force i*i/1000 N.
 """
@@ -259,10 +260,59 @@ def parquet(folder):
     pyarrow.parquet.write_table(table, folder / "lerobot.parquet", compression="snappy")
 
 
+def instruments(folder):
+    """Text exports of test machines, made by hand after what their programs write."""
+    def comma(value):
+        return repr(value).replace(".", ",")
+
+    # RheoCompass: UTF-16, an interval a table, below a line that names its columns.
+    lines = ["Project:\tGel", "Test:\tRelaxation", "", "Result:\tRelaxation 1", ""]
+    for interval in range(2):
+        rows = ROWS[interval * 100:(interval + 1) * 100]
+        lines += [f"Interval and data points:\t{interval + 1}\t{len(rows)}", "Interval data:\tPoint No.\tTime\tGap\tNormal Force\tStatus"]
+        lines += ["\t\t\t\t\t", "\t\t[s]\t[mm]\t[N]\t[1]"]
+        lines += [f"\t{i + 1}\t{comma(t)}\t{comma(x)}\t{comma(f)}\tMe-" for i, (t, x, f) in enumerate(rows)]
+        lines += [""]
+    (folder / "rheocompass.csv").write_bytes("\r\n".join(lines).encode("utf-16"))
+
+    # TRIOS: a step a table, with the time of the step beside that of the test.
+    lines = ["Filename\tC:\\gel.tri", "Instrument type\tDiscovery HR-3", "Time zone\tUTC", ""]
+    for step in range(2):
+        lines += ["[step]", f"Relaxation - {step + 1}", "Time\tStep time\tGap\tAxial force", "s\ts\tmm\tN"]
+        lines += [f"{t!r}\t{t - step!r}\t{x!r}\t{f!r}" for t, x, f in ROWS[step * 100:(step + 1) * 100]]
+        lines += [""]
+    (folder / "trios.txt").write_bytes("\r\n".join(lines).encode("utf-8-sig"))
+
+    # Bluehill: cells in quotes, units in brackets below the names.
+    lines = ['"Specimen label","1"', '"Width","10.0","mm"', "", "Time,Extension,Load", "(s),(mm),(N)"]
+    lines += [f'"{t!r}","{x!r}","{f!r}"' for t, x, f in ROWS]
+    (folder / "bluehill.csv").write_text("\n".join(lines) + "\n")
+
+    # testXpert: semicolons and decimal commas in the code page of Windows.
+    lines = ['"Prüfer";"me"', '"Prüfzeit";"Standardweg";"Standardkraft"', '"s";"mm";"N"']
+    lines += [";".join(map(comma, row)) for row in ROWS]
+    (folder / "testxpert.tra").write_bytes(("\r\n".join(lines) + "\r\n").encode("cp1252"))
+
+    # A bioindenter: nm and mN, in one table for each of its segments.
+    lines = ["Bioindenter\tUNHT3 Bio", "Indenter\tSphere, 100 µm", ""]
+    for segment in ["Loading", "Unloading"]:
+        rows = ROWS[:120] if segment == "Loading" else ROWS[120:]
+        lines += [f"Segment:\t{segment}", "Time [s]\tPd [nm]\tFn [mN]"]
+        lines += [f"{t!r}\t{x * 1e6!r}\t{f * 1000!r}" for t, x, f in rows]
+        lines += [""]
+    (folder / "bioindenter.txt").write_bytes("\r\n".join(lines).encode("cp1252"))
+
+    # Machines of Japan and China, in their own encodings.
+    lines = ["試験名,押し込み", "時間,力,ストローク", "sec,N,mm", *(f"{t!r},{f!r},{x!r}" for t, x, f in ROWS)]
+    (folder / "trapezium.csv").write_bytes("\r\n".join(lines).encode("shift_jis"))
+    lines = ["操作员;张", "时间(s);位移(mm);载荷(N)", *(f"{t!r};{x!r};{f!r}" for t, x, f in ROWS)]
+    (folder / "chinese.txt").write_bytes("\r\n".join(lines).encode("gbk"))
+
+
 def main():
     folder = pathlib.Path(sys.argv[1])
     folder.mkdir(parents=True)
-    for write in [packed, spreadsheets, hdf5, matlab, bags, labview, parquet]:
+    for write in [packed, spreadsheets, hdf5, matlab, bags, labview, parquet, instruments]:
         write(folder)
 
 

@@ -7,8 +7,10 @@ use miette::{IntoDiagnostic, bail};
 
 use crate::check::{rust, workspace};
 
-/// Libraries that write the files, at the versions that were tried.
+/// Libraries that write the files, or read those of microscopes beside palpate, at the versions that were tried.
 const LIBRARIES: &[&str] = &[
+    "NSFopen==2.2.4",
+    "afmformats==0.18.7",
     "h5py==3.16.0",
     "mcap==1.6.0",
     "mcap-ros2-support==0.6.0",
@@ -17,6 +19,7 @@ const LIBRARIES: &[&str] = &[
     "odfpy==1.4.1",
     "openpyxl==3.1.5",
     "pyarrow==26.0.1",
+    "pyfmreader==0.1.3",
     "rosbags==0.11.9",
     "scipy==1.17.1",
     "websockets==17.4",

@@ -25,9 +25,10 @@ use palpate_trace::files::plan::{COMPUTED_OR_RECORDING, Plan};
     args_conflicts_with_subcommands = true,
     subcommand_negates_reqs = true,
     after_help = "\
-A curve is a text export of JPK, whose header says spring constant, units and segments, or a trace with
-displacement_mm (the piezo's way towards the specimen) and force_N; the spring constant then stands in
-its head ([setup] spring_constant_N_per_m) or is given. Without one, the displacement is that of the tip.
+A curve is a file of JPK (.jpk-force, a map, or its text export), of Nanosurf (.nid) or of NanoScope (.spm, .000),
+all but the text with the feature `formats`; or a trace with displacement_mm (the piezo's way towards the specimen)
+and force_N, whose spring constant stands in its head ([setup] spring_constant_N_per_m) or is given. Without one, the
+displacement is that of the tip. Of a map every curve is fitted.
 
 Examples:
   palpate afm curve.txt --tip-radius-nm 2500                   a ball, as a paraboloid
@@ -207,11 +208,12 @@ fn analyse(args: &CurveArgs) -> Result<(), Failure> {
     args.result.files(&args.curves)?;
     let pressure = PressureLaw::new(args.pressure_exponent).map_err(Failure::input)?;
     let options = Options { tip: args.tip.tip(None)?, poisson_ratio: args.poisson, pressure };
-    let read = |path: &PathBuf| {
-        let curve = ForceCurve::read(path).map_err(Failure::input)?;
-        Ok(args.spring.into_iter().fold(curve, ForceCurve::with_spring))
-    };
-    let curves = args.curves.iter().map(read).collect::<Result<Vec<_>, Failure>>()?;
+    let mut curves = Vec::new();
+    for path in &args.curves {
+        let read = ForceCurve::read_all(path).map_err(Failure::input)?.into_iter();
+        curves
+            .extend(read.map(|curve| args.spring.into_iter().fold(curve, ForceCurve::with_spring)));
+    }
     let wait = progress::bar(curves.len(), "fitting");
     let fitted = curves.into_iter().map(|curve| {
         let found = fit(&curve, &options);

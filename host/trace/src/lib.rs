@@ -77,7 +77,7 @@ pub use mapping::Mapping;
 pub use noise::{Noise, Source, force_noise, noise};
 pub use outliers::{Outlier, outliers, without};
 pub use pooled_noise::pooled_noise;
-pub use read::{SIZE_LIMIT, parse, read, read_head};
+pub use read::{SIZE_LIMIT, parse, read, read_all, read_head};
 pub use sampling::{Sampling, sampling};
 pub use scatter::scatter;
 pub use segments::{Kind, Segment, segments};

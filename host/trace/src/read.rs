@@ -39,6 +39,16 @@ pub fn read(path: &Path) -> Result<Trace, Error> {
     }
 }
 
+/// Reads all traces of a file: of a file of another program every table that is one as it stands, such as the curves of a map,
+/// and of any other the one that [`read()`] gives.
+///
+/// # Errors
+/// As [`read()`], but for several traces in one file.
+pub fn read_all(path: &Path) -> Result<Vec<Trace>, Error> {
+    let foreign = if has_extension(path, PARQUET) { None } else { foreign::traces(path)? };
+    foreign.map_or_else(|| Ok(vec![read(path)?]), Ok)
+}
+
 /// Reads the head of a trace alone.
 ///
 /// # Errors

@@ -8,7 +8,7 @@
 Same numbers as the command `palpate`, bit for bit: both are the same compiled code.
 """
 
-from palpate import grasp
+from palpate import formula, grasp
 from palpate._answers import (
     Answer,
     Change,
@@ -43,6 +43,7 @@ from palpate._ask import (
 )
 from palpate._data import DataSet, Trace, read
 from palpate._device import Block, Device
+from palpate._foreign import import_, suggest
 from palpate._model import Model, effects
 from palpate._palpate import Error, __version__
 from palpate._parts import Decomposition, Part
@@ -87,14 +88,17 @@ __all__ = [
     "fit",
     "fit_all",
     "fit_holds",
+    "formula",
     "grasp",
     "hide",
+    "import_",
     "plan",
     "progress",
     "read",
     "relaxation",
     "segment",
     "simulate",
+    "suggest",
     "survey",
     "truth",
 ]

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, Union
 
 from palpate import _palpate
 from palpate._data import PathLike
+from palpate.formula import traced
 
 if TYPE_CHECKING:
     from palpate._answers import Change, Discovery, Exploration, Fit, HoldFits
@@ -81,7 +82,7 @@ class Model:
         self,
         name: str,
         stage: str,
-        expression: str,
+        expression: str | Callable[..., Any],
         parameters: Mapping[str, float | Mapping[str, Any]],
         *,
         meaning: str | None = None,
@@ -89,8 +90,10 @@ class Model:
         """The same model with a law of one's own to be tried: `diagnose` ranks it among the effects, `add` adds it.
 
         `stage` is where in the chain it acts (`motion`, `elasticity`, `relaxation`, `contact` or `sensor`), `expression` a
-        formula over `t`, `x`, `v`, `a`, `F`, `T`, `n` and `x_max` (docs/formats.md), which is compiled and as fast
-        as an effect of the library. `parameters` are its starting values by name, or mappings with `value`, `unit`,
+        formula over `t`, `x`, `v`, `a`, `F`, `T`, `n` and `x_max` (docs/formats.md), or a Python function that takes
+        some of these and the parameters by name. The function is called once, with symbols: it may compute with operators,
+        numpy's functions and those of `palpate.formula`, but not branch. Either is compiled and as
+        fast as an effect of the library. `parameters` are its starting values by name, or mappings with `value`, `unit`,
         `lower` and `upper`; the first is the strength that makes the law vanish at 0.
         """
         def stored(value: float | Mapping[str, Any]) -> dict[str, Any]:
@@ -99,7 +102,7 @@ class Model:
         law: dict[str, Any] = {
             "name": name,
             "stage": stage,
-            "expression": expression,
+            "expression": traced(expression, list(parameters)) if callable(expression) else expression,
             "parameters": {key: stored(value) for key, value in parameters.items()},
         }
         if meaning is not None:

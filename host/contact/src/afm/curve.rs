@@ -17,6 +17,25 @@ pub struct Segments {
     pub retract: Option<Range<usize>>,
 }
 
+/// Column of a trace that says what the tip does: 0 on the way in, 1 in a pause, 2 on the way back.
+pub const SEGMENT: &str = "afm_segment";
+
+/// What the tip does for a while.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Stretch {
+    Approach,
+    Pause,
+    Retract,
+}
+
+impl Stretch {
+    /// What the number in [`SEGMENT`] stands for.
+    fn of(number: f64) -> Option<Self> {
+        let all = [(0.0, Self::Approach), (1.0, Self::Pause), (2.0, Self::Retract)];
+        all.into_iter().find(|(code, _)| *code == number).map(|(_, stretch)| stretch)
+    }
+}
+
 /// A force curve; all vectors are of one length.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ForceCurve {
@@ -41,25 +60,53 @@ pub const SPRING: &str = "spring_constant_N_per_m";
 /// A rest is a pause if it lasts this part of the recording.
 const SHORTEST_PAUSE: f64 = 0.05;
 
+impl Segments {
+    /// Of the stretches of a curve in their order, and whether the tip comes in again after its first way back: that is left out.
+    pub(super) fn joined(
+        stretches: impl IntoIterator<Item = (Stretch, Range<usize>)>,
+    ) -> (Self, bool) {
+        let (mut found, mut came_in) = (Self::default(), false);
+        for (stretch, range) in stretches {
+            match (stretch, &mut found.retract) {
+                (Stretch::Approach, Some(_)) => return (found, true),
+                (_, Some(back)) => back.end = range.end,
+                (Stretch::Retract, back) => *back = Some(range),
+                (stretch, None) => {
+                    found.approach.end = range.end;
+                    // A rest far off, before the tip comes in, is none on the specimen.
+                    if stretch == Stretch::Pause && came_in {
+                        found.pauses.push(range);
+                    }
+                    came_in |= stretch == Stretch::Approach;
+                }
+            }
+        }
+        (found, false)
+    }
+}
+
 impl ForceCurve {
     /// Reads a text export of JPK, or a trace.
     ///
     /// # Errors
     /// [`AfmError`] for what cannot be read.
     pub fn read(path: &Path) -> Result<Self, AfmError> {
-        let bytes =
-            std::fs::read(path).map_err(|source| AfmError::Io { path: path.into(), source })?;
-        match std::str::from_utf8(&bytes) {
-            Ok(text) if jpk::is_export(text) => {
-                let name = path.file_name().map(|name| name.to_string_lossy().into_owned());
-                jpk::parse(&name.unwrap_or_default(), text)
-            }
-            _ => Self::of(&trace::read(path)?),
+        exported(path)?.map_or_else(|| Self::of(&trace::read(path)?), Ok)
+    }
+
+    /// Reads all curves of a file: of a map there are many.
+    ///
+    /// # Errors
+    /// As [`Self::read`].
+    pub fn read_all(path: &Path) -> Result<Vec<Self>, AfmError> {
+        match exported(path)? {
+            Some(curve) => Ok(vec![curve]),
+            None => trace::read_all(path)?.iter().map(Self::of).collect(),
         }
     }
 
     /// Takes a trace: its displacement is the way of the piezo if its head (`[setup] spring_constant_N_per_m`) states a spring
-    /// constant, else that of the tip.
+    /// constant, else that of the tip. What the tip does says the column [`SEGMENT`], or else the motion.
     ///
     /// # Errors
     /// [`AfmError::NoColumn`].
@@ -77,14 +124,20 @@ impl ForceCurve {
             Some(k) => format!("spring constant of the head: {k} N/m"),
             None => "no spring constant: the displacement is taken as that of the tip".into(),
         };
+        let (segments, comes_again) = match trace.column(SEGMENT) {
+            Some(numbers) => Segments::joined(stretches(numbers)),
+            None => (segments(&trace.time, &piezo_m), false),
+        };
+        let mut notes = vec![note];
+        notes.extend(comes_again.then(|| COMES_AGAIN.into()));
         Ok(Self {
             label: trace.label(),
-            segments: segments(&trace.time, &piezo_m),
+            segments,
             time_s: trace.time.clone(),
             piezo_m,
             force_n,
             spring_n_per_m: spring,
-            notes: vec![note],
+            notes,
         })
     }
 
@@ -95,6 +148,27 @@ impl ForceCurve {
         self.notes.push(format!("spring constant as given: {spring_n_per_m} N/m"));
         self
     }
+}
+
+/// What is said of a curve in which the tip comes in more than once.
+pub(super) const COMES_AGAIN: &str = "what comes in again after the first way back is left out";
+
+/// The curve of a text export of JPK; none of any other file.
+fn exported(path: &Path) -> Result<Option<ForceCurve>, AfmError> {
+    let bytes = std::fs::read(path).map_err(|source| AfmError::Io { path: path.into(), source })?;
+    let Ok(text) = std::str::from_utf8(&bytes) else { return Ok(None) };
+    let name = path.file_name().map(|name| name.to_string_lossy().into_owned());
+    jpk::is_export(text).then(|| jpk::parse(&name.unwrap_or_default(), text)).transpose()
+}
+
+/// The stretches that the numbers of [`SEGMENT`] make; what no number stands for is left out.
+fn stretches(numbers: &[f64]) -> impl Iterator<Item = (Stretch, Range<usize>)> {
+    let mut end = 0;
+    numbers.chunk_by(|one, next| one == next).filter_map(move |same| {
+        let range = end..end + same.len();
+        end = range.end;
+        Some((Stretch::of(same[0])?, range))
+    })
 }
 
 /// The approach goes until the piezo first turns back, however often it rests on the way.

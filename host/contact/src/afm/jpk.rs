@@ -3,10 +3,8 @@
 //! Nothing is guessed: units are read from the line `# units:`, only metres, newtons and seconds are taken, and what was
 //! used is said in the notes of the curve.
 
-use std::ops::Range;
-
 use super::AfmError;
-use super::curve::{ForceCurve, Segments};
+use super::curve::{COMES_AGAIN, ForceCurve, Segments, Stretch};
 
 /// How a text export begins.
 const FIRST_LINE: &str = "# TEXT EXPORT";
@@ -21,7 +19,8 @@ const HEIGHTS: [&str; 6] = [
 ];
 
 /// The kinds of segments that are read.
-const SEGMENTS: [&str; 3] = ["extend", "pause", "retract"];
+const SEGMENTS: [(&str, Stretch); 3] =
+    [("extend", Stretch::Approach), ("pause", Stretch::Pause), ("retract", Stretch::Retract)];
 
 /// Whether a text is such an export.
 #[must_use]
@@ -106,38 +105,28 @@ fn join(name: &str, blocks: &[Block]) -> Result<ForceCurve, AfmError> {
     let has = |column: &&str| blocks.iter().all(|block| block.columns.iter().any(|c| c == column));
     let height = HEIGHTS.into_iter().find(has).ok_or_else(|| missing("height"))?;
     let (mut time_s, mut piezo_m, mut force_n) = (Vec::new(), Vec::new(), Vec::new());
-    let mut segments = Segments::default();
-    let mut comes_again = false;
+    let mut stretches = Vec::new();
     for block in blocks {
         let begin = time_s.len();
         time_s.extend(column(name, block, "seriesTime", "s")?);
         piezo_m.extend(column(name, block, height, "m")?.iter().map(|height| -height));
         force_n.extend(column(name, block, "vDeflection", "N")?);
-        let range: Range<usize> = begin..time_s.len();
-        match (block.kind.as_str(), &mut segments.retract) {
-            (kind, _) if !SEGMENTS.contains(&kind) => {
-                let problem = format!("segment `{kind}` is none of {}", SEGMENTS.join(", "));
-                return Err(AfmError::Jpk { curve: name.into(), line: block.line, problem });
-            }
-            _ if comes_again => {}
-            ("extend", Some(_)) => comes_again = true,
-            (_, Some(back)) => back.end = range.end,
-            ("retract", back) => *back = Some(range),
-            (kind, None) => {
-                segments.approach.end = range.end;
-                if kind == "pause" {
-                    segments.pauses.push(range);
-                }
-            }
-        }
+        let known = SEGMENTS.iter().find(|(kind, _)| *kind == block.kind);
+        let (_, stretch) = known.ok_or_else(|| {
+            let all = SEGMENTS.map(|(kind, _)| kind).join(", ");
+            let problem = format!("segment `{}` is none of {all}", block.kind);
+            AfmError::Jpk { curve: name.into(), line: block.line, problem }
+        })?;
+        stretches.push((*stretch, begin..time_s.len()));
     }
+    let (segments, comes_again) = Segments::joined(stretches);
     let mut notes = vec![format!("height: column `{height}`; force: `vDeflection`")];
     notes.push(match first.spring {
         Some(k) => format!("spring constant of the header: {k} N/m"),
         None => "the header states no spring constant".into(),
     });
     if comes_again {
-        notes.push("what comes in again after the first way back is left out".into());
+        notes.push(COMES_AGAIN.into());
     }
     Ok(ForceCurve {
         label: name.into(),

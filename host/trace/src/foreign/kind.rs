@@ -43,13 +43,17 @@ pub(super) enum Reader {
     Tdms,
     /// Columns of any names, a part an episode.
     Parquet,
+    /// Force curves, a part a curve.
+    Jpk,
+    /// Force curves, a part a curve.
+    Nid,
+    /// Force curves, a part a curve.
+    Nanoscope,
     /// Nothing reads it; what to do instead.
     None(&'static str),
 }
 
 const CSV: &str = "Export the table as text (CSV) with the program that wrote it.";
-const FORCE_CURVE: &str =
-    "Export the curves as text with the program that wrote them; `palpate afm` reads JPK's text.";
 const PYTHON: &str =
     "Save the columns as CSV or Parquet (`pandas.DataFrame(...).to_csv(\"run.csv\")`).";
 
@@ -82,15 +86,16 @@ const BEGINNINGS: &[(&[u8], &str, Reader)] = &[
     ),
     (b"MDF     ", "an ASAM MDF measurement file", Reader::None(CSV)),
     (b"%PDF", "a PDF document", Reader::None(CSV)),
-    (b"\\*Force file list", "a force curve of Bruker or Veeco", Reader::None(FORCE_CURVE)),
-    (b"\\*File list", "an image of Bruker or Veeco", Reader::None(FORCE_CURVE)),
+    (b"\\*Force file list", "a NanoScope file of Bruker or Veeco", Reader::Nanoscope),
+    (b"\\*File list", "a NanoScope file of Bruker or Veeco", Reader::Nanoscope),
+    (b"[DataSet]", "a file of Nanosurf", Reader::Nid),
 ];
 
 /// Formats whose files are archives (ZIP), by what stands in them.
 const ARCHIVES: &[(&[u8], &str, Reader)] = &[
     (b"opendocument.spreadsheet", "an OpenDocument spreadsheet", Reader::OpenDocument),
     (b"xl/workbook", "an Excel workbook", Reader::Excel),
-    (b"header.properties", "a binary force curve of JPK", Reader::None(FORCE_CURVE)),
+    (b"header.properties", "a force curve of JPK", Reader::Jpk),
     (b".npy", "arrays of NumPy (.npz)", Reader::None(PYTHON)),
 ];
 
@@ -109,12 +114,12 @@ const ENDINGS: &[(&[&str], &str, Reader)] = &[
         Reader::None("Save it as .xlsx or export the table as text (CSV)."),
     ),
     (
-        &["jpk-force", "jpk-force-map", "jpk-qi-data"],
-        "a binary force curve of JPK",
-        Reader::None(FORCE_CURVE),
+        &["jpk-force", "jpk-force-map", "jpk-qi-data", "jpk-qi-series"],
+        "a force curve of JPK",
+        Reader::Jpk,
     ),
-    (&["nid", "nhf"], "a file of Nanosurf", Reader::None(FORCE_CURVE)),
-    (&["spm", "pfc", "000", "001"], "a file of Bruker or Veeco", Reader::None(FORCE_CURVE)),
+    (&["nid"], "a file of Nanosurf", Reader::Nid),
+    (&["spm", "pfc", "000", "001"], "a NanoScope file of Bruker or Veeco", Reader::Nanoscope),
     (&["ibw", "pxp"], "a file of Igor Pro", Reader::None(CSV)),
     (&["tri"], "a file of TRIOS", Reader::None("Export it from TRIOS as text (CSV) or Excel.")),
     (&["rcp", "rhpts", "orx"], "a project of RheoCompass", Reader::None(CSV)),

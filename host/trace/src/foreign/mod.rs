@@ -50,8 +50,27 @@ pub(super) fn open(path: &Path, part: Option<&str>) -> Result<Opened, Error> {
 pub(super) fn trace(path: &Path) -> Result<Option<Trace>, Error> {
     let Some(format) = Format::of(path) else { return Ok(None) };
     match format.reader {
+        Reader::None(_) | Reader::Gzip | Reader::Zstandard => packed_trace(path, format).map(Some),
+        _ => only_trace(path, format).map(Some),
+    }
+}
+
+/// All traces in a file that is not plain text, such as the curves of a map; none if the file is.
+pub(super) fn traces(path: &Path) -> Result<Option<Vec<Trace>>, Error> {
+    let Some(format) = Format::of(path) else { return Ok(None) };
+    match format.reader {
+        Reader::None(_) | Reader::Gzip | Reader::Zstandard => {
+            packed_trace(path, format).map(|trace| Some(vec![trace]))
+        }
+        _ => all_traces(path, format).map(Some),
+    }
+}
+
+/// The trace in a packed text.
+fn packed_trace(path: &Path, format: Format) -> Result<Trace, Error> {
+    match format.reader {
         Reader::None(instead) => Err(unread(path, format, instead)),
-        Reader::Gzip | Reader::Zstandard => {
+        _ => {
             let limit = read::UNPACKED_LIMIT;
             let mut bytes = Vec::new();
             let unpacked = unpacked(path, format)?.take(limit + 1).read_to_end(&mut bytes);
@@ -63,9 +82,8 @@ pub(super) fn trace(path: &Path) -> Result<Option<Trace>, Error> {
                     limit,
                 });
             }
-            read::parse(path, &bytes).map(Some)
+            read::parse(path, &bytes)
         }
-        _ => only_trace(path, format).map(Some),
     }
 }
 
@@ -120,7 +138,7 @@ fn unread(path: &Path, format: Format, instead: &'static str) -> Error {
 }
 
 #[cfg(feature = "formats")]
-use parts::{exported, only_trace, open_part, unpacked};
+use parts::{all_traces, exported, only_trace, open_part, unpacked};
 
 #[cfg(not(feature = "formats"))]
 fn unbuilt<T>(path: &Path, format: Format) -> Result<T, Error> {
@@ -145,5 +163,10 @@ fn open_part(path: &Path, format: Format, _part: Option<&str>) -> Result<Opened,
 
 #[cfg(not(feature = "formats"))]
 fn only_trace(path: &Path, format: Format) -> Result<Trace, Error> {
+    unbuilt(path, format)
+}
+
+#[cfg(not(feature = "formats"))]
+fn all_traces(path: &Path, format: Format) -> Result<Vec<Trace>, Error> {
     unbuilt(path, format)
 }

@@ -5,7 +5,8 @@ use std::panic::AssertUnwindSafe;
 use std::path::Path;
 
 use palpate_formats::{
-    Content, Contents, Part, export, hdf5, mat, packed, parquet, ros, spreadsheet, tdms,
+    Content, Contents, Part, export, force_curve, hdf5, mat, packed, parquet, ros, spreadsheet,
+    tdms,
 };
 
 use super::kind::{Format, Reader};
@@ -13,7 +14,7 @@ use super::{Export, Opened};
 use crate::caught::caught;
 use crate::error::Error;
 use crate::mapping::Delimiter;
-use crate::table::split;
+use crate::table::{part_of, split};
 use crate::{Column, TIME, Trace, read, write};
 
 /// Packed text as it was.
@@ -46,17 +47,39 @@ pub(super) fn open_part(path: &Path, format: Format, part: Option<&str>) -> Resu
 
 /// The only table that is a trace as it is.
 pub(super) fn only_trace(path: &Path, format: Format) -> Result<Trace, Error> {
-    let contents = contents(path, format, None)?;
-    let (mut traces, others): (Vec<_>, Vec<_>) = contents.parts.into_iter().partition(has_time);
-    if traces.len() == 1
-        && let Some(part) = traces.pop()
-    {
-        return trace_of(path, part);
+    let mut traces = traces_of(path, format)?;
+    match traces.pop() {
+        Some(part) if traces.is_empty() => trace_of(path, part),
+        last => Err(not_one(path, format, true, traces.into_iter().chain(last))),
     }
-    let several = !traces.is_empty();
-    let listed = if several { traces } else { others };
-    let present = listed.into_iter().map(|part| part.name).collect();
-    Err(Error::NotOneTrace { path: path.into(), format: format.name, several, present })
+}
+
+/// All tables that are traces as they are, each under its name if there are several.
+pub(super) fn all_traces(path: &Path, format: Format) -> Result<Vec<Trace>, Error> {
+    let traces = traces_of(path, format)?;
+    let several = traces.len() > 1;
+    let trace = |part: Part| match several {
+        true => trace_of(&part_of(path, &part.name), part),
+        false => trace_of(path, part),
+    };
+    traces.into_iter().map(trace).collect()
+}
+
+/// The tables that name their columns as a trace does; at least one.
+fn traces_of(path: &Path, format: Format) -> Result<Vec<Part>, Error> {
+    let contents = contents(path, format, None)?;
+    let (traces, others): (Vec<_>, Vec<_>) = contents.parts.into_iter().partition(has_time);
+    if traces.is_empty() { Err(not_one(path, format, false, others)) } else { Ok(traces) }
+}
+
+fn not_one(
+    path: &Path,
+    format: Format,
+    several: bool,
+    parts: impl IntoIterator<Item = Part>,
+) -> Error {
+    let present = parts.into_iter().map(|part| part.name).collect();
+    Error::NotOneTrace { path: path.into(), format: format.name, several, present }
 }
 
 /// The bytes of a trace as a file of another program.
@@ -87,6 +110,9 @@ fn contents(path: &Path, format: Format, part: Option<&str>) -> Result<Contents,
         Reader::Bag => ros::bag(path, part),
         Reader::Tdms => tdms::tdms(path, part),
         Reader::Parquet => parquet::parquet(path, part),
+        Reader::Jpk => force_curve::jpk(path, part),
+        Reader::Nid => force_curve::nid(path, part),
+        Reader::Nanoscope => force_curve::nanoscope(path, part),
         Reader::Gzip | Reader::Zstandard | Reader::None(_) => Ok(Contents::default()),
     };
     let damaged = || Error::Foreign { path: path.into(), message: "is damaged".into() };
@@ -122,6 +148,8 @@ fn trace_of(path: &Path, part: Part) -> Result<Trace, Error> {
         Content::Columns(columns) => columns,
     };
     let mut trace = Trace { path: Some(path.into()), ..Trace::default() };
+    let setup = part.setup.into_iter().map(|(key, value)| (key.into(), value.into()));
+    trace.head.setup.other.extend(setup);
     for column in columns {
         match column.name == TIME {
             true => trace.time = column.values,

@@ -68,7 +68,7 @@ pub(super) fn guess(beginning: &Beginning) -> Option<Guess> {
     best.map(|(_, guess)| guess)
 }
 
-fn kinds(line: &str, delimiter: Delimiter, decimal: char) -> Vec<Kind> {
+pub(super) fn kinds(line: &str, delimiter: Delimiter, decimal: char) -> Vec<Kind> {
     let kind = |cell: &String| {
         let stamp = || Stamp::ALL.into_iter().find(|stamp| stamp.read(cell).is_some());
         match number(cell, decimal) {

@@ -3,6 +3,7 @@
 mod columns;
 mod encoding;
 mod guess;
+mod rest;
 
 use std::fmt::Write as _;
 use std::io::{Cursor, Read};
@@ -18,6 +19,7 @@ use super::table::part_of;
 use columns::{Seen, is_gap, is_unit, proposals, time_of};
 use encoding::encoding;
 use guess::{Guess, Kind, cells, guess};
+use rest::Rest;
 
 /// Lines looked at.
 const LOOKED_AT: usize = 400;
@@ -31,6 +33,8 @@ struct Beginning {
     /// The encoding of a text; none of a table that was made text.
     encoding: Option<&'static Encoding>,
     lines: Vec<String>,
+    /// The lines below these.
+    more: Lines,
 }
 
 /// Proposes a mapping for a recording from its first lines, as the text of a mapping file in which
@@ -40,20 +44,23 @@ struct Beginning {
 /// [`ImportError::NoTable`] if no three rows of numbers follow each other, or that the file cannot be
 /// read, or has several tables.
 pub fn suggest(path: &Path, part: Option<&str>) -> Result<String, ImportError> {
-    let beginning = beginning(path, part)?;
+    let mut beginning = beginning(path, part)?;
     let guess = guess(&beginning).ok_or_else(|| ImportError::NoTable {
         path: path.into(),
         what: format!("three rows of at least two numbers in the first {LOOKED_AT} lines"),
     })?;
-    Ok(text(path, &beginning, &guess))
+    let header = header(&beginning.lines, &guess);
+    let rest = Rest::of(&guess, header, &beginning.lines, &mut beginning.more);
+    Ok(text(path, &beginning, &guess, header, &rest))
 }
 
 fn beginning(path: &Path, part: Option<&str>) -> Result<Beginning, ImportError> {
     match foreign::open(path, part)? {
         Opened::Part { name, text } => {
             let shown = name.as_deref().map_or_else(|| path.into(), |name| part_of(path, name));
-            let lines = first_lines(Lines::new(&shown, text, encoding_rs::UTF_8))?;
-            Ok(Beginning { part: name, encoding: None, lines })
+            let mut more = Lines::new(&shown, text, encoding_rs::UTF_8);
+            let lines = first_lines(&mut more)?;
+            Ok(Beginning { part: name, encoding: None, lines, more })
         }
         Opened::Text(mut text) => {
             let open = |source| Error::Open { path: path.into(), source };
@@ -61,13 +68,14 @@ fn beginning(path: &Path, part: Option<&str>) -> Result<Beginning, ImportError> 
             text.by_ref().take(1 << 16).read_to_end(&mut start).map_err(open)?;
             let encoding = encoding(&start);
             let whole: Box<dyn Read> = Box::new(Cursor::new(start).chain(text));
-            let lines = first_lines(Lines::new(path, whole, encoding))?;
-            Ok(Beginning { part: None, encoding: Some(encoding), lines })
+            let mut more = Lines::new(path, whole, encoding);
+            let lines = first_lines(&mut more)?;
+            Ok(Beginning { part: None, encoding: Some(encoding), lines, more })
         }
     }
 }
 
-fn first_lines(mut lines: Lines) -> Result<Vec<String>, ImportError> {
+fn first_lines(lines: &mut Lines) -> Result<Vec<String>, ImportError> {
     let mut found = Vec::new();
     let mut line = String::new();
     while found.len() < LOOKED_AT && lines.next(&mut line)? {
@@ -77,9 +85,14 @@ fn first_lines(mut lines: Lines) -> Result<Vec<String>, ImportError> {
 }
 
 /// Writes the mapping.
-fn text(path: &Path, beginning: &Beginning, guess: &Guess) -> String {
+fn text(
+    path: &Path,
+    beginning: &Beginning,
+    guess: &Guess,
+    header: Option<usize>,
+    rest: &Rest,
+) -> String {
     let lines = &beginning.lines;
-    let header = header(lines, guess);
     let mut out = String::new();
     let file = path.file_name().unwrap_or_default().to_string_lossy();
     let quoted = |text: &str| toml::Value::from(text).to_string();
@@ -104,14 +117,29 @@ fn text(path: &Path, beginning: &Beginning, guess: &Guess) -> String {
         let _ = writeln!(out, "part = {}", quoted(part));
     }
     let skipped = guess.first - header.map_or(0, |at| at + 1);
-    if let Some(at) = header {
-        let _ = writeln!(out, "header_line = {}", at + 1);
+    match (header, &rest.block) {
+        (Some(_), Some(prefix)) => {
+            let _ = writeln!(out, "block_prefix = {}\nblock_names = true", quoted(prefix));
+        }
+        (Some(at), None) => {
+            let _ = writeln!(out, "header_line = {}", at + 1);
+        }
+        (None, _) => {}
     }
     if skipped > 0 {
         let _ = writeln!(out, "skip_lines = {skipped}");
     }
     if lines[guess.first].trim_end().ends_with([',', ';']) && beginning.encoding.is_some() {
         let _ = writeln!(out, "empty_last_cell = true");
+    }
+    match rest.stop.as_deref() {
+        Some("") => {
+            let _ = writeln!(out, "stop_at_blank = true");
+        }
+        Some(prefix) => {
+            let _ = writeln!(out, "stop_at_prefix = {}", quoted(prefix));
+        }
+        None => {}
     }
     write_columns(&mut out, &seen(lines, guess, header));
     out
