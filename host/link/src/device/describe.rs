@@ -11,11 +11,11 @@ use palpate_trace::recording::parts;
 #[must_use]
 pub const fn reset_in_words(reset: ResetCause) -> &'static str {
     match reset {
-        ResetCause::PowerOn => "power came",
-        ResetCause::BrownOut => "the supply was low",
-        ResetCause::Pin => "the reset button",
-        ResetCause::Software => "it was told to, or panicked",
-        ResetCause::Watchdog => "a part of the program stood still",
+        ResetCause::PowerOn => "power-on",
+        ResetCause::BrownOut => "brown-out: the supply was low",
+        ResetCause::Pin => "reset pin",
+        ResetCause::Software => "software: asked for, or a panic",
+        ResetCause::Watchdog => "watchdog: a part of the program stood still",
     }
 }
 
