@@ -3,7 +3,7 @@
 //! While a contact slides its load lies on the limit surface, μN times a body that depends on k. So for the
 //! right k every sample asks for the same μ, whatever its mix of tangential force and moment; for another k
 //! samples with much moment ask for more or less than samples with little. Without a mix there is no k: a slide
-//! along a line tells μ alone, a turn on the spot μ times the arm.
+//! along a line determines μ alone, a turn on the spot μ times the arm.
 
 use rayon::prelude::*;
 
@@ -23,12 +23,12 @@ pub struct Sliding {
     pub load: Load,
 }
 
-/// Friction as a slide tells it.
+/// Friction as a slide shows it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Friction {
     /// Coefficient μ with its standard error, that of k included.
     pub coefficient: (f64, f64),
-    /// Exponent k, and the least and largest that the slide allows (95 %); none where it tells none.
+    /// Exponent k, and the least and largest that the slide allows (95 %); none where it does not determine it.
     pub exponent: Option<(f64, f64, f64)>,
     /// Standard deviation of what single samples say of μ.
     pub scatter: f64,
@@ -39,7 +39,7 @@ pub struct Friction {
     pub moment_share: (f64, f64),
 }
 
-/// Why a slide tells no friction.
+/// Why a slide shows no friction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum FrictionError {
     /// Too few samples.
@@ -60,7 +60,7 @@ const REFINED: usize = 5;
 const RISE: f64 = 3.84;
 /// Halvings of the way to an end of the range of 1/k.
 const EDGE_HALVINGS: u32 = 12;
-/// A range of 1/k wider than this tells no k.
+/// A range of 1/k wider than this does not determine k.
 const MAX_EXPONENT_RANGE: f64 = 0.7;
 
 /// Identifies μ and k of a contact that slides at every one of these samples; `law` is taken where they tell no

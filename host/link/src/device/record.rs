@@ -107,7 +107,7 @@ pub trait Beside {
     /// Sees the rows of each block, whose last byte was read `at`.
     fn rows(&mut self, _: &[Row], _at: Instant) {}
 
-    /// Hears of a touch, a release or a slip as soon as the device tells it.
+    /// Hears of a touch, a release or a slip as soon as the device reports it.
     fn feel(&mut self, _: &Felt) {}
 
     /// May give commands, as to inject rows; about twenty times in a second.
