@@ -13,7 +13,7 @@ use palpate::device::watch::watch;
 use palpate::fingertip::fixed::microstrain;
 
 /// Every so many rows one is shown.
-const SHOWN: u64 = 500;
+const EVERY_ROWS: u64 = 500;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     match std::env::args().nth(1) {
@@ -43,7 +43,7 @@ fn follow(port: &Path) -> Result<(), Box<dyn std::error::Error>> {
         &mut session,
         || Instant::now() > until,
         |row| {
-            if row.number % SHOWN == 0 {
+            if row.number % EVERY_ROWS == 0 {
                 let (fa, sa) = (microstrain(row.fa[0]), microstrain(row.sa[0]));
                 println!("{:>7.2} s  FA {fa:>8.1} µε  SA {sa:>8.1} µε", row.time_us as f64 / 1e6);
             }

@@ -35,7 +35,7 @@
 //! - [`report`]: vector plots and self-contained HTML; [`answers`]: results as types with a JSON schema each, [`summary`]: in
 //!   words, tables and plots; [`dissertation`]: the
 //!   figures that the dissertation prints; [`bundled`]: the recordings that come with the program.
-//! - [`serve`]: a local page over the same functions as the commands, [`held`]: what a law foretells of a held press.
+//! - [`serve`]: a local page over the same functions as the commands, [`held`]: what a law predicts of a held press.
 //! - [`cli`]: one file for each subcommand: parse, call, print.
 #![forbid(unsafe_code)]
 

@@ -8,7 +8,7 @@ use palpate_fit::watch::{Stage, Watch, looked_at, under};
 use crate::{DataSet, Error};
 
 /// How often a caller is told how far the work has come.
-const TELL: Duration = Duration::from_millis(100);
+const UPDATE_INTERVAL: Duration = Duration::from_millis(100);
 
 /// A way to end work from another thread. Clones end the same work.
 #[derive(Clone, Debug, Default)]
@@ -75,7 +75,7 @@ impl<'a, Q: Question> Asked<'a, Q> {
         let found = match tell {
             Some(mut tell) => {
                 let look = |watch: &Watch| watch.stage().into_iter().for_each(&mut tell);
-                looked_at(&watch, TELL, look, work)
+                looked_at(&watch, UPDATE_INTERVAL, look, work)
             }
             None => under(&watch, work),
         };

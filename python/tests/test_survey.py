@@ -118,7 +118,7 @@ def test_every_question_is_that_of_the_command(tmp_path: Path, model: Path) -> N
 def test_a_survey_that_cannot_be_is_refused_in_words(there: Path) -> None:
     for wrong, words in (
         (lambda: palpate.survey("fit", "none", by="finger", out="no"), "none: cannot be read"),
-        (lambda: palpate.survey("fit", "lab", by="finger", out="no"), "nothing tells its `finger`"),
+        (lambda: palpate.survey("fit", "lab", by="finger", out="no"), "nothing gives its `finger`"),
         (lambda: palpate.survey("segment", "lab", by="trace", out="no", terms=1), "no such option"),
         (lambda: palpate.survey("segment", "lab", by="trace", out="no", law="fung"), "`law` is of `fit`"),
         (lambda: palpate.survey("diagnose", "lab", by="trace", out="no"), "--model"),

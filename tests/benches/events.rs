@@ -172,7 +172,7 @@ fn parts(folder: &Path) -> Vec<Vec<PathBuf>> {
 
 fn recorded(folder: &Path) {
     println!(
-        "\n| recordings | samples a second | minutes | loadings · touches told in them · force then, of the largest | other touches | releases | slips |"
+        "\n| recordings | samples a second | minutes | loadings · touches reported in them · force then, of the largest | other touches | releases | slips |"
     );
     println!("|-|-|-|-|-|-|-|");
     for (name, mapping) in RECORDINGS {
@@ -242,7 +242,7 @@ fn recordings_row(name: &str, heard: &[(&Trace, Events)]) -> String {
 
 fn main() {
     println!(
-        "| noise (µε) | stimulus | runs | touch: missed · median · worst (ms) | release: the same | slip: the same | told before it slides: median · least (ms) | false alarms |"
+        "| noise (µε) | stimulus | runs | touch: missed · median · worst (ms) | release: the same | slip: the same | reported before it slides: median · least (ms) | false alarms |"
     );
     println!("|-|-|-|-|-|-|-|-|");
     for noise_ustrain in [0.1, 0.3, 1.0] {

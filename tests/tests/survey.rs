@@ -332,9 +332,9 @@ fn a_key_that_nothing_tells_and_a_pattern_that_cannot_be_are_refused_before_any_
         assert!(!lab.path().join("out").exists(), "{arguments:?}");
     };
     let fit = ["survey", "fit", "fung", "lab", "-o", "out"];
-    refused(&[&fit[..], &["--by", "operator"]].concat(), "nothing tells its `operator`");
+    refused(&[&fit[..], &["--by", "operator"]].concat(), "nothing gives its `operator`");
     refused(&[&fit[..], &["--by", "finger", "--names", "{a}{b}"]].concat(), "side by side");
-    refused(&[&fit[..], &["--by", "status"]].concat(), "nothing tells its `status`");
+    refused(&[&fit[..], &["--by", "status"]].concat(), "nothing gives its `status`");
     refused(
         &["survey", "fit", "fnug", "lab", "--by", "finger", "-o", "out"],
         "did you mean `fung`?",

@@ -7,7 +7,7 @@ use crate::Column;
 /// Times that are counted from farther than this, s, count from their first whole second instead.
 const AFAR_S: i64 = 1_000_000;
 /// Most columns of a topic.
-const MOST: usize = 1024;
+const MAX_COLUMNS: usize = 1024;
 
 /// Columns that grow by one number with each message; one that a message lacks is missing there.
 #[derive(Default)]
@@ -63,7 +63,7 @@ impl Columns {
             Some(column) if column.name == name => next,
             _ => match self.places.get(name) {
                 Some(&at) => at,
-                None if self.columns.len() >= MOST => return None,
+                None if self.columns.len() >= MAX_COLUMNS => return None,
                 None => {
                     let unit = unit.map(Into::into);
                     self.columns.push(Column { name: name.into(), unit, values: Vec::new() });

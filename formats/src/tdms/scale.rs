@@ -7,7 +7,7 @@ use super::bytes::Value;
 /// Where a scale takes its numbers from, if from no other scale.
 const RAW: f64 = u32::MAX as f64;
 /// Most scales of a channel, and most coefficients of one.
-const MOST: usize = 64;
+const MAX_SCALES: usize = 64;
 
 /// Applies the scales that a channel's properties describe, each to the outcome of the one that it names; the error says which
 /// of them is not known here.
@@ -21,7 +21,7 @@ pub(super) fn scaled(
     if count < 1.0 || text("NI_Scaling_Status") == Some("scaled") {
         return Ok(values);
     }
-    if count > MOST as f64 {
+    if count > MAX_SCALES as f64 {
         return Err(format!("{count} scales"));
     }
     // From the last scale back to the numbers as they are stored; each step goes to an earlier one, so there are few.
@@ -37,7 +37,8 @@ pub(super) fn scaled(
                 (vec![zero, slope], of("Linear_Input_Source"))
             }
             "Polynomial" => {
-                let count = of("Polynomial_Coefficients_Size").unwrap_or(4.0).min(MOST as f64);
+                let count =
+                    of("Polynomial_Coefficients_Size").unwrap_or(4.0).min(MAX_SCALES as f64);
                 let one = |index| of(&format!("Polynomial_Coefficients[{index}]"));
                 let all: Option<Vec<f64>> = (0..count as usize).map(one).collect();
                 let all = all.ok_or("a polynomial scale without its coefficients")?;

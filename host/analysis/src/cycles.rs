@@ -14,7 +14,7 @@ use palpate_trace::{Control, DISPLACEMENT, FORCE, SignalError, Trace, control, g
 /// Share of the stroke by which the ends of a cycle may lie apart for it to count as closed.
 const CLOSED: f64 = 0.02;
 /// Standard errors of the noise above which an energy is told from zero.
-const TOLD: f64 = 2.0;
+const SIGNIFICANT_ENERGY: f64 = 2.0;
 /// Standard deviation of normal scatter whose median absolute value is 1.
 const NORMAL_MAD: f64 = 1.482_602_218_505_602;
 
@@ -98,8 +98,8 @@ impl Cycle {
     #[must_use]
     pub fn turn(&self) -> Turn {
         match self.dissipated_mj() {
-            lost if lost > TOLD * self.work_error_mj => Turn::Clockwise,
-            lost if lost < -TOLD * self.work_error_mj => Turn::Counterclockwise,
+            lost if lost > SIGNIFICANT_ENERGY * self.work_error_mj => Turn::Clockwise,
+            lost if lost < -SIGNIFICANT_ENERGY * self.work_error_mj => Turn::Counterclockwise,
             _ => Turn::Neither,
         }
     }

@@ -208,15 +208,16 @@ struct Configs {
 
 impl Configs {
     /// Intervals are printed with few digits: closer than this, relatively, they are the same.
-    const SAME: f64 = 1e-6;
+    const SAME_INTERVAL: f64 = 1e-6;
 
     fn new(relaxation: Relaxation) -> Self {
         Self { relaxation, last: None }
     }
 
     fn at(&mut self, interval: f64) -> Result<&Config, ConfigError> {
-        let known =
-            |(before, _): &(f64, Config)| (interval - before).abs() <= Self::SAME * interval;
+        let known = |(before, _): &(f64, Config)| {
+            (interval - before).abs() <= Self::SAME_INTERVAL * interval
+        };
         if !self.last.as_ref().is_some_and(known) {
             self.last = None;
         }

@@ -11,11 +11,11 @@ use std::ops::Range;
 use nalgebra::{Matrix3, Vector3};
 
 /// Noise of the derivative, as a share of the largest, that ends the widening.
-const QUIET: f64 = 0.05;
+const NOISE_SHARE: f64 = 0.05;
 /// Widest half width, as a share of the record.
-const WIDEST: f64 = 0.1;
+const MAX_HALF_WIDTH: f64 = 0.1;
 /// Fewest samples of a window.
-const FEWEST: usize = 5;
+const MIN_WINDOW: usize = 5;
 
 /// A derivative at some instants, and what it can show.
 #[derive(Clone, Debug, PartialEq)]
@@ -42,7 +42,7 @@ pub struct Derivative {
 #[must_use]
 pub fn derivative(time: &[f64], values: &[f64], noise: f64, count: usize) -> Option<Derivative> {
     let samples = time.len();
-    if samples < FEWEST || values.len() != samples {
+    if samples < MIN_WINDOW || values.len() != samples {
         return None;
     }
     let length = time[samples - 1] - time[0];
@@ -52,8 +52,8 @@ pub fn derivative(time: &[f64], values: &[f64], noise: f64, count: usize) -> Opt
     loop {
         let found = with_width(time, values, &instants, half_width_s);
         let fastest = found.slope.iter().fold(0.0, |most: f64, slope| most.max(slope.abs()));
-        let quiet = found.noise_gain * noise <= QUIET * fastest;
-        if quiet || 1.2 * half_width_s > WIDEST * length {
+        let quiet = found.noise_gain * noise <= NOISE_SHARE * fastest;
+        if quiet || 1.2 * half_width_s > MAX_HALF_WIDTH * length {
             return Some(Derivative { quiet, ..found });
         }
         half_width_s *= 1.2;
@@ -95,7 +95,7 @@ fn with_width(time: &[f64], values: &[f64], instants: &[usize], half_width_s: f6
 fn window(time: &[f64], k: usize, half_width_s: f64) -> Range<usize> {
     let (from, to) = (time[k] - half_width_s, time[k] + half_width_s);
     let mut range = time.partition_point(|t| *t < from)..time.partition_point(|t| *t <= to);
-    while range.len() < FEWEST {
+    while range.len() < MIN_WINDOW {
         let below = range.start.checked_sub(1).map(|i| time[k] - time[i]);
         let above = time.get(range.end).map(|t| t - time[k]);
         match (below, above) {

@@ -11,7 +11,7 @@ use palpate_fit::power_law::{self, ODD_ORDERS, PowerFit};
 use palpate_trace::{DISPLACEMENT, FORCE, SignalError, Trace, holds};
 
 /// Fewest samples of a hold.
-const FEWEST: usize = 5;
+const MIN_HOLD_SAMPLES: usize = 5;
 
 /// One gap in one hold.
 #[derive(Clone, Debug)]
@@ -54,7 +54,7 @@ pub enum MarkersError {
     )]
     None { trace: String },
     #[error(
-        "{trace}: no hold has {FEWEST} frames in which {between} moves. Record longer, or with more frames a second."
+        "{trace}: no hold has {MIN_HOLD_SAMPLES} frames in which {between} moves. Record longer, or with more frames a second."
     )]
     Short { trace: String, between: String },
 }
@@ -139,7 +139,7 @@ impl Series {
             None => first.to_vec(),
         };
         let moves = gap.iter().any(|it| *it != gap[0]);
-        if gap.len() < FEWEST || !moves {
+        if gap.len() < MIN_HOLD_SAMPLES || !moves {
             return None;
         }
         let from_s = trace.time[range.start];

@@ -33,7 +33,7 @@ pub struct PullOff {
 }
 
 /// Samples after the separation that tell its force.
-const ENOUGH: usize = 5;
+const SAMPLES_AFTER: usize = 5;
 /// Part of the way out from the separation on that belongs to the end of the way out.
 const STANDING: f64 = 0.01;
 /// Standard error of a median over that of a mean, normal noise.
@@ -89,7 +89,7 @@ fn zero(path: &Sampled, after: RangeInclusive<usize>, noise: f64) -> (f64, f64) 
     let farthest = least + STANDING * (path.x[*after.start()] - least);
     let out = after.clone().find(|&k| path.x[k] <= farthest).unwrap_or(*after.start());
     let mut values = path.force[*after.start()..=out].to_vec();
-    if values.len() < ENOUGH {
+    if values.len() < SAMPLES_AFTER {
         return (0.0, noise);
     }
     let middle = values.len() / 2;

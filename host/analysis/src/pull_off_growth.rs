@@ -177,7 +177,7 @@ fn law(speeds: &[AtSpeed]) -> Result<Law, String> {
     }
     if !vague.is_empty() {
         return Err(format!(
-            "{count} speeds from {slowest:.3} to {fastest:.3} mm/s do not tell {}",
+            "{count} speeds from {slowest:.3} to {fastest:.3} mm/s do not determine {}",
             vague.join(", ")
         ));
     }

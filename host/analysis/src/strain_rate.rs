@@ -17,7 +17,7 @@ use palpate_trace::{DISPLACEMENT, FORCE, SignalError, Trace, holds};
 /// 95 % of χ² with one degree of freedom: what an order may fit worse than the best and still fit.
 const AS_GOOD: f64 = 3.841_458_820_694_124;
 /// Fewest samples of a hold.
-const FEWEST: usize = 8;
+const MIN_HOLD_SAMPLES: usize = 8;
 /// Instants at which the strain rate is drawn.
 const INSTANTS: usize = 120;
 
@@ -85,7 +85,7 @@ pub enum StrainRateError {
     #[error(transparent)]
     Geometry(#[from] GeometryError),
     #[error(
-        "{trace}: the hold from {from_s:.3} s has {samples} samples, {FEWEST} are needed. Record longer or faster."
+        "{trace}: the hold from {from_s:.3} s has {samples} samples, {MIN_HOLD_SAMPLES} are needed. Record longer or faster."
     )]
     Short { trace: String, from_s: f64, samples: usize },
     #[error(
@@ -178,7 +178,7 @@ impl Strains {
     ) -> Result<Self, StrainRateError> {
         let from_s = trace.time[range.start];
         let samples = range.len();
-        if samples < FEWEST {
+        if samples < MIN_HOLD_SAMPLES {
             return Err(StrainRateError::Short { trace: trace.label(), from_s, samples });
         }
         let held = &displacement[range.clone()];

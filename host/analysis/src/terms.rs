@@ -29,7 +29,7 @@ pub struct Row {
 pub struct Terms {
     /// A row for each number of terms, from 1.
     pub rows: Vec<Row>,
-    /// Number with the least criterion among those whose every term the data tell.
+    /// Number with the least criterion among those whose every term is identifiable.
     pub by_criterion: usize,
     /// Least number whose error on left-out blocks is that of the best within one standard error.
     pub by_held_out: Option<usize>,

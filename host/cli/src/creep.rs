@@ -17,7 +17,7 @@ use palpate_trace::{DISPLACEMENT, FORCE, Trace, read_set, sampling};
 #[command(after_help = "\
 Every hold of the force by itself: D (1 + Σ ci e^(−vi t)) with standard errors, Type I (after loading)
 or II (after unloading), one to four exponentials beside each other, and what the hold is too short to
-tell. The force is what the head calls controlled (`control = \"force\"`), else the data show it. A
+determine. The force is what the head calls controlled (`control = \"force\"`), else the data show it. A
 recording of a compliance alone is the answer to one step of force.
 
 Examples:

@@ -26,7 +26,7 @@ use palpate_trace::files::plan::MODEL;
 Diagnoses first. Where the library does not explain what is missing, every term of a grammar (shapes
 over displacement, velocity, force, time, temperature and what they were before, at each stage of the
 chain) is tried, and one to three are kept that lower the error on traces left out. They come as laws
-of one's own, with their errors, what these traces do not tell from them, what they can come from, and
+of one's own, with their errors, what these traces do not distinguish from them, what they can come from, and
 the experiment that would confirm it. `palpate add found-1` adds one.
 
 Examples:

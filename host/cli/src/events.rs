@@ -16,7 +16,7 @@ use palpate_trace::{Trace, read_set};
 #[command(after_help = "\
 A burst of FA is a touch where nothing is held, a release where it takes more than half of what is
 held; several jolts soon after each other, vibrations of FA above a corner, are an incipient slip. All
-gauges of a trace are heard together, as those of one fingertip; a trace without gauges by its force.
+gauges of a trace are taken together, as those of one fingertip; a trace without gauges by its force.
 The same code runs in `shared/` without an allocator, sample by sample: nothing later is looked at.
 
 Each event has the time at which it was reported, and when it began by hindsight. A simulated trace says
@@ -62,7 +62,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     args.result.files(args.traces.iter().chain(&args.model))?;
     if args.signal.len() > shared::pipeline::GAUGES {
         return Err(Failure::Input(miette::miette!(
-            "{} columns: at most 4 are heard together as one contact",
+            "{} columns: at most 4 are taken together as one contact",
             args.signal.len()
         )));
     }

@@ -22,6 +22,7 @@ use palpate_fit::whole_motion::{self, MotionFit};
 use palpate_fit::{elastic_law, hold::Terms};
 use palpate_model::elastic::ELASTIC_LAWS;
 use palpate_model::kernel::KERNELS;
+use palpate_model::laws::FAMILIES;
 use palpate_model::{
     BaseLaw, EXPONENTS_N, Elastic, ElasticLaw, Family, Gauge, Kernel, Laws, MAX_TERMS, Model,
     Separation,
@@ -37,16 +38,22 @@ use palpate_trace::{FORCE, Noise, Trace, read_set};
 #[derive(clap::Args)]
 #[command(
     override_usage = "palpate fit [OPTIONS] <LAW> <TRACE>...\n       palpate fit [OPTIONS] --all <TRACE>...",
-    after_help = "\
-Laws:
-  kelvin-voigt         spring and damper side by side (eq. 2.3)
-  maxwell              spring and damper in a row (eq. 2.4)
-  generalized-maxwell  a spring beside --terms springs with dampers (2.2)
-  fung                 quasi-linear: power-law elastic response, exponentials (eqs 2.1, 3.2, 3.3)
-  latency              linear latency model (eqs 4.1 to 4.11); c0 free, or 1/m with --segments m
-  latency-power        nonlinear latency model (eqs 7.2, 7.11); n free, given, or auto
-  creep                what settles late (eqs 6.1, 6.2), solved for the force
+    after_help = after_help()
+)]
+pub struct Args {
+    /// The base law, then traces, or folders of traces
+    #[arg(required = true, value_name = "LAW TRACE")]
+    names: Vec<PathBuf>,
+    #[command(flatten)]
+    options: Options,
+    /// Write the model
+    #[arg(short, long, value_name = "MODEL.toml", conflicts_with = "all")]
+    output: Option<PathBuf>,
+    #[command(flatten)]
+    result: Output,
+}
 
+const DATA_AND_EXAMPLES: &str = "\
 The traces named are one data set: one specimen in one set-up. All are fitted together; what the
 specimen still remembers from one trace to the next is carried over where the heads say when each
 began (`start_s`).
@@ -65,19 +72,19 @@ Examples:
   palpate fit --all traces/                        every law, ranked on traces left out
   palpate fit fung take-*.csv --hold-only          eq. 3.4 for each hold, and their spread
   palpate fit fung step.csv --hold-only --signal relaxation_modulus_Pa
-  palpate fit fung traces/ --json | jq .parameters.v1"
-)]
-pub struct Args {
-    /// The base law, then traces, or folders of traces
-    #[arg(required = true, value_name = "LAW TRACE")]
-    names: Vec<PathBuf>,
-    #[command(flatten)]
-    options: Options,
-    /// Write the model
-    #[arg(short, long, value_name = "MODEL.toml", conflicts_with = "all")]
-    output: Option<PathBuf>,
-    #[command(flatten)]
-    result: Output,
+  palpate fit fung traces/ --json | jq .parameters.v1";
+
+/// The laws as they declare themselves, each with its small drawing, and what else a fit asks for.
+fn after_help() -> String {
+    let laws: String = FAMILIES.iter().map(|family| described(family)).collect();
+    format!("Laws:\n{laws}\n{DATA_AND_EXAMPLES}")
+}
+
+/// What a law is, its formula, and its springs and dampers.
+fn described(family: &Family) -> String {
+    let Family { name, meaning, source, formula, .. } = family;
+    let drawing: String = family.drawing.lines().map(|line| format!("      {line}\n")).collect();
+    format!("  {name}: {meaning} ({source})\n      {formula}\n{drawing}")
 }
 
 /// What is to be fitted and how.

@@ -10,7 +10,7 @@ use palpate_trace::files::plan::{Plan, TRACE};
 use palpate_trace::{self as trace, Error, ImportError, Imported, Mapping};
 
 /// Samples that `--preview` shows.
-const SHOWN: usize = 5;
+const PREVIEW_SAMPLES: usize = 5;
 
 /// Turn a foreign recording into a trace, by a mapping that says what is what
 ///
@@ -129,7 +129,7 @@ fn preview(imported: &Imported) -> String {
     let names = trace.columns.iter().map(|column| column.name.as_str());
     text += &std::iter::once(trace::TIME).chain(names).collect::<Vec<_>>().join(",");
     text.push('\n');
-    for row in 0..SHOWN.min(trace.len()) {
+    for row in 0..PREVIEW_SAMPLES.min(trace.len()) {
         let values = trace.columns.iter().map(|column| column.values[row]);
         let cells: Vec<_> = std::iter::once(trace.time[row]).chain(values).collect();
         let cells: Vec<_> = cells.iter().map(|value| trace::shortest(*value)).collect();

@@ -64,7 +64,7 @@ pub use output::{Force, Output};
 struct Arguments {
     #[command(subcommand)]
     command: Command,
-    /// Tell more of what is done, on standard error; twice for all
+    /// Report more of what is done, on standard error; twice for all
     #[arg(short, long, global = true, action = clap::ArgAction::Count)]
     verbose: u8,
 }

@@ -16,7 +16,7 @@ use palpate_trace::{Trace, read_set};
 #[command(after_help = "\
 Markers are columns marker1_mm, marker2_mm, … of a trace: their places along the direction of
 compression, in their order. While the specimen is held, the gap between two neighbours still goes to an
-equilibrium, and so tells the rate of the latency model inside of it, without a force. Holds are those
+equilibrium, and so gives the rate of the latency model inside of it, without a force. Holds are those
 of the displacement, or of a controlled force; a trace of markers alone is one hold. What a camera wrote
 with other names or units comes in with `palpate import`.
 

@@ -22,7 +22,7 @@ The answer is the Cramér–Rao bound of a hold: no unbiased fit of it can do be
 --hold-only` comes close. Without a model or --shares, the relaxation of eqs 3.5 and 3.6 is taken.
 
 Examples:
-  palpate plan --noise 0.01                       what 4.3 s at 200 Hz would tell of eq. 3.6
+  palpate plan --noise 0.01                       what 4.3 s at 200 Hz would determine of eq. 3.6
   palpate plan --model model.toml --compression 8 --noise 0.02 --duration 10
   palpate plan --noise 0.01 --want v1=2 --want v2=5        percent of each
   palpate plan --force 1.5 --shares 0.25,0.27 --rates 4,0.5 --noise 0.01 --want v2=1")]
@@ -83,7 +83,7 @@ fn parse_wanted(text: &str) -> Result<Wanted, String> {
     Ok(Wanted { parameter, relative: percent / 100.0 })
 }
 
-/// Prints what the recording would tell, and the recordings that tell what is wanted.
+/// Prints what the recording would determine, and the recordings that determine what is wanted.
 pub fn run(args: &Args) -> Result<(), Failure> {
     let model = args.model.as_deref().map(Model::read).transpose().map_err(Failure::input)?;
     let found = ask(&args.options, model.as_ref())?;
@@ -109,7 +109,7 @@ pub fn ask(options: &Options, model: Option<&Model>) -> Result<Box<dyn Answer>, 
     Ok(Box::new(Planned { experiment, recording, bound, plans }))
 }
 
-/// What recordings would tell.
+/// What recordings would determine.
 struct Planned {
     experiment: Experiment,
     recording: Recording,

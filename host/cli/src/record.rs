@@ -25,7 +25,7 @@ on when the device is there again. Ctrl-C ends it in order; after a kill, a cras
 all whole blocks written until then are readable. `palpate convert` makes traces of it.
 
 On a terminal a line shows time, rate, rows, gaps, what the device dropped, FA and SA of each gauge;
-a touch, a release and a slip are printed above it as the device tells them.
+a touch, a release and a slip are printed above it as the device reports them.
 
 Examples:
   palpate record -o press.palpate                    until Ctrl-C
@@ -113,7 +113,7 @@ impl Beside for Screen {
     }
 }
 
-/// Records until told to end.
+/// Records until it is asked to end.
 pub fn run(args: &Args) -> Result<(), Failure> {
     let mut files = plan::Plan::reading([""; 0], args.over.into());
     files.writes(&args.output, &RECORDING)?;

@@ -11,7 +11,7 @@ use palpate_model::{BaseLaw, Model, Separation};
 #[allow(missing_docs)]
 pub enum ElasticLawError {
     #[error(
-        "holds at one compression only do not tell the elastic response N = p/(q+1) x^(q+1): add holds at another compression, or fit the whole motion (without --hold-only)"
+        "holds at one compression only do not determine the elastic response N = p/(q+1) x^(q+1): add holds at another compression, or fit the whole motion (without --hold-only)"
     )]
     OneCompression,
     #[error("the holds were fitted with different numbers of exponentials: give --terms")]

@@ -32,6 +32,7 @@ pub mod coordinates;
 pub mod data;
 pub mod elastic_law;
 pub mod exponentials;
+pub mod fourier;
 pub mod hold;
 pub mod least_squares;
 pub mod levels;

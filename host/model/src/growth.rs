@@ -19,7 +19,7 @@ pub enum Growth {
 }
 
 /// Smallest power or strength that differs from a linear law.
-const LEAST: f64 = 1e-9;
+const MIN_GROWTH: f64 = 1e-9;
 /// Largest error of two half steps, of state and drive; what is left of it after extrapolation is about a
 /// hundredth.
 const TOLERANCE: f64 = 1e-6;
@@ -50,8 +50,8 @@ impl Growth {
     pub(super) fn is_none(self) -> bool {
         match self {
             Self::None => true,
-            Self::Power(power, _) => power.abs() <= LEAST,
-            Self::Sinh(strength, _) => strength.abs() <= LEAST,
+            Self::Power(power, _) => power.abs() <= MIN_GROWTH,
+            Self::Sinh(strength, _) => strength.abs() <= MIN_GROWTH,
         }
     }
 

@@ -16,9 +16,9 @@ impl Default for Yielding {
 }
 
 /// Part of the compression, over 1 mm and itself, that is left open.
-const SETTLED: f64 = 1e-13;
+const TOLERANCE: f64 = 1e-13;
 /// Most evaluations at one sample.
-const MOST: usize = 60;
+const MAX_EVALUATIONS: usize = 60;
 
 impl Yielding {
     /// The compression, mm, at a commanded one, x, mm; `next` is where the set-up comes to, mm, under the
@@ -28,11 +28,11 @@ impl Yielding {
     /// are halved.
     pub fn reached(&mut self, x: f64, next: impl Fn(f64) -> f64) -> f64 {
         let open = |z: f64| z - next(z);
-        let settled = SETTLED * (1.0 + x.abs());
+        let settled = TOLERANCE * (1.0 + x.abs());
         let (mut below, mut above) = (f64::NEG_INFINITY, f64::INFINITY);
         let mut z = x - self.yielded;
         let mut rest = open(z);
-        for _ in 0..MOST {
+        for _ in 0..MAX_EVALUATIONS {
             if rest.abs() <= settled || !rest.is_finite() {
                 break;
             }

@@ -25,7 +25,7 @@ const BROWSERS: [&str; 9] = [
 /// Width of a figure on paper, mm: that of a page of text.
 const PAPER_MM: f64 = 160.0;
 /// A browser that takes longer does not print.
-const PATIENCE: Duration = Duration::from_secs(60);
+const PRINT_WITHIN: Duration = Duration::from_secs(60);
 const LOOK: Duration = Duration::from_millis(20);
 /// What the titles of our documents begin with.
 const TITLE: &str = "palpate: ";
@@ -40,7 +40,7 @@ pub enum PdfError {
     NoBrowser,
     #[error("{browser} cannot be run: {source}")]
     Run { browser: String, source: io::Error },
-    #[error("{browser} did not print within {} s", PATIENCE.as_secs())]
+    #[error("{browser} did not print within {} s", PRINT_WITHIN.as_secs())]
     Slow { browser: String },
     #[error("{browser} printed nothing: {said}")]
     Nothing { browser: String, said: String },
@@ -130,7 +130,7 @@ fn ended(mut child: Child, browser: &str) -> Result<String, PdfError> {
         if child.try_wait().map_err(failed)?.is_some() {
             return Ok(heard.join().ok().flatten().and_then(Result::ok).unwrap_or_default());
         }
-        if begun.elapsed() > PATIENCE {
+        if begun.elapsed() > PRINT_WITHIN {
             let _ = child.kill();
             let _ = child.wait();
             return Err(PdfError::Slow { browser: browser.into() });

@@ -46,7 +46,7 @@ pub const MESSAGE_LIMIT: usize = 4 * 1024;
 const TOKEN_BYTES: usize = 16;
 
 /// What a browser is told with every answer.
-const TOLD: [(HeaderName, &str); 6] = [
+const RESPONSE_HEADERS: [(HeaderName, &str); 6] = [
     (
         header::CONTENT_SECURITY_POLICY,
         "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; connect-src 'self'; \
@@ -162,7 +162,7 @@ pub async fn guard(State(guard): State<Arc<Guard>>, request: Request, next: Next
         Ok(()) => guard.pass(request, next).await,
         Err(problem) => problem.into_response(),
     };
-    for (name, value) in TOLD {
+    for (name, value) in RESPONSE_HEADERS {
         response.headers_mut().insert(name, HeaderValue::from_static(value));
     }
     response

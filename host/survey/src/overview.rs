@@ -14,7 +14,7 @@ const ORDERS: [&str; 8] =
 pub const FAR: f64 = 6.0;
 const AS_DEVIATION: f64 = 1.4826;
 /// Fewest values that tell what is far out.
-const FEWEST: usize = 8;
+const MIN_VALUES: usize = 8;
 
 /// What all rows say together; of each row its keys and the values of its estimates are kept, and of failures the reason.
 #[derive(Clone, Debug)]
@@ -291,7 +291,7 @@ impl Kind {
     /// The middle, and how far values lie from it; none where that tells nothing.
     #[must_use]
     pub fn median_and_spread(&self) -> Option<(f64, f64)> {
-        if self.sorted.len() < FEWEST {
+        if self.sorted.len() < MIN_VALUES {
             return None;
         }
         let median = self.quantile(0.5);

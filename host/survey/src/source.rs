@@ -65,7 +65,7 @@ pub enum SourceError {
     #[error("{}: is named twice", .0.display())]
     Twice(PathBuf),
     #[error(
-        "{}: nothing tells its `{key}`: no column, no folder `{key}=…`, nothing in its name (--names), no key of its head",
+        "{}: nothing gives its `{key}`: no column, no folder `{key}=…`, nothing in its name (--names), no key of its head",
         path.display()
     )]
     NoKey { path: PathBuf, key: String },
@@ -321,7 +321,7 @@ mod tests {
         let found = Sources::find(&[folder.path()], &by(&[TRACE], None)).unwrap();
         assert_eq!(found.groups.len(), 3);
         let error = Sources::find(&[folder.path()], &by(&["operator"], None)).unwrap_err();
-        assert!(error.to_string().contains("nothing tells its `operator`"), "{error}");
+        assert!(error.to_string().contains("nothing gives its `operator`"), "{error}");
     }
 
     #[test]

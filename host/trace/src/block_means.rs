@@ -9,19 +9,19 @@
 use super::{Column, Trace};
 
 /// Samples of a set from which on a search on the means is worth it.
-const LONG: usize = 20_000;
+const WORTH_FROM_SAMPLES: usize = 20_000;
 /// Samples for each mean from which on it is worth it.
-const WORTH: usize = 4;
+const SAMPLES_PER_MEAN: usize = 4;
 /// Duration of a block, over the time since the motion.
-const PART: f64 = 0.05;
+const BLOCK_SHARE: f64 = 0.05;
 /// Change of the compression, over the largest of the set, within which a motion is at rest.
 pub const REST: f64 = 2e-3;
 /// Blocks that a set at rest throughout would have, and the fewest of a trace.
 const BLOCKS: usize = 3000;
-const FEWEST: usize = 300;
+const MIN_TRACE_BLOCKS: usize = 300;
 /// Samples of a set that stay as they are off the specimen, and the fewest and most of a trace: the noise is
 /// seen there.
-const QUIET: usize = 3000;
+const KEPT_OFF_SPECIMEN: usize = 3000;
 const FEWEST_QUIET: usize = 200;
 const MOST_QUIET: usize = 1000;
 
@@ -29,13 +29,13 @@ const MOST_QUIET: usize = 1000;
 #[must_use]
 pub fn block_means(traces: &[Trace]) -> Option<Vec<Trace>> {
     let samples: usize = traces.iter().map(Trace::len).sum();
-    if samples < LONG {
+    if samples < WORTH_FROM_SAMPLES {
         return None;
     }
     let motions: Vec<&[f64]> = traces.iter().map(Trace::displacement).collect::<Option<_>>()?;
     let largest = motions.iter().flat_map(|x| x.iter().copied()).fold(0.0, f64::max);
-    let blocks = (BLOCKS / traces.len()).max(FEWEST) as f64;
-    let quiet = (QUIET / traces.len()).clamp(FEWEST_QUIET, MOST_QUIET);
+    let blocks = (BLOCKS / traces.len()).max(MIN_TRACE_BLOCKS) as f64;
+    let quiet = (KEPT_OFF_SPECIMEN / traces.len()).clamp(FEWEST_QUIET, MOST_QUIET);
     let means: Vec<Trace> = traces
         .iter()
         .zip(motions)
@@ -45,7 +45,7 @@ pub fn block_means(traces: &[Trace]) -> Option<Vec<Trace>> {
         })
         .collect();
     let left: usize = means.iter().map(Trace::len).sum();
-    (WORTH * left <= samples).then_some(means)
+    (SAMPLES_PER_MEAN * left <= samples).then_some(means)
 }
 
 fn means_of(trace: &Trace, begins: &[usize]) -> Trace {
@@ -84,7 +84,7 @@ fn begins(time: &[f64], x: &[f64], band: f64, (longest, most_quiet): (f64, usize
         let moved = (x[k] - place).abs() > band;
         quiet += usize::from(x[k] <= 0.0);
         let kept = x[k] <= 0.0 && quiet <= most_quiet;
-        let most = longest.min(PART * (time[begin] - since));
+        let most = longest.min(BLOCK_SHARE * (time[begin] - since));
         if moved || kept || time[k] - time[begin] > most {
             begins.push(k);
             begin = k;

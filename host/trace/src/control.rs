@@ -6,9 +6,9 @@ use super::segments::{Kind, segments};
 use super::{Control, Trace};
 
 /// Part of a rest that is left out at either end, where the machine still arrives or already leaves.
-const ENDS: f64 = 0.1;
+const END_SHARE: f64 = 0.1;
 /// Fewest samples of a rest that tell a drift.
-const FEWEST: usize = 10;
+const MIN_REST_SAMPLES: usize = 10;
 
 /// Which quantity was controlled: what the head says, else what the data tell.
 ///
@@ -37,9 +37,9 @@ pub fn control(trace: &Trace) -> Control {
 
 /// A rest without its ends; none where too little is left.
 fn inner(rest: &Range<usize>) -> Option<Range<usize>> {
-    let end = (ENDS * rest.len() as f64).ceil() as usize;
+    let end = (END_SHARE * rest.len() as f64).ceil() as usize;
     let inner = rest.start + end..rest.end.saturating_sub(end).max(rest.start + end);
-    (inner.len() >= FEWEST).then_some(inner)
+    (inner.len() >= MIN_REST_SAMPLES).then_some(inner)
 }
 
 /// How far the last third lies from the first.

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 /// The finest step, s, to which differences of stamps are rounded.
-const FINEST: f64 = 1e-12;
+const FINEST_STEP_S: f64 = 1e-12;
 
 /// Time from the first of these stamps to each, s, in the decimals that the stamps resolve.
 ///
@@ -17,7 +17,7 @@ pub fn elapsed(time: &[f64]) -> Cow<'_, [f64]> {
     }
     let largest = first.abs().max(last.abs());
     // Each of the two stamps is off by half of what it resolves.
-    let resolved = (2.0 * (largest.next_up() - largest)).max(FINEST);
+    let resolved = (2.0 * (largest.next_up() - largest)).max(FINEST_STEP_S);
     let in_a_second = 10_f64.powf((-resolved.log10()).floor());
     let rounded: Vec<f64> =
         time.iter().map(|stamp| ((stamp - first) * in_a_second).round() / in_a_second).collect();

@@ -348,7 +348,7 @@ pub enum Error {
     },
     /// A stretch of a recording whose clock cannot be related to that of the host.
     #[error(
-        "{}: the clock of the device cannot be told: {reason}. Convert it in the time of the device.",
+        "{}: the clock of the device cannot be estimated: {reason}. Convert it in the time of the device.",
         path.display()
     )]
     NoClock {

@@ -1,19 +1,19 @@
 //! Where contact begins, told by the force alone.
 
 /// Least part of the samples, one in so many, that are taken to be before the touch.
-const REST: usize = 20;
+const BEFORE_TOUCH_SHARE: usize = 20;
 /// Fewest of them.
-const ENOUGH: usize = 5;
+const MIN_REST_SAMPLES: usize = 5;
 /// How many samples in a row are out of rest when something is touched.
 const LASTS: usize = 3;
 /// Part of the largest force below which nothing is told from rest.
-const LEAST: f64 = 0.01;
+const MIN_FORCE_SHARE: f64 = 0.01;
 
 /// Index of the first sample in contact: from there the force, of either sign, leaves its value at rest by more than six
 /// standard deviations of its noise and one percent of its largest. None where it never does or the recording is not at rest at
 /// its beginning.
 pub(super) fn first_force(force: &[f64]) -> Option<usize> {
-    let rest = &force[..(force.len() / REST).max(ENOUGH).min(force.len())];
+    let rest = &force[..(force.len() / BEFORE_TOUCH_SHARE).max(MIN_REST_SAMPLES).min(force.len())];
     let middle = |values: &mut Vec<f64>| {
         values.sort_by(f64::total_cmp);
         values.get(values.len() / 2).copied()
@@ -23,7 +23,7 @@ pub(super) fn first_force(force: &[f64]) -> Option<usize> {
     let noise = 1.48 * middle(&mut rest.iter().map(|value| (value - zero).abs()).collect())?;
     let largest = force.iter().map(|value| (value - zero).abs()).fold(0.0, f64::max);
     let off = |index: usize, bound: f64| (force[index] - zero).abs() > bound;
-    let bound = (6.0 * noise).max(LEAST * largest);
+    let bound = (6.0 * noise).max(MIN_FORCE_SHARE * largest);
     let mut touched = (0..(force.len() + 1).saturating_sub(LASTS))
         .find(|&start| (start..start + LASTS).all(|index| off(index, bound)))?;
     while touched > 0 && off(touched - 1, 3.0 * noise) {

@@ -3,13 +3,13 @@
 use std::ops::Range;
 
 /// How many times longer than its neighbours an interval must be to count as a gap.
-const FACTOR: f64 = 10.0;
+const GAP_FACTOR: f64 = 10.0;
 
 /// A long interval is part of the sampling, and no gap, where it is not that much longer than the mean of
 /// so many on either side, or others at least half as long are not rare among them: more than one in
-/// [`RARE`], and more than one.
-const AROUND: usize = 100;
-const RARE: usize = 60;
+/// [`RARE_ONE_IN`], and more than one.
+const NEIGHBOURS: usize = 100;
+const RARE_ONE_IN: usize = 60;
 
 /// An interval in which samples are missing.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,11 +31,11 @@ pub fn gaps(time: &[f64]) -> Vec<Gap> {
     let interval: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let last = interval.len().saturating_sub(1);
     let usual = |i: usize| {
-        let around = i.saturating_sub(AROUND)..(i + AROUND + 1).min(interval.len());
+        let around = i.saturating_sub(NEIGHBOURS)..(i + NEIGHBOURS + 1).min(interval.len());
         let others = || around.clone().filter(|&j| j != i);
         let mean = others().map(|j| interval[j]).sum::<f64>() / others().count().max(1) as f64;
         let as_long = others().filter(|&j| interval[j] >= 0.5 * interval[i]).count();
-        interval[i] <= FACTOR * mean || as_long > (around.len() / RARE).max(1)
+        interval[i] <= GAP_FACTOR * mean || as_long > (around.len() / RARE_ONE_IN).max(1)
     };
     (0..interval.len())
         .filter(|_| interval.len() >= 3)
@@ -45,7 +45,7 @@ pub fn gaps(time: &[f64]) -> Vec<Gap> {
                 _ if i == last => [last - 1, last - 2],
                 _ => [i - 1, i + 1],
             };
-            neighbours.iter().all(|&j| interval[i] > FACTOR * interval[j]) && !usual(i)
+            neighbours.iter().all(|&j| interval[i] > GAP_FACTOR * interval[j]) && !usual(i)
         })
         .map(|i| Gap { index: i + 1, from_s: time[i], to_s: time[i + 1] })
         .collect()

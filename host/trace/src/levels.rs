@@ -11,25 +11,25 @@ use std::ops::Range;
 use super::scatter::{self, scatter};
 
 /// Half the width of the band, of the whole range of the force.
-const BAND: f64 = 0.01;
+const BAND_SHARE: f64 = 0.01;
 /// The same in standard deviations of what smoothing leaves of the noise.
-const NOISES: f64 = 5.0;
+const BAND_DEVIATIONS: f64 = 5.0;
 /// Smoothing aims at this part of the band.
-const SMOOTH: f64 = 0.1;
+const SMOOTHING_SHARE: f64 = 0.1;
 /// Most samples to smooth over.
-const WIDEST: usize = 51;
+const MAX_SMOOTHED_SAMPLES: usize = 51;
 /// Fewest of these in a recording for their scatter to be told.
-const APART: usize = 20;
+const MIN_SCATTER_SAMPLES: usize = 20;
 /// Largest difference between thirds of a level, of half the width of the band: a ramp has 4/3, a turn 0.9.
-const UNEVEN: f64 = 0.6;
+const MAX_THIRDS_DIFFERENCE: f64 = 0.6;
 /// Fewest samples of a level.
-const FEWEST: usize = 6;
+const MIN_LEVEL_SAMPLES: usize = 6;
 /// Shortest level, of the recording.
-const SHORTEST: f64 = 0.005;
+const MIN_LEVEL_SHARE: f64 = 0.005;
 /// A controller overshoots by less than so many half widths of the band, and for less than this part of the
 /// level that it then settles to.
 const OVERSHOOT: f64 = 6.0;
-const BRIEF: f64 = 0.2;
+const BRIEF_SHARE: f64 = 0.2;
 /// Parts of the way to a level between which the ramp is taken for straight.
 const RAMP: (f64, f64) = (0.25, 0.75);
 
@@ -37,7 +37,7 @@ const RAMP: (f64, f64) = (0.25, 0.75);
 ///
 /// The band is 1 % of the range of the force, or what noise asks for.
 pub(super) fn levels(time: &[f64], force: &[f64]) -> Vec<Range<usize>> {
-    if time.len() < FEWEST {
+    if time.len() < MIN_LEVEL_SAMPLES {
         return Vec::new();
     }
     let noise = scatter(time, force);
@@ -45,19 +45,19 @@ pub(super) fn levels(time: &[f64], force: &[f64]) -> Vec<Range<usize>> {
         let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         most - values.iter().copied().fold(f64::INFINITY, f64::min)
     };
-    let wide = noise / (SMOOTH * BAND * range(force)).max(f64::MIN_POSITIVE);
+    let wide = noise / (SMOOTHING_SHARE * BAND_SHARE * range(force)).max(f64::MIN_POSITIVE);
     // Odd, so that what is smoothed stays where it is.
-    let width = ((wide * wide) as usize).clamp(1, WIDEST) | 1;
+    let width = ((wide * wide) as usize).clamp(1, MAX_SMOOTHED_SAMPLES) | 1;
     let smooth = smoothed(force, width);
     let left = (noise / (width as f64).sqrt()).max(correlated(time, &smooth));
-    let band = (BAND * range(&smooth)).max(NOISES * left);
-    let shortest = (SHORTEST * time.len() as f64) as usize;
+    let band = (BAND_SHARE * range(&smooth)).max(BAND_DEVIATIONS * left);
+    let shortest = (MIN_LEVEL_SHARE * time.len() as f64) as usize;
     let course = Course { time, force, smooth: &smooth, noise, band };
     let mut open: Vec<Range<usize>> = iter::once(0..time.len()).collect();
     let mut found = Vec::new();
     while let Some(part) = open.pop() {
         let Some(longest) = course.longest_rest(part.clone()) else { continue };
-        if longest.len() < FEWEST.max(shortest) {
+        if longest.len() < MIN_LEVEL_SAMPLES.max(shortest) {
             continue;
         }
         open.push(part.start..longest.start);
@@ -74,16 +74,17 @@ pub(super) fn levels(time: &[f64], force: &[f64]) -> Vec<Range<usize>> {
     let mut overshoots = overshoots.into_iter();
     found.retain(|_| !overshoots.next().unwrap_or(false));
     let ends: Vec<Range<usize>> = (0..found.len()).map(|k| course.ends(&found, k)).collect();
-    ends.into_iter().filter(|level| level.len() >= FEWEST).collect()
+    ends.into_iter().filter(|level| level.len() >= MIN_LEVEL_SAMPLES).collect()
 }
 
-/// Scatter of every [`WIDEST`]th of the smoothed samples: neighbours of a filtered force hide how much it still wanders.
+/// Scatter of every [`MAX_SMOOTHED_SAMPLES`]th of the smoothed samples: neighbours of a filtered force hide how much it still wanders.
 /// None of a recording too short to tell.
 fn correlated(time: &[f64], smooth: &[f64]) -> f64 {
-    if smooth.len() < APART * WIDEST {
+    if smooth.len() < MIN_SCATTER_SAMPLES * MAX_SMOOTHED_SAMPLES {
         return 0.0;
     }
-    let thinned = |values: &[f64]| values.iter().step_by(WIDEST).copied().collect::<Vec<f64>>();
+    let thinned =
+        |values: &[f64]| values.iter().step_by(MAX_SMOOTHED_SAMPLES).copied().collect::<Vec<f64>>();
     scatter(&thinned(time), &thinned(smooth))
 }
 
@@ -136,7 +137,7 @@ impl Course<'_> {
         let part = |from: usize| mean(&self.force[from..from + third]);
         let (first, middle, last) =
             (part(rest.start), part(rest.start + third), part(rest.end - third));
-        let most = UNEVEN * self.band;
+        let most = MAX_THIRDS_DIFFERENCE * self.band;
         (first - last).abs() <= most && (middle - 0.5 * (first + last)).abs() <= most
     }
 
@@ -145,7 +146,7 @@ impl Course<'_> {
         let (way, gap) = (self.level(rest) - self.level(next), next.start - rest.end);
         way.abs() < OVERSHOOT * self.band
             && gap <= rest.len()
-            && (rest.len() as f64) < BRIEF * next.len() as f64
+            && (rest.len() as f64) < BRIEF_SHARE * next.len() as f64
     }
 
     fn level(&self, rest: &Range<usize>) -> f64 {

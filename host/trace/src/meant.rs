@@ -1,7 +1,7 @@
 //! The name that was probably meant by one that does not exist.
 
 /// Likeness (Jaro and Winkler's, 0 to 1) from which a name is worth asking about.
-const ALIKE: f64 = 0.8;
+const MIN_LIKENESS: f64 = 0.8;
 
 /// ` (did you mean X?)` where one of the known names is like the given one, else nothing.
 #[must_use]
@@ -11,7 +11,7 @@ pub fn did_you_mean<'a>(given: &str, known: impl IntoIterator<Item = &'a str>) -
     let nearest = known.into_iter().map(|name| (likeness(name), name));
     let nearest = nearest.max_by(|a, b| a.0.total_cmp(&b.0));
     nearest
-        .filter(|(likeness, _)| *likeness >= ALIKE)
+        .filter(|(likeness, _)| *likeness >= MIN_LIKENESS)
         .map_or(String::new(), |(_, name)| format!(" (did you mean `{name}`?)"))
 }
 

@@ -9,7 +9,7 @@ use super::segments::{Kind, segments};
 use super::{FORCE, Trace};
 
 /// Samples of rest before the touch that are enough to measure noise in.
-const ENOUGH: usize = 50;
+const MIN_REST_SAMPLES: usize = 50;
 
 /// Noise of one column of a trace.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -62,7 +62,8 @@ pub fn noise(trace: &Trace, column: &str) -> Result<Noise, SignalError> {
             })
             .collect();
         // A handful of differences says nothing if there are more to be had.
-        if differences.len() >= ENOUGH || (source == Source::WholeTrace && !differences.is_empty())
+        if differences.len() >= MIN_REST_SAMPLES
+            || (source == Source::WholeTrace && !differences.is_empty())
         {
             return Ok(Noise {
                 standard_deviation: scatter::deviation(&differences),
@@ -89,13 +90,13 @@ fn before_touch(trace: &Trace) -> Option<Range<usize>> {
         scatter::second_differences(&trace.time[approach.clone()], &x[approach.clone()]).collect();
     let band = 6.0 * scatter::deviation(&differences);
     let still = approach.clone().take_while(|&i| (x[i] - x[0]).abs() <= band).count();
-    if still >= ENOUGH { Some(0..still) } else { Some(approach) }
+    if still >= MIN_REST_SAMPLES { Some(0..still) } else { Some(approach) }
 }
 
 /// Noise of a signal at rest; none for fewer than 50 samples or if nothing moves in it.
 fn of_rest(values: &[f64]) -> Option<Noise> {
     let count = values.len();
-    if count < ENOUGH {
+    if count < MIN_REST_SAMPLES {
         return None;
     }
     let mean = values.iter().sum::<f64>() / count as f64;

@@ -23,17 +23,17 @@ pub struct Outlier {
 }
 
 /// Most samples in a row that jump away together.
-const LONGEST: usize = 3;
+const MAX_SAMPLES_AWAY: usize = 3;
 /// Intervals over which a speed counts as one that the machine keeps up.
 const KEPT_UP: usize = 5;
 /// Times that speed, or that usual step of a signal, beyond which a step is a jump.
-const JUMP: f64 = 10.0;
+const JUMP_STEPS: f64 = 10.0;
 /// Part of a jump by which what comes after it may differ from what was before.
-const BACK: f64 = 0.5;
+const RETURN_SHARE: f64 = 0.5;
 /// Samples on each side from which the usual step of a signal is taken.
-const AROUND: usize = 20;
+const NEIGHBOURS: usize = 20;
 /// Part of its largest step by which a motion may bend where a signal is said to jump by itself.
-const SMOOTH: f64 = 0.2;
+const MAX_BEND_SHARE: f64 = 0.2;
 
 /// The impossible samples of a trace: of its motion, and of a column.
 #[must_use]
@@ -106,9 +106,9 @@ fn excursions(
             let one_side = off.iter().all(|other| other.signum() == off[0].signum());
             let least = off.iter().fold(f64::INFINITY, |least: f64, off| least.min(off.abs()));
             let back = (values[range.end] - values[k - 1]).abs();
-            one_side && back <= BACK * least && least > most(&range)
+            one_side && back <= RETURN_SHARE * least && least > most(&range)
         };
-        match (1..=LONGEST).find(away) {
+        match (1..=MAX_SAMPLES_AWAY).find(away) {
             Some(length) => {
                 found.push(k..k + length);
                 k += length + 1;
@@ -134,7 +134,7 @@ fn jumps_of_motion(time: &[f64], x: &[f64]) -> Vec<Range<usize>> {
     excursions(time, x, |range| {
         let lasts =
             (time[range.start] - time[range.start - 1]).max(time[range.end] - time[range.end - 1]);
-        JUMP * (fastest * lasts).max(scatter)
+        JUMP_STEPS * (fastest * lasts).max(scatter)
     })
 }
 
@@ -143,11 +143,11 @@ fn jumps_of_signal(time: &[f64], values: &[f64]) -> Vec<Range<usize>> {
     let steps: Vec<f64> = values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
     let overall = median(steps.iter().copied().filter(|step| *step > 0.0).collect());
     excursions(time, values, |range| {
-        let before = range.start.saturating_sub(AROUND)..range.start - 1;
-        let after = range.end..(range.end + AROUND).min(steps.len());
+        let before = range.start.saturating_sub(NEIGHBOURS)..range.start - 1;
+        let after = range.end..(range.end + NEIGHBOURS).min(steps.len());
         let around: Vec<f64> = [&steps[before], &steps[after]].concat();
         let largest = around.iter().copied().fold(0.0, f64::max);
-        (JUMP * median(around).max(overall)).max(2.0 * largest)
+        (JUMP_STEPS * median(around).max(overall)).max(2.0 * largest)
     })
 }
 
@@ -156,7 +156,7 @@ fn smooth(motion: Option<&[f64]>, range: &Range<usize>) -> bool {
     let Some(x) = motion else { return true };
     let largest = x.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f64::max);
     let around = range.start.saturating_sub(1)..(range.end + 1).min(x.len());
-    x[around].windows(3).all(|x| (x[2] - 2.0 * x[1] + x[0]).abs() <= SMOOTH * largest)
+    x[around].windows(3).all(|x| (x[2] - 2.0 * x[1] + x[0]).abs() <= MAX_BEND_SHARE * largest)
 }
 
 /// The middle value; 0 of none.

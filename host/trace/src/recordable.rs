@@ -24,9 +24,9 @@ pub const BOARD: &str = "trace";
 /// Time between two messages of status, µs.
 const STATUS_US: u64 = 1_000_000;
 /// Largest deviation of an interval from the usual one, relative: with more a recording is uneven.
-const EVEN: f64 = 0.05;
+const MAX_UNEVENNESS: f64 = 0.05;
 /// An interval of so many usual ones is a gap.
-const GAP: f64 = 1.9;
+const GAP_INTERVALS: f64 = 1.9;
 /// Shortest and longest interval, s: device times are whole microseconds, and an interval fits 32 bits of nanoseconds.
 const INTERVAL_S: std::ops::RangeInclusive<f64> = 1e-5..=4.0;
 
@@ -182,7 +182,7 @@ fn row_numbers(trace: &Trace, interval_s: f64) -> Result<Vec<u64>, RecordableErr
     let mut numbers = vec![0];
     for pair in trace.time.windows(2) {
         let steps = (pair[1] - pair[0]) / interval_s;
-        if (steps - 1.0).abs() > EVEN && steps < GAP {
+        if (steps - 1.0).abs() > MAX_UNEVENNESS && steps < GAP_INTERVALS {
             return Err(RecordableError::Uneven { trace: trace.label(), at_s: pair[1] });
         }
         numbers.push(numbers[numbers.len() - 1] + steps.round() as u64);

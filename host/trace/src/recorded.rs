@@ -387,7 +387,7 @@ mod tests {
         assert_eq!(found.traces[0].time, [0.0, 0.0005, 0.001]);
         let unclear = [entries[0].clone(), entries[2].clone()];
         let error = recorded(&unclear, &options).unwrap_err().to_string();
-        assert!(error.contains("clock of the device cannot be told"), "{error}");
+        assert!(error.contains("clock of the device cannot be estimated"), "{error}");
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Scatter of samples about a smooth course: what is left of second differences.
 
-/// Median; none of nothing.
+/// Median; none of an empty list.
 pub(super) fn median(mut values: Vec<f64>) -> Option<f64> {
     let middle = values.len() / 2;
     (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)

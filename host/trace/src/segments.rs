@@ -38,7 +38,7 @@ pub struct Segment {
 /// Movements below this part of the whole stroke are not told apart from rest.
 const SMALLEST_MOVE: f64 = 0.004;
 /// Deviations of the scatter within which samples count as the same.
-const SAME: f64 = 12.0;
+const SAME_DEVIATIONS: f64 = 12.0;
 /// A rest is a hold if it lasts this part of the time that the whole stroke takes at the fastest rate.
 const SHORTEST_HOLD: f64 = 0.02;
 /// Where the motion turns back, the same: the turning point of a sine is no hold.
@@ -46,12 +46,12 @@ const SHORTEST_TURN: f64 = 0.1;
 /// There, a rest as long as this part of that time is a hold, a shorter one only if it is flat.
 const LONG_HOLD: f64 = 0.3;
 /// Flat is to have two samples of three within this part of the stroke.
-const FLAT: f64 = 3e-4;
+const FLAT_SHARE: f64 = 3e-4;
 
 /// Part of a hold's time at either end that may still move.
-const ENDS: f64 = 0.1;
+const END_SHARE: f64 = 0.1;
 /// Samples of a hold that tell its own scatter.
-const ENOUGH: usize = 20;
+const MIN_HOLD_SAMPLES: usize = 20;
 
 /// Cuts a displacement, mm (positive into the specimen, 0 at the nominal touch), into segments.
 ///
@@ -98,8 +98,8 @@ impl<'a> Course<'a> {
             .iter()
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &x| (low.min(x), high.max(x)));
         let stroke = high - low;
-        let rest = (SAME * scatter).max(SMALLEST_MOVE * stroke);
-        let off = (0.5 * SAME * scatter).max(0.25 * SMALLEST_MOVE * stroke);
+        let rest = (SAME_DEVIATIONS * scatter).max(SMALLEST_MOVE * stroke);
+        let off = (0.5 * SAME_DEVIATIONS * scatter).max(0.25 * SMALLEST_MOVE * stroke);
         Self { time, x, scatter, stroke, rest, off }
     }
 
@@ -172,7 +172,7 @@ impl<'a> Course<'a> {
     fn is_flat(&self, rest: Range<usize>) -> bool {
         let inside = &self.x[rest];
         let level = scatter::median(inside.to_vec()).unwrap_or(0.0);
-        let band = (6.0 * self.scatter).max(FLAT * self.stroke);
+        let band = (6.0 * self.scatter).max(FLAT_SHARE * self.stroke);
         let on = inside.iter().filter(|&x| (x - level).abs() <= band).count();
         3 * on >= 2 * inside.len()
     }
@@ -205,7 +205,7 @@ impl<'a> Course<'a> {
         let spread = spread.unwrap_or(0.0) * NORMAL_MAD;
         // A motion that was recorded in steps scatters more than its holds do; a hold that drifts by the last digit does not
         // scatter at all, and is off its level all the same.
-        let (own, inner) = match hold.len() >= ENOUGH {
+        let (own, inner) = match hold.len() >= MIN_HOLD_SAMPLES {
             true => {
                 let own = scatter::scatter(&self.time[hold.clone()], inside);
                 (own.min(self.scatter), self.inner(&hold, level))
@@ -243,7 +243,7 @@ impl<'a> Course<'a> {
     fn inner(&self, hold: &Range<usize>, level: f64) -> f64 {
         let time = &self.time[hold.clone()];
         let (first, last) = (time[0], time[time.len() - 1]);
-        let end = ENDS * (last - first);
+        let end = END_SHARE * (last - first);
         let within = |k: &usize| self.time[*k] >= first + end && self.time[*k] <= last - end;
         let mut off: Vec<f64> =
             hold.clone().filter(within).map(|k| (self.x[k] - level).abs()).collect();

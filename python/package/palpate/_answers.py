@@ -365,7 +365,7 @@ class Relaxation(Answer):
 
 
 class Plan(Answer):
-    """What recordings would tell."""
+    """What recordings would determine."""
 
     @property
     def standard_errors(self) -> dict[str, float | None]:

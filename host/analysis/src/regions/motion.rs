@@ -12,7 +12,7 @@ use palpate_trace::{DISPLACEMENT, Kind, Segment, Trace, segments};
 const REACH: usize = 2;
 /// A neighbour counts in that average if it is no farther than this many of the shorter one of the
 /// two intervals beside the sample.
-const NEAR: f64 = 2.5;
+const NEIGHBOUR_INTERVALS: f64 = 2.5;
 /// Part of a hold's time at either end over which its signal is averaged.
 const END: f64 = 0.1;
 /// A pull ends because the indenter leaves if it then moves at this part of its mean speed at least.
@@ -111,7 +111,7 @@ fn smooth(time: &[f64], values: &[f64]) -> Vec<f64> {
     let mean = |k: usize| {
         let beside = [k.checked_sub(1), Some(k + 1)].into_iter().flatten();
         let intervals = beside.filter_map(|j| Some((time.get(j)? - time[k]).abs()));
-        let near = NEAR * intervals.fold(f64::INFINITY, f64::min);
+        let near = NEIGHBOUR_INTERVALS * intervals.fold(f64::INFINITY, f64::min);
         let around = k.saturating_sub(REACH)..(k + REACH + 1).min(values.len());
         let (sum, count) = around
             .filter(|&j| j == k || (time[j] - time[k]).abs() <= near)

@@ -14,7 +14,7 @@ use palpate_link::device::discover::DiscoverError;
 use palpate_link::device::session::{LinkError, Session, command_of_core};
 
 /// The port should be gone after so long.
-const PATIENCE: Duration = Duration::from_secs(3);
+const PORT_GONE_WITHIN: Duration = Duration::from_secs(3);
 /// The loader appears on USB in so long.
 const LOADER: Duration = Duration::from_secs(2);
 
@@ -99,7 +99,7 @@ fn check(file: &Path) -> Result<(), Failure> {
 
 /// Whether the port went away.
 fn vanished(mut session: Session) -> bool {
-    let until = Instant::now() + PATIENCE;
+    let until = Instant::now() + PORT_GONE_WITHIN;
     while Instant::now() < until {
         if session.hear(until).is_err() {
             return true;

@@ -28,7 +28,7 @@ pub struct Args {
     seed: u64,
 }
 
-/// Simulates until told to end.
+/// Simulates until it is asked to end.
 #[cfg(unix)]
 pub fn run(args: &Args) -> Result<(), Failure> {
     use crate::output::print;

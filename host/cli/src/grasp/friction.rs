@@ -21,7 +21,7 @@ use palpate_trace::{DISPLACEMENT, FORCE, TANGENTIAL, Trace, read};
 #[command(after_help = "\
 While a contact slides its load lies on the limit surface, so every sample says what μ is. Give the
 part of the recording in which it slides with --from and --to; without them every sample in contact
-counts. A slide along a line tells μ alone; one that also turns about the normal, more and less, tells
+counts. A slide along a line determines μ alone; one that also turns about the normal, more and less, determines
 the exponent k of the pressure too, if the moment was recorded.
 
 Examples:
@@ -43,7 +43,7 @@ pub struct Options {
     /// The contact, sizes in mm; without it, that of the trace's [specimen]
     #[arg(long, value_name = "CONTACT", value_parser = body)]
     contact: Option<Body>,
-    /// Exponent k where the slide tells none
+    /// Exponent k where the slide does not determine it
     #[arg(long, value_name = "K", default_value = "2", value_parser = exponent)]
     exponent: PressureLaw,
     /// It slides from this time on, s

@@ -40,7 +40,7 @@ pub struct Args {
     traces: Vec<PathBuf>,
     #[command(flatten)]
     options: Options,
-    /// Also tell the margin once settled, by the relaxation function of this model
+    /// Also give the margin once settled, by the relaxation function of this model
     #[arg(long, value_name = "MODEL.toml")]
     model: Option<PathBuf>,
     /// Write the share in use at every sample of the one trace as CSV

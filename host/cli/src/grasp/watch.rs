@@ -49,7 +49,7 @@ pub struct Args {
     /// The contact, sizes in mm: circle:5, ellipse:6x4, rectangle:42x26
     #[arg(long, value_name = "CONTACT", value_parser = body)]
     contact: Body,
-    /// Compression of a contact that grows with it, mm, where it stays; else --model tells it
+    /// Compression of a contact that grows with it, mm, where it is constant; else --model predicts it
     #[arg(long, value_name = "MM", value_parser = number)]
     compression: Option<f64>,
     #[command(flatten)]

@@ -12,7 +12,7 @@ use palpate_survey::row::Asked;
 /// Split the signals of each group into fast and slow adapting parts, as `palpate decompose` does.
 #[derive(clap::Args)]
 #[command(after_help = "\
-The rows tell when each region of the grasp begins and ends in each signal; `palpate decompose -o` writes
+The rows report when each region of the grasp begins and ends in each signal; `palpate decompose -o` writes
 the parts themselves.
 
 Examples:

@@ -149,7 +149,7 @@ impl<'a> Survey<'a> {
         Found::read(&self.fleet.output)
     }
 
-    /// Tells what all rows say as the call wants it.
+    /// Prints what all rows say as the call wants it.
     pub fn tell(&self) -> Result<(), Failure> {
         self.fleet.result.show(&self.found()?)
     }

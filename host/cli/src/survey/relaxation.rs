@@ -5,7 +5,7 @@ use super::fleet::{Fleet, Survey};
 use crate::{Failure, relaxation};
 use palpate_survey::row::Asked;
 
-/// What the holds of each group show, as `palpate relaxation` tells it.
+/// What the holds of each group show, as `palpate relaxation` reports it.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:

@@ -17,7 +17,7 @@ use palpate_survey::results::{About, about, read_rows};
 /// What all rows of a survey say together.
 #[derive(clap::Args)]
 #[command(after_help = "\
-Tells the distribution of every estimate, what lies far out, which effect is missing in how many groups
+Reports the distribution of every estimate, what lies far out, which effect is missing in how many groups
 and, with a key such as `date`, since when and how estimates drift; and what failed, with its reason.
 
 Examples:
@@ -31,7 +31,7 @@ pub struct Args {
     result: Output,
 }
 
-/// Tells what all rows say.
+/// Prints what all rows say.
 pub fn run(args: &Args) -> Result<(), Failure> {
     args.result.files([&args.results])?;
     args.result.show(&Found::read(&args.results)?)

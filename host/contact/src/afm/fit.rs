@@ -126,7 +126,7 @@ pub struct Retreat {
 }
 
 /// Fewest samples of an approach.
-const LEAST: usize = 30;
+const MIN_APPROACH_SAMPLES: usize = 30;
 /// Above this slope over spring constant the specimen bends less than a ninth of what the cantilever does.
 const RIGID: f64 = 0.9;
 /// No contact is stiffer than the cantilever alone, whose slope is 1; beyond this it is no error of the reading.
@@ -134,7 +134,7 @@ const IMPOSSIBLE: f64 = 1.05;
 /// Relative standard error above which a modulus is not told.
 const VAGUE: f64 = 0.5;
 /// Part of the way, from the far end, that is certainly baseline for a start.
-const FAR: f64 = 0.2;
+const BASELINE_SHARE: f64 = 0.2;
 /// Deviations beyond which a sample of the baseline is an outlier.
 const OUTLIER: f64 = 5.0;
 /// Most exponentials of a specimen whose pause or way back tells of them, and where neither does.
@@ -151,7 +151,8 @@ const ATOMS: f64 = 0.3e-9;
 /// [`AfmError::Short`], [`AfmError::NoContact`], [`AfmError::Range`] for options that cannot be.
 pub fn fit(curve: &ForceCurve, options: &Options) -> Result<CurveFit, AfmError> {
     check(curve, options)?;
-    let retract = curve.segments.retract.clone().filter(|range| range.len() >= LEAST);
+    let retract =
+        curve.segments.retract.clone().filter(|range| range.len() >= MIN_APPROACH_SAMPLES);
     let back = retract.map(|range| Back::of(curve, range));
     let mut scaled = Scaled::of(curve, options.tip, back.as_ref())?;
     let start = scaled.start(back.is_some());
@@ -210,9 +211,12 @@ struct Scaled<'a> {
 impl<'a> Scaled<'a> {
     fn of(curve: &'a ForceCurve, tip: Tip, back: Option<&Back>) -> Result<Self, AfmError> {
         let range = curve.segments.approach.clone();
-        let short =
-            || AfmError::Short { curve: curve.label.clone(), samples: range.len(), least: LEAST };
-        if range.len() < LEAST {
+        let short = || AfmError::Short {
+            curve: curve.label.clone(),
+            samples: range.len(),
+            least: MIN_APPROACH_SAMPLES,
+        };
+        if range.len() < MIN_APPROACH_SAMPLES {
             return Err(short());
         }
         let (z, force) = (&curve.piezo_m[range.clone()], &curve.force_n[range.clone()]);
@@ -262,7 +266,7 @@ impl<'a> Scaled<'a> {
     fn start(&self, drag: bool) -> Start {
         let (z, force): (Vec<f64>, Vec<f64>) =
             self.moving().map(|k| (self.samples.z[k], self.samples.force[k])).unzip();
-        let far = z.partition_point(|z| *z <= FAR).max(2).min(z.len());
+        let far = z.partition_point(|z| *z <= BASELINE_SHARE).max(2).min(z.len());
         let line = RobustLine::through(&z[..far], &force[..far]);
         let rest: Vec<f64> = z.iter().zip(&force).map(|(z, force)| force - line.at(*z)).collect();
         let mut best = (f64::INFINITY, 0.5);

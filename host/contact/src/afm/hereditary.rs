@@ -54,7 +54,7 @@ struct Shrinking {
 /// Most steps of a search for a root, which takes about six.
 const STEPS: usize = 60;
 /// Error of Ting's condition over the depth, and of the earlier time over a sample, that counts as none.
-const CLOSE: f64 = 1e-13;
+const TOLERANCE: f64 = 1e-13;
 /// Two intervals closer than this, relatively, are the same: times are printed with few digits.
 const SAME_INTERVAL: f64 = 1e-7;
 
@@ -251,7 +251,7 @@ impl<'a> Contact<'a> {
             let slope = (high.1.excess - low.1.excess) / (high.0 - low.0);
             let part = (low.0 - low.1.excess / slope).clamp(low.0, high.0);
             let then = self.then(state, time, z, j, part);
-            if then.excess.abs() <= CLOSE * state.depth.abs() || high.0 - low.0 <= CLOSE {
+            if then.excess.abs() <= TOLERANCE * state.depth.abs() || high.0 - low.0 <= TOLERANCE {
                 return Some((j, then));
             }
             if then.excess < 0.0 {

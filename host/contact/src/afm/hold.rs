@@ -61,7 +61,7 @@ const HIGHEST: u32 = 8;
 /// A higher order must lower the criterion by this.
 const BETTER: f64 = 2.0;
 /// Fewest samples.
-const LEAST: usize = 20;
+const MIN_SAMPLES: usize = 20;
 
 /// Fits a hold; the words say why it cannot be.
 pub(super) fn relaxed(
@@ -69,8 +69,8 @@ pub(super) fn relaxed(
     range: Range<usize>,
     fit: &CurveFit,
 ) -> Result<Relaxed, String> {
-    if range.len() < LEAST {
-        return Err(format!("the hold has {} samples; {LEAST} are needed", range.len()));
+    if range.len() < MIN_SAMPLES {
+        return Err(format!("the hold has {} samples; {MIN_SAMPLES} are needed", range.len()));
     }
     let since = curve.time_s[range.start];
     let time: Vec<f64> = curve.time_s[range.clone()].iter().map(|t| t - since).collect();

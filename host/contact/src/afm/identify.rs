@@ -102,7 +102,7 @@ const SHIFTS: [f64; 6] = [-3.0, -2.0, -1.0, 1.0, 2.0, 3.0];
 /// Standard error of the logarithm of a modulus that is not told.
 const UNTOLD: f64 = 1.0;
 /// Largest share of what is left.
-const MOST: f64 = 0.999;
+const MAX_SHARE: f64 = 0.999;
 
 impl Found {
     pub(super) fn point(&self) -> &[f64] {
@@ -351,7 +351,7 @@ impl Samples {
             bounds.push((0.0, 2.0));
         }
         for _ in 0..model.terms {
-            bounds.extend([(0.0, MOST), (rates.0.ln(), rates.1.ln())]);
+            bounds.extend([(0.0, MAX_SHARE), (rates.0.ln(), rates.1.ln())]);
         }
         let residuals = |point: &[f64]| self.residuals(model, point, start.reduced_modulus);
         let count = self.counts.iter().filter(|counts| **counts).count();

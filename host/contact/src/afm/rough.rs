@@ -84,7 +84,7 @@ const READ: [f64; 12] = [0.08, 0.16, 0.24, 0.32, 0.40, 0.48, 0.56, 0.64, 0.72, 0
 /// Heights beyond so many deviations are not waited for.
 const HIGHEST: f64 = 4.5;
 /// Most asperities in one trial, on average.
-const MOST: f64 = 1e5;
+const MAX_ASPERITIES: f64 = 1e5;
 
 impl Rough {
     /// All trials, in order; the same on any number of threads.
@@ -99,7 +99,7 @@ impl Rough {
         within("the roughness (nm)", self.rms_m * 1e9, 0.0, self.radius_m * 1e9)?;
         within("the asperities' radius (nm)", self.asperity_m * 1e9, 0.1, 1e9)?;
         within("the number of trials", self.trials as f64, 2.0, 1e6)?;
-        within("the number of asperities under the tip", self.expected(), 30.0, MOST)?;
+        within("the number of asperities under the tip", self.expected(), 30.0, MAX_ASPERITIES)?;
         let trial = |number| self.trial(seed, number);
         Ok((0..self.trials as u64).into_par_iter().map(trial).collect())
     }

@@ -42,7 +42,7 @@ pub struct Practice {
 }
 
 /// Most samples.
-const MOST: f64 = 1e6;
+const MAX_SAMPLES: f64 = 1e6;
 
 impl Practice {
     /// A gel of 5 kPa under a ball of 2.5 µm on a cantilever of 0.05 N/m: 1 µm off, 1 µm beyond, 4 µm/s, noise of 20 pN.
@@ -114,7 +114,7 @@ impl Practice {
         within("the pull (pN)", self.pull_n * 1e12, 0.0, 1e12)?;
         within("the noise (pN)", self.noise_n * 1e12, 0.0, 1e12)?;
         let duration = 2.0 * (self.off_m + self.beyond_m) / self.speed_m_per_s + self.hold_s;
-        within("the number of samples", duration * self.rate_hz, 10.0, MOST)
+        within("the number of samples", duration * self.rate_hz, 10.0, MAX_SAMPLES)
     }
 
     /// When the piezo is nearest, s.

@@ -80,10 +80,10 @@ impl Pose {
         along: Option<[f64; 3]>,
     ) -> Result<Self, PoseError> {
         let normal = Vector3::from(normal);
-        let normal = normal.try_normalize(SHORTEST).ok_or(PoseError::Normal)?;
+        let normal = normal.try_normalize(MIN_LENGTH).ok_or(PoseError::Normal)?;
         let along = along.map_or_else(|| Vector3::ith(normal.iamin(), 1.0), Vector3::from);
         let across = along - normal * normal.dot(&along);
-        let x = across.try_normalize(SHORTEST * along.norm().max(1.0)).ok_or(PoseError::Axis)?;
+        let x = across.try_normalize(MIN_LENGTH * along.norm().max(1.0)).ok_or(PoseError::Axis)?;
         Ok(Self { position: position.into(), axes: [x, normal.cross(&x), normal] })
     }
 
@@ -98,7 +98,7 @@ impl Pose {
 }
 
 /// Lengths below this, of those given, are none.
-const SHORTEST: f64 = 1e-9;
+const MIN_LENGTH: f64 = 1e-9;
 
 /// One contact of a grasp.
 #[derive(Clone, Debug)]
@@ -183,7 +183,7 @@ const ROUNDS: usize = 25;
 /// Solutions with planes alone at most.
 const MOST_PLANES: usize = 300;
 /// Relative difference of a gauge from what it was taken for, and of value and bound, that is none.
-const SETTLED: f64 = 1e-8;
+const TOLERANCE: f64 = 1e-8;
 /// Tangential loads below this, of the friction, ask nothing of a limit surface.
 const NO_LOAD: f64 = 1e-9;
 /// A normal force below this, of the largest, is none.
@@ -333,7 +333,7 @@ impl Ask<'_> {
                     shape.learn(&y, &gauge);
                 }
             }
-            if off <= SETTLED {
+            if off <= TOLERANCE {
                 best = Some(solution);
                 break;
             }
@@ -341,7 +341,7 @@ impl Ask<'_> {
         let (bound, mut outer) = self.bound(&planes)?;
         if let Some(best) = best {
             let value = self.value(&best);
-            if (value - bound).abs() <= 10.0 * SETTLED * value.abs().max(self.smallest()) {
+            if (value - bound).abs() <= 10.0 * TOLERANCE * value.abs().max(self.smallest()) {
                 return Ok(self.balance(&best, bound));
             }
         }
@@ -353,11 +353,11 @@ impl Ask<'_> {
                 if let Some(gauge) = self.gauge(k, &y, &outer) {
                     planes.push((k, gauge.slope));
                     let allowed = self.allowed(k, &outer);
-                    off = off.max((gauge.value - allowed) / allowed.max(SETTLED));
+                    off = off.max((gauge.value - allowed) / allowed.max(TOLERANCE));
                 }
             }
             let bound = self.value(&outer);
-            if off <= 10.0 * SETTLED {
+            if off <= 10.0 * TOLERANCE {
                 return Ok(self.balance(&outer, bound));
             }
             outer = self.bound(&planes)?.1;

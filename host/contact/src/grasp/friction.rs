@@ -3,7 +3,7 @@
 //! While a contact slides its load lies on the limit surface, μN times a body that depends on k. So for the
 //! right k every sample asks for the same μ, whatever its mix of tangential force and moment; for another k
 //! samples with much moment ask for more or less than samples with little. Without a mix there is no k: a slide
-//! along a line tells μ alone, a turn on the spot μ times the arm.
+//! along a line determines μ alone, a turn on the spot μ times the arm.
 
 use rayon::prelude::*;
 
@@ -23,12 +23,12 @@ pub struct Sliding {
     pub load: Load,
 }
 
-/// Friction as a slide tells it.
+/// Friction as a slide shows it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Friction {
     /// Coefficient μ with its standard error, that of k included.
     pub coefficient: (f64, f64),
-    /// Exponent k, and the least and largest that the slide allows (95 %); none where it tells none.
+    /// Exponent k, and the least and largest that the slide allows (95 %); none where it does not determine it.
     pub exponent: Option<(f64, f64, f64)>,
     /// Standard deviation of what single samples say of μ.
     pub scatter: f64,
@@ -39,20 +39,20 @@ pub struct Friction {
     pub moment_share: (f64, f64),
 }
 
-/// Why a slide tells no friction.
+/// Why a slide shows no friction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum FrictionError {
     /// Too few samples.
     #[error("{0} samples of a slide in contact are too few: at least 10 are needed")]
     TooFew(usize),
     /// Nothing pulls.
-    #[error("nothing pulls or turns in the slide, so there is no friction to tell")]
+    #[error("nothing pulls or turns in the slide, so there is no friction to determine")]
     NoLoad,
 }
 
 /// Fewest samples, and most that are looked at.
-const FEWEST: usize = 10;
-const MOST: usize = 400;
+const MIN_SAMPLES: usize = 10;
+const MAX_SAMPLES: usize = 400;
 /// Steps of 1/k from uniform (0) to a cone (1), and their refinement.
 const STEPS: usize = 24;
 const REFINED: usize = 5;
@@ -60,8 +60,8 @@ const REFINED: usize = 5;
 const RISE: f64 = 3.84;
 /// Halvings of the way to an end of the range of 1/k.
 const EDGE_HALVINGS: u32 = 12;
-/// A range of 1/k wider than this tells no k.
-const TOLD: f64 = 0.7;
+/// A range of 1/k wider than this does not determine k.
+const MAX_EXPONENT_RANGE: f64 = 0.7;
 
 /// Identifies μ and k of a contact that slides at every one of these samples; `law` is taken where they tell no
 /// k.
@@ -73,14 +73,14 @@ pub fn friction(
     law: PressureLaw,
     samples: &[Sliding],
 ) -> Result<Friction, FrictionError> {
-    let thin = samples.len().div_ceil(MOST).max(1);
+    let thin = samples.len().div_ceil(MAX_SAMPLES).max(1);
     let used: Vec<Sliding> = samples
         .iter()
         .step_by(thin)
         .copied()
         .filter(|sample| sample.normal > 0.0 && body.contact(sample.compression).is_some())
         .collect();
-    if used.len() < FEWEST {
+    if used.len() < MIN_SAMPLES {
         return Err(FrictionError::TooFew(used.len()));
     }
     if used.iter().all(|sample| sample.load == Load::default()) {
@@ -109,7 +109,7 @@ pub fn friction(
     let allowed = best.1.square + RISE * variance.max(1e-12 * best.1.mean.powi(2));
     let excess = |inverse: f64| at(inverse).square - allowed;
     let ends = (edge(&excess, best.0, 0.0), edge(&excess, best.0, 1.0));
-    let told = ends.1 - ends.0 < TOLD;
+    let told = ends.1 - ends.0 < MAX_EXPONENT_RANGE;
     let chosen = if told { best.1 } else { said(body, law, &used) };
     let of_k = if told { 0.25 * (at(ends.1).mean - at(ends.0).mean).abs() } else { 0.0 };
     let scatter = (chosen.square / (count - 1.0)).sqrt();

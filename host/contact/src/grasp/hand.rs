@@ -235,7 +235,7 @@ impl Hand {
             let moved =
                 next.iter().zip(&normals).map(|(a, b)| (a / b - 1.0).abs()).fold(0.0, f64::max);
             normals = next;
-            if moved < SETTLED {
+            if moved < TOLERANCE {
                 break;
             }
             found = least_grip(&self.touches(&normals, &most)?, &self.load, margin, least);
@@ -370,7 +370,7 @@ pub struct Instant {
 
 /// Rounds in which contacts and forces find each other, at most; and relative change that ends them.
 const MOST_ROUNDS: usize = 30;
-const SETTLED: f64 = 1e-8;
+const TOLERANCE: f64 = 1e-8;
 /// A finger that does not press has the contact of this force, N.
 const SMALLEST_NORMAL: f64 = 1e-6;
 /// Halvings of a time at which a margin is reached.

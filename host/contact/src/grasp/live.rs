@@ -186,7 +186,7 @@ impl Fingertip {
                 let then = later(seconds).and_then(|hold| hold.margin);
                 then.is_none_or(|margin| margin <= 1.0)
             };
-            first(&slips, SETTLED / relaxation.v2)
+            first(&slips, SETTLING_TIMES / relaxation.v2)
         });
         let tighten = relaxation.and_then(|relaxation| {
             // A margin grows as the normal force: what is wanted at each time, less what will be there.
@@ -198,7 +198,7 @@ impl Fingertip {
                     + relaxation.c2 * (-relaxation.v2 * seconds).exp();
                 Some((wanted - hold.normal) / left)
             };
-            let looks = looks(SETTLED / relaxation.v2);
+            let looks = looks(SETTLING_TIMES / relaxation.v2);
             looks.filter_map(short).max_by(f64::total_cmp).filter(|more| *more > 0.0)
         });
         Reading { time: felt.time, now, settled, compression, slips_in, tighten }
@@ -216,7 +216,7 @@ impl Fingertip {
 }
 
 /// Time constants of the slow part after which a grasp has settled.
-const SETTLED: f64 = 8.0;
+const SETTLING_TIMES: f64 = 8.0;
 /// Looks into the future, and halvings of the time between two of them.
 const LOOKS: u32 = 32;
 const HALVINGS: u32 = 20;

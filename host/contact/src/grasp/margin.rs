@@ -33,7 +33,7 @@ const STEPS: usize = 200;
 /// Halvings of one step at most.
 const HALVINGS: u32 = 40;
 /// A step that promises less than this, relatively, is not worth taking.
-const SETTLED: f64 = 1e-15;
+const MIN_GAIN: f64 = 1e-15;
 /// Share of the promised decrease that a step must bring.
 const SUFFICIENT: f64 = 1e-4;
 
@@ -73,7 +73,7 @@ fn first_to_give_way(contact: &Contact, load: Vector3<f64>) -> (f64, Motion) {
     for _ in 0..STEPS {
         let step: Vector2<f64> = -(curvature * slope);
         let promised = -slope.dot(&step);
-        if promised <= SETTLED * least {
+        if promised <= MIN_GAIN * least {
             break;
         }
         let shortened = (0..HALVINGS).find_map(|halvings| {

@@ -16,7 +16,7 @@ static LENGTH: LazyLock<Rule> =
 static WIDTH: LazyLock<Rule> =
     LazyLock::new(|| Rule::smooth(const { NonZeroUsize::new(14).unwrap() }));
 /// From so many half diagonals on a centre of rotation is far away.
-const FAR: f64 = 4.0;
+const FAR_DIAGONALS: f64 = 4.0;
 
 /// A rectangular contact with its pressure.
 #[derive(Clone, Debug)]
@@ -40,7 +40,8 @@ impl Rectangle {
     /// ∫ p (r − c)/|r − c| dA and ∫ p r·(r − c)/|r − c| dA about a centre of rotation c, for a normal force
     /// of 1.
     pub(super) fn about(&self, centre: [f64; 2]) -> Across {
-        let far = centre[0].hypot(centre[1]) > FAR * self.half_length.hypot(self.half_width);
+        let far =
+            centre[0].hypot(centre[1]) > FAR_DIAGONALS * self.half_length.hypot(self.half_width);
         let (mut along, mut moment) = ([0.0, 0.0], 0.0);
         for pair in self.breaks(centre[0]).windows(2) {
             for (x, weight) in LENGTH.on(pair[0], pair[1]) {

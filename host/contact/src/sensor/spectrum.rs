@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use realfft::RealFftPlanner;
+use palpate_fit::fourier::Planner;
 
 /// Amplitude of the sine at each frequency; the mean is taken off and a Hann window laid on, so a line reads its amplitude
 /// in the bin nearest to it, at most 15 % low between two bins.
@@ -42,7 +42,7 @@ pub fn spectrum(values: &[f64], rate_hz: f64) -> Spectrum {
     if count < 2 {
         return Spectrum { frequency_hz: Vec::new(), amplitude: Vec::new() };
     }
-    let transform = RealFftPlanner::new().plan_fft_forward(count);
+    let transform = Planner::new().forward(count);
     let mut lines = transform.make_output_vec();
     // The lengths are the plan's own, the only thing it can refuse.
     if transform.process(&mut windowed, &mut lines).is_err() {

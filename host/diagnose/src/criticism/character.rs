@@ -2,9 +2,8 @@
 
 use std::f64::consts::{PI, TAU};
 
-use realfft::RealFftPlanner;
-
 use super::residuals::Stretch;
+use palpate_fit::fourier::Planner;
 use palpate_trace::Noise;
 
 /// Longest lag, samples.
@@ -98,7 +97,7 @@ fn density(residuals: &[Vec<f64>], interval_s: f64) -> (Vec<f64>, Vec<f64>) {
     let segment = SEGMENT.min(1 << longest.max(1).ilog2());
     let hann = |k: usize| 0.5 - 0.5 * (TAU * (k as f64 + 0.5) / segment as f64).cos();
     let window: Vec<f64> = (0..segment).map(hann).collect();
-    let transform = RealFftPlanner::new().plan_fft_forward(segment);
+    let transform = Planner::new().forward(segment);
     let mut lines = transform.make_output_vec();
     let mut sums = vec![0.0; lines.len()];
     let mut segments = 0;

@@ -6,7 +6,7 @@
 use std::f64::consts::TAU;
 use std::ops::Range;
 
-use realfft::RealFftPlanner;
+use palpate_fit::fourier::Planner;
 
 /// Frequencies of the mains, Hz.
 const MAINS: [f64; 2] = [50.0, 60.0];
@@ -59,11 +59,11 @@ fn powers(stretches: &[Vec<f64>], interval: f64) -> Vec<(f64, f64)> {
         .filter(|values| !values.is_empty())
         .collect();
     let longest = parts.iter().map(|values| values.len()).max().unwrap_or(1);
-    let mut planner = RealFftPlanner::new();
+    let mut planner = Planner::new();
     let products = autocorrelation(&parts, longest, &mut planner);
     let turns = STEPS * longest;
     let step = TAU / turns as f64;
-    let transform = planner.plan_fft_forward(turns);
+    let transform = planner.forward(turns);
     let near = |mains: f64| {
         let middle = TAU * mains * interval;
         // Σ A(l) cos((middle + k step) l) by two real transforms, for k and −k at once.
@@ -97,15 +97,11 @@ fn bins(longest: usize, interval: f64) -> usize {
 }
 
 /// Sum over the parts of 2/n Σ y(k) y(k + l), for the lags l on both sides together.
-fn autocorrelation(
-    parts: &[&[f64]],
-    longest: usize,
-    planner: &mut RealFftPlanner<f64>,
-) -> Vec<f64> {
+fn autocorrelation(parts: &[&[f64]], longest: usize, planner: &mut Planner) -> Vec<f64> {
     let mut sums = vec![0.0; longest];
     for values in parts {
         let size = (2 * values.len()).next_power_of_two();
-        let (forward, back) = (planner.plan_fft_forward(size), planner.plan_fft_inverse(size));
+        let (forward, back) = (planner.forward(size), planner.inverse(size));
         let mut padded = forward.make_input_vec();
         padded[..values.len()].copy_from_slice(values);
         let mut lines = forward.make_output_vec();

@@ -484,7 +484,7 @@ impl Search<'_> {
         }
         for direction in &chosen {
             tracing::debug!(
-                "worth a try: {} ({}), shapes {:?}, foretold gain {:.1}, strengths {:?}, left {:.3}",
+                "worth a try: {} ({}), shapes {:?}, predicted gain {:.1}, strengths {:?}, left {:.3}",
                 self.candidates[direction.candidate].name,
                 self.candidates[direction.candidate].forms[direction.form].applied.law,
                 direction.shapes,

@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 use shared::wire::{Accumulated, Accumulator, BAUD};
 
 /// The reader looks so often whether it shall end.
-const PATIENCE: Duration = Duration::from_millis(50);
+const POLL_INTERVAL: Duration = Duration::from_millis(50);
 
 /// A device that takes nothing for so long is gone.
 const WRITING: Duration = Duration::from_secs(2);
@@ -95,7 +95,7 @@ impl Line {
     pub fn open(path: &Path) -> Result<Self, LineError> {
         let port = |baud| {
             serialport::new(path.to_string_lossy(), baud)
-                .timeout(PATIENCE)
+                .timeout(POLL_INTERVAL)
                 .preserve_dtr_on_open()
                 .open()
         };

@@ -9,9 +9,9 @@ use super::heard::Said;
 use super::session::{LinkError, Session};
 
 /// Rows that must have come before zero is taken.
-const SETTLED: usize = 64;
+const ROWS_BEFORE_ZERO: usize = 64;
 /// Nothing came for so long: the converter stands still.
-const PATIENCE: Duration = Duration::from_secs(2);
+const STANDSTILL: Duration = Duration::from_secs(2);
 
 /// Raw counts of a gauge over some time.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -99,7 +99,7 @@ pub fn drifts(rows: &[[i32; GAUGES]]) -> Option<[Drift; GAUGES]> {
 /// As [`mean`].
 pub fn tare(session: &mut Session) -> Result<(), LinkError> {
     start(session)?;
-    hear_rows(session, |rows| rows >= SETTLED)?;
+    hear_rows(session, |rows| rows >= ROWS_BEFORE_ZERO)?;
     session.command(&ToDevice::Tare)?;
     session.quiet()
 }
@@ -117,10 +117,10 @@ fn hear_rows(
     let mut counts = Vec::new();
     let mut last = Instant::now();
     while counts.is_empty() || !enough(counts.len()) {
-        if last.elapsed() > PATIENCE {
+        if last.elapsed() > STANDSTILL {
             return Err(LinkError::NoRows);
         }
-        let Some(heard) = session.hear(last + PATIENCE)? else { continue };
+        let Some(heard) = session.hear(last + STANDSTILL)? else { continue };
         if let Ok((_, Said::Rows(rows))) = &heard.said {
             last = Instant::now();
             let rows = session.rows(rows).into_iter().flatten();

@@ -21,7 +21,7 @@ const RATE_OVER: Duration = Duration::from_millis(500);
 /// Time between two views.
 const WATCH: Duration = Duration::from_millis(100);
 /// A device may take so long to answer when it is there again.
-const PATIENCE: Duration = Duration::from_millis(750);
+const ANSWER_WITHIN: Duration = Duration::from_millis(750);
 /// Between two attempts to open a port that went away.
 const PAUSE: Duration = Duration::from_millis(100);
 
@@ -107,7 +107,7 @@ pub trait Beside {
     /// Sees the rows of each block, whose last byte was read `at`.
     fn rows(&mut self, _: &[Row], _at: Instant) {}
 
-    /// Hears of a touch, a release or a slip as soon as the device tells it.
+    /// Hears of a touch, a release or a slip as soon as the device reports it.
     fn feel(&mut self, _: &Felt) {}
 
     /// May give commands, as to inject rows; about twenty times in a second.
@@ -351,7 +351,7 @@ impl<'p> Recorder<'p> {
     }
 
     fn resume(&mut self) -> Result<Session, Stop> {
-        let mut session = Session::open(&self.plan.port, PATIENCE)?;
+        let mut session = Session::open(&self.plan.port, ANSWER_WITHIN)?;
         if session.identity().serial != self.identity.serial {
             return Err(Stop::Another(session.identity().serial_number()));
         }
@@ -420,7 +420,7 @@ impl<'p> Recorder<'p> {
 /// Begins a stream; what is heard from here on begins with who the device is and its settings.
 pub fn begin(session: &mut Session, start: Start) -> Result<(), LinkError> {
     session.settle()?;
-    session.again(PATIENCE)?;
+    session.again(ANSWER_WITHIN)?;
     session.command(&ToDevice::Start(start))?;
     Ok(())
 }

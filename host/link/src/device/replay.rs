@@ -15,7 +15,7 @@ use super::stream::{Stream, Tally};
 /// Rows that a device can take without being asked for its room, if they have all been heard.
 const UNDER_WAY: u64 = 2 * INJECT_ROWS as u64;
 /// Rows that are not heard after so long are lost.
-const PATIENCE: Duration = Duration::from_millis(500);
+const LOST_AFTER: Duration = Duration::from_millis(500);
 
 /// What a device made of rows.
 #[derive(Clone, Debug)]
@@ -49,12 +49,12 @@ pub fn replay(
         if room < rows.len() {
             let few = UNDER_WAY - rows.len() as u64;
             let few = |stream: &Stream| sent.saturating_sub(stream.next_row()) <= few;
-            hearing.until(session, PATIENCE, few)?;
+            hearing.until(session, LOST_AFTER, few)?;
         }
         room = inject(session, rows, temperature)?.1.into();
         sent += rows.len() as u64;
     }
-    hearing.until(session, PATIENCE, |stream| stream.next_row() >= sent)?;
+    hearing.until(session, LOST_AFTER, |stream| stream.next_row() >= sent)?;
     session.quiet()?;
     let status = session.status()?;
     hearing.until(session, Duration::ZERO, |_| false)?;

@@ -12,7 +12,7 @@ use super::stream::{Stream, Tally};
 /// How long to listen before asking whether to end.
 const SLICE: Duration = Duration::from_millis(50);
 /// Nothing came for so long: the converter stands still.
-const PATIENCE: Duration = Duration::from_secs(2);
+const STANDSTILL: Duration = Duration::from_secs(2);
 
 /// Streams all columns until `ended`, or until `each`, which sees every row, breaks off. Tells what came and
 /// what did not.
@@ -30,7 +30,7 @@ pub fn watch(
     let mut stream = Stream::default();
     let mut last = Instant::now();
     while !ended() {
-        if last.elapsed() > PATIENCE {
+        if last.elapsed() > STANDSTILL {
             return Err(LinkError::NoRows);
         }
         let Some(heard) = session.hear(Instant::now() + SLICE)? else { continue };

@@ -30,7 +30,7 @@ pub trait Listener: Send {
     /// Rows of one block, whose last byte was read `at`.
     fn rows(&mut self, rows: &[Row], at: Instant);
 
-    /// A touch, a release or a slip, as the device tells it.
+    /// A touch, a release or a slip, as the device reports it.
     fn event(&mut self, felt: &Felt);
 
     /// The margin of the grasp, where one is watched.

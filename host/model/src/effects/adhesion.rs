@@ -27,7 +27,7 @@ const LENGTH: Shape = Shape {
 };
 
 /// Part of the compression beyond which the surfaces parted so far that a long neck could be seen.
-const LONG: f64 = 0.2;
+const NECK_LENGTH: f64 = 0.2;
 
 /// The way over which a pull could act: the compression, or the parting where that is larger.
 fn reach(scales: &Scales) -> f64 {
@@ -36,7 +36,8 @@ fn reach(scales: &Scales) -> f64 {
 
 /// How far a neck could reach off the specimen, mm: none where the surfaces hardly part.
 fn far(scales: &Scales) -> Option<f64> {
-    (scales.parting > LONG * scales.compression).then(|| scales.parting.min(scales.compression))
+    (scales.parting > NECK_LENGTH * scales.compression)
+        .then(|| scales.parting.min(scales.compression))
 }
 
 const WIDTH: Shape = Shape {

@@ -60,7 +60,7 @@ pub const EFFECT: Effect = Effect {
             shapes: &[FULL_COMPRESSION],
             act: Act::Relaxation(|_, parameters, _, x, relaxation| {
                 let (exponent, full) = (parameters[0], parameters[1]);
-                let factor = |x: &f64| (x / full).max(LEAST).powf(exponent);
+                let factor = |x: &f64| (x / full).max(MIN_COMPRESSION).powf(exponent);
                 multiply(&mut relaxation.drive_factor, x, factor);
             }),
         },
@@ -83,7 +83,7 @@ pub const EFFECT: Effect = Effect {
 };
 
 /// Part of the full compression below which the power of the compression stays what it is.
-const LEAST: f64 = 1e-4;
+const MIN_COMPRESSION: f64 = 1e-4;
 
 /// Multiplies a factor on the relaxation, sample by sample, by another.
 fn multiply(factor: &mut Option<Vec<f64>>, x: &[f64], by: impl Fn(&f64) -> f64) {

@@ -5,7 +5,7 @@ use crate::{Act, Channel, Stage};
 
 /// Largest part of the signal's range that leaks from one channel. All channels answer to the same
 /// motion: what explains more than this is no leak but a misfit that they share.
-const LARGEST: f64 = 0.15;
+const MAX_LEAK: f64 = 0.15;
 
 const LEAK: Strength = Strength {
     name: "leak",
@@ -13,7 +13,7 @@ const LEAK: Strength = Strength {
     meaning: "part of this channel, in its unit, that is added to the signal",
     sign: Sign::Either,
     typical: |_| 0.01,
-    most: |scales| LARGEST * scales.force,
+    most: |scales| MAX_LEAK * scales.force,
     count: Count::Channels,
 };
 
@@ -67,7 +67,7 @@ pub const EFFECT: Effect = Effect {
                 unit: "s",
                 meaning: "part of the other channel's slope that leaks in",
                 typical: |scales| scales.interval,
-                most: |scales| LARGEST * scales.force * 10.0 * scales.interval,
+                most: |scales| MAX_LEAK * scales.force * 10.0 * scales.interval,
                 ..LEAK
             },
             shapes: &[],

@@ -185,7 +185,7 @@ impl Needs {
                 Some("no other channel was recorded that could leak into this one")
             }
             Self::FastSampling if scales.common_interval > 0.05 => {
-                Some("sampled too slowly to tell a hum from other changes")
+                Some("sampled too slowly to distinguish a hum from other changes")
             }
             Self::Loadings if scales.loadings < 1.0 => Some("it takes more than one loading"),
             _ => None,

@@ -4,7 +4,7 @@ use super::{Count, Covariate, Effect, Law, Needs, Role, Shape, Sign, Strength};
 use crate::{Act, Growth, Stage};
 
 /// Smallest power n − 1 that is followed: below, a state would be at rest after no time.
-const LEAST: f64 = -0.7;
+const MIN_POWER: f64 = -0.7;
 
 const FULL_STATE: Shape = Shape {
     name: "full_state",
@@ -39,7 +39,7 @@ pub const EFFECT: Effect = Effect {
             },
             shapes: &[FULL_STATE],
             act: Act::Relaxation(|_, parameters, _, _, relaxation| {
-                let growth = Growth::Power(parameters[0].max(LEAST), parameters[1]);
+                let growth = Growth::Power(parameters[0].max(MIN_POWER), parameters[1]);
                 relaxation.growth = growth.on(relaxation.growth);
             }),
         },

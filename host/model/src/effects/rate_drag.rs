@@ -16,7 +16,7 @@ const DRAG: Strength = Strength {
 
 /// Part of the full speed below which the power of the speed goes straight through zero, so that what
 /// remains of a speed in a hold does not count.
-const LEAST: f64 = 1e-3;
+const MIN_SPEED: f64 = 1e-3;
 
 /// The effect.
 pub const EFFECT: Effect = Effect {
@@ -73,6 +73,7 @@ fn power(scene: &Scene, parameters: &[f64], _: &mut Remembered, force: &mut [f64
     let (drag, exponent, full) = (parameters[0], parameters[1], parameters[2]);
     for (force, velocity) in force.iter_mut().zip(scene.velocity.iter()) {
         let speeds = velocity / full;
-        *force += drag * speeds * (speeds * speeds + LEAST * LEAST).powf(0.5 * (exponent - 1.0));
+        *force +=
+            drag * speeds * (speeds * speeds + MIN_SPEED * MIN_SPEED).powf(0.5 * (exponent - 1.0));
     }
 }

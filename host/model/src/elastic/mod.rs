@@ -49,7 +49,7 @@ pub struct Elastic {
 }
 
 /// A specimen is not pressed below this part of its height.
-const FLAT: f64 = 1e-3;
+const MIN_HEIGHT: f64 = 1e-3;
 
 impl Elastic {
     /// A power of the compression, p/(q+1) x^(q+1) (eq. 3.2).
@@ -75,8 +75,8 @@ impl Elastic {
             (Acts::OnStretch { pulled, sheared }, Some(gauge)) => {
                 let part = x / gauge.length_mm;
                 match gauge.deformation {
-                    Deformation::Tension => pulled(shape, (1.0 + part).max(FLAT)),
-                    Deformation::Compression => -pulled(shape, (1.0 - part).max(FLAT)),
+                    Deformation::Tension => pulled(shape, (1.0 + part).max(MIN_HEIGHT)),
+                    Deformation::Compression => -pulled(shape, (1.0 - part).max(MIN_HEIGHT)),
                     Deformation::Shear => match sheared {
                         Shear::Own(response) => response(shape, part),
                         Shear::As(law) => law.in_shear(shape, part),
@@ -150,7 +150,7 @@ impl Default for Elastic {
 
 /// J = λ² + 2/λ − 3.
 fn invariant(stretch: f64) -> f64 {
-    let stretch = stretch.max(FLAT);
+    let stretch = stretch.max(MIN_HEIGHT);
     // (λ − 1)² (λ + 2)/λ, which does not cancel at small strain.
     (stretch - 1.0).powi(2) * (stretch + 2.0) / stretch
 }

@@ -21,11 +21,11 @@ pub(super) enum Step {
 }
 
 /// Deepest nesting of an expression: parentheses, functions, signs.
-const DEEPEST: usize = 100;
+const MAX_NESTING: usize = 100;
 /// Binding of a sign before a value: above `*`, below `^`.
 const SIGN: u8 = 5;
 /// Letters by which a name may differ from one that is meant.
-const NEAR: usize = 2;
+const MAX_MISSPELT_LETTERS: usize = 2;
 
 /// Reads an expression in which `parameters` may occur.
 pub(super) fn parse(text: &str, parameters: &[&str]) -> Result<Vec<Step>, Fault> {
@@ -83,7 +83,7 @@ impl<'a> Parser<'a> {
 
     /// A value and the operators after it that bind at least so strongly.
     fn expression(&mut self, binding: u8, depth: usize) -> Result<(), Fault> {
-        if depth > DEEPEST {
+        if depth > MAX_NESTING {
             return self.fault(self.peek(), "nested too deeply");
         }
         self.value(depth)?;
@@ -229,7 +229,7 @@ fn unknown_function(name: &str) -> String {
 
 /// The known name that differs least from one, where it differs by a letter or two and less than by half.
 fn nearest<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
-    let most = NEAR.min(name.chars().count() / 2);
+    let most = MAX_MISSPELT_LETTERS.min(name.chars().count() / 2);
     known
         .iter()
         .map(|&known| (strsim::osa_distance(&name.to_lowercase(), &known.to_lowercase()), known))

@@ -6,15 +6,14 @@ use palpate_contact::afm::hold::{Latency, Relaxed};
 use palpate_contact::afm::pressure::modulus_factor;
 use palpate_contact::afm::rough::{Spread, Spreads};
 use palpate_fit::exponentials::Term;
-use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::Uncertain;
 use crate::summary::{FittedCurve, curve_remarks};
 
 /// Force curves of a tip, fitted.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct AfmAnswer {
     /// Version of this answer.
     pub palpate_afm: u32,
@@ -27,7 +26,8 @@ pub struct AfmAnswer {
 }
 
 /// One force curve.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(untagged)]
 pub enum AfmCurveAnswer {
     /// A curve with its fit.
@@ -37,8 +37,8 @@ pub enum AfmCurveAnswer {
 }
 
 /// A force curve that could not be analysed.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct AfmRefusedAnswer {
     /// Name of the curve.
     pub curve: String,
@@ -49,8 +49,8 @@ pub struct AfmRefusedAnswer {
 }
 
 /// The fit of a force curve.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct AfmFitAnswer {
     /// Name of the curve.
     pub curve: String,
@@ -114,8 +114,8 @@ pub struct AfmFitAnswer {
 }
 
 /// One exponential of the relaxation function.
-#[derive(Clone, Copy, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct AfmExponentialAnswer {
     /// Share of the modulus at once, 0 to 1.
     pub share: Uncertain,
@@ -124,8 +124,8 @@ pub struct AfmExponentialAnswer {
 }
 
 /// Adhesion on the way back.
-#[derive(Clone, Copy, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct AfmRetreatAnswer {
     /// Whether the pull exceeds its noise five times.
     pub adheres: bool,
@@ -147,7 +147,8 @@ pub struct AfmRetreatAnswer {
 }
 
 /// A pause of the piezo.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(untagged)]
 pub enum AfmHoldAnswer {
     /// A hold with its fits.
@@ -157,8 +158,8 @@ pub enum AfmHoldAnswer {
 }
 
 /// What a hold says of relaxation.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct AfmRelaxedAnswer {
     /// When it begins, s; given in `holds` only.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -179,8 +180,8 @@ pub struct AfmRelaxedAnswer {
 }
 
 /// A hold that could not be fitted.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct AfmRefusedHoldAnswer {
     /// When it begins, s; given in `holds` only.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -190,8 +191,8 @@ pub struct AfmRefusedHoldAnswer {
 }
 
 /// One exponential of the force in a hold.
-#[derive(Clone, Copy, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct AfmTermAnswer {
     /// Coefficient ci.
     pub coefficient: f64,
@@ -200,8 +201,8 @@ pub struct AfmTermAnswer {
 }
 
 /// The latency model of a hold: dε/dt = −ν sgn(ε − εe) |ε − εe|^n, with strain relative to that at the start of the hold.
-#[derive(Clone, Copy, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct AfmLatencyAnswer {
     /// Order n, from 1.
     pub order: u32,
@@ -216,8 +217,8 @@ pub struct AfmLatencyAnswer {
 }
 
 /// What a rough surface does to modulus and contact point, by Monte Carlo.
-#[derive(Clone, Copy, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct AfmRoughAnswer {
     /// Version of this answer.
     pub palpate_afm_rough: u32,
@@ -234,8 +235,8 @@ pub struct AfmRoughAnswer {
 }
 
 /// Spread of a quantity over the trials, in its unit.
-#[derive(Clone, Copy, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct AfmSpreadAnswer {
     /// Mean.
     pub mean: f64,

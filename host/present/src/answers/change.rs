@@ -4,15 +4,14 @@ use std::collections::BTreeMap;
 
 use palpate_diagnose::criticism::change::{Change, Tried};
 use palpate_model::Rung;
-use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::Estimate;
 use crate::summary::{changed_parameters, unit_of};
 
 /// A model before and after a change.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct ChangeAnswer {
     /// Version of this answer.
     pub palpate_change: u32,
@@ -51,8 +50,8 @@ pub struct ChangeAnswer {
 }
 
 /// One rung of the ladder of errors.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct RungAnswer {
     /// The law or effect that was added.
     pub add: String,
@@ -63,8 +62,8 @@ pub struct RungAnswer {
 }
 
 /// A law that was tried.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct TriedLaw {
     /// Name of the law.
     pub law: String,

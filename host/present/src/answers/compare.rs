@@ -2,13 +2,13 @@
 
 use palpate_diagnose::criticism::compare::{Cell, Comparison};
 use palpate_diagnose::criticism::dependence::{Dependence, SEED};
-use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::summary::unit_of;
 
 /// A model against measurements.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct ComparisonAnswer {
     /// Version of this answer.
     pub palpate_comparison: u32,
@@ -36,8 +36,8 @@ pub struct ComparisonAnswer {
 }
 
 /// The error in one region of one trace.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct PlaceAnswer {
     /// Name of the trace.
     pub trace: String,
@@ -52,8 +52,8 @@ pub struct PlaceAnswer {
 }
 
 /// How much of the residual a quantity explains.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct DependenceAnswer {
     /// Symbol of the quantity.
     pub covariate: String,

@@ -4,12 +4,11 @@ use std::path::{Path, PathBuf};
 
 use palpate_trace::recorded::Recorded;
 use palpate_trace::{Trace, gaps};
-use schemars::JsonSchema;
 use serde::Serialize;
 
 /// The files that were written, and what the recordings lacked.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct ConversionAnswer {
     /// Version of this answer.
     pub palpate_conversion: u32,
@@ -26,8 +25,8 @@ pub struct ConversionAnswer {
 }
 
 /// A file that was written, and its trace.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct WrittenAnswer {
     /// The file.
     pub file: String,

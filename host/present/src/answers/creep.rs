@@ -2,15 +2,14 @@
 
 use palpate_analysis::creep::{Hold, spreads};
 use palpate_fit::hold::HoldError;
-use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::{HoldFitAnswer, SpreadAnswer, TermsAnswer};
 use crate::summary::{Conditioning, unit_of};
 
 /// Holds of a force and their creep functions.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct CreepAnswer {
     /// Version of this answer.
     pub palpate_creep: u32,
@@ -29,8 +28,8 @@ pub struct CreepAnswer {
 }
 
 /// A low-pass filter of the force.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct ConditioningAnswer {
     /// Kind of the filter: always `Butterworth`.
     pub filter: &'static str,
@@ -47,8 +46,8 @@ pub struct ConditioningAnswer {
 }
 
 /// One hold of a force.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct CreepHold {
     /// Its creep function (eq. 6.2); `N` is D, the signal after infinite time, and `c0` is 1.
     #[serde(flatten)]

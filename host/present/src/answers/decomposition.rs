@@ -3,13 +3,12 @@
 use palpate_analysis::decomposition::Channel;
 use palpate_analysis::regions::{Regions, Stretch, name, type_code};
 use palpate_trace::Trace;
-use schemars::JsonSchema;
 use serde::Serialize;
 use shared::adaptation::Relaxation;
 
 /// Recordings in fast and slow adapting parts.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct DecompositionAnswer {
     /// Version of this answer.
     pub palpate_decomposition: u32,
@@ -20,8 +19,8 @@ pub struct DecompositionAnswer {
 }
 
 /// The relaxation function of the filter, c0 + c1 e^(−v1 t) + c2 e^(−v2 t).
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct FilterRelaxation {
     /// Share that never relaxes, 0 to 1.
     pub c0: f64,
@@ -36,8 +35,8 @@ pub struct FilterRelaxation {
 }
 
 /// One recording in its parts.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct DecomposedTrace {
     /// Name of the trace.
     pub trace: String,
@@ -46,8 +45,8 @@ pub struct DecomposedTrace {
 }
 
 /// One signal that was decomposed.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct DecomposedChannel {
     /// Its column.
     pub signal: String,
@@ -60,8 +59,8 @@ pub struct DecomposedChannel {
 }
 
 /// A stretch of one region of the grasp.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct GraspRegion {
     /// Its name: `rest`, `preloading`, `loading`, `transition`, `relaxation`, `unloading` or `recovery`.
     pub region: String,

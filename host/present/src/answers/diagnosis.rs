@@ -9,14 +9,14 @@ use palpate_diagnose::criticism::evidence::Refused;
 use palpate_diagnose::criticism::noise::{NoiseModel, Seen};
 use palpate_diagnose::criticism::search::Rival;
 use palpate_diagnose::criticism::{agreement, dependence, screen};
-use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::{DependenceAnswer, Estimate, NextMotionAnswer, finite};
 use crate::summary::DiagnosisSummary;
 
 /// What a model lacks.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct DiagnosisAnswer {
     /// Version of this answer.
     pub palpate_diagnosis: u32,
@@ -82,7 +82,8 @@ pub struct DiagnosisAnswer {
 }
 
 /// What a model lacks, and where the model with it was written.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct ExplorationAnswer {
     /// What the first model lacks.
     #[serde(flatten)]
@@ -92,7 +93,8 @@ pub struct ExplorationAnswer {
 }
 
 /// The answer in one word.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum VerdictAnswer {
     /// Nothing is missing.
@@ -106,7 +108,8 @@ pub enum VerdictAnswer {
 }
 
 /// What p values rest on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub enum PValueBasis {
     /// What the noise alone would show.
     #[serde(rename = "noise")]
@@ -117,7 +120,8 @@ pub enum PValueBasis {
 }
 
 /// What standard errors rest on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub enum ErrorBasis {
     /// The noise.
     #[serde(rename = "noise")]
@@ -128,8 +132,8 @@ pub enum ErrorBasis {
 }
 
 /// One effect found, and what speaks for it.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct StepAnswer {
     /// Name of the effect.
     pub effect: String,
@@ -170,8 +174,8 @@ pub struct StepAnswer {
 }
 
 /// An effect refitted in the place of one found.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct RivalAnswer {
     /// Name of the effect.
     pub effect: String,
@@ -189,8 +193,8 @@ pub struct RivalAnswer {
 }
 
 /// An effect that was tried and refused.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct RefusedAnswer {
     /// Name of the effect.
     pub effect: String,
@@ -209,8 +213,8 @@ pub struct RefusedAnswer {
 }
 
 /// What the last model leaves in one region of one trace.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct LeftoverPlace {
     /// Name of the trace.
     pub trace: String,
@@ -226,8 +230,8 @@ pub struct LeftoverPlace {
 }
 
 /// An effect that the traces cannot show.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct UntestableAnswer {
     /// Name of the effect.
     pub effect: String,
@@ -236,8 +240,8 @@ pub struct UntestableAnswer {
 }
 
 /// An effect by the score test of the first model.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct CandidateAnswer {
     /// Name of the effect.
     pub effect: String,
@@ -248,8 +252,8 @@ pub struct CandidateAnswer {
 }
 
 /// What is known of the noise.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct NoiseAnswer {
     /// Standard deviation of one sample, in the unit of the signal.
     pub standard_deviation: f64,
@@ -264,8 +268,8 @@ pub struct NoiseAnswer {
 }
 
 /// Whether what is left is noise, before and after the effects found.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct AdequacyPair {
     /// The residual without the effects found.
     pub before: AdequacyAnswer,
@@ -276,8 +280,8 @@ pub struct AdequacyPair {
 }
 
 /// A whitened residual beside noise.
-#[derive(Clone, Copy, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct AdequacyAnswer {
     /// p value of its block sums under noise alone.
     pub p_value: f64,
@@ -290,8 +294,8 @@ pub struct AdequacyAnswer {
 }
 
 /// Seeds of everything random in a diagnosis.
-#[derive(Clone, Copy, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct Seeds {
     /// Of the draws of noise behind the p values of the score test.
     pub null: u64,

@@ -10,14 +10,14 @@ use palpate_diagnose::discover::formula::{Alternative, Formula, Shares};
 use palpate_diagnose::discover::grammar::Term;
 use palpate_diagnose::discover::surface::Surface;
 use palpate_model::{Rung, StoredEffect, StoredParameter};
-use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::{StageAnswer, VerdictAnswer, finite};
 use crate::summary::DiscoverySummary;
 
 /// Formulas for what a model lacks.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct DiscoveryAnswer {
     /// Version of this answer.
     pub palpate_discovery: u32,
@@ -46,7 +46,8 @@ pub struct DiscoveryAnswer {
 }
 
 /// What came of a search for formulas.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum OutcomeAnswer {
     /// Only noise is left.
@@ -60,8 +61,8 @@ pub enum OutcomeAnswer {
 }
 
 /// A formula as a law of one's own, and what is known of it.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct FormulaAnswer {
     /// The law.
     #[serde(flatten)]
@@ -81,7 +82,8 @@ pub struct FormulaAnswer {
 }
 
 /// A term of the grammar as a law.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct FoundLaw {
     /// Name under which it is added.
     pub name: String,
@@ -98,8 +100,8 @@ pub struct FoundLaw {
 }
 
 /// A parameter as a model file has it.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct LawParameter {
     /// Its value, in `unit`.
     pub value: f64,
@@ -118,8 +120,8 @@ pub struct LawParameter {
 }
 
 /// Another law in the place of a formula.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct AlternativeAnswer {
     /// The law.
     #[serde(flatten)]
@@ -129,8 +131,8 @@ pub struct AlternativeAnswer {
 }
 
 /// How much of a formula there is in parts of the data: the factor by which least squares would multiply it there.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct SharesAnswer {
     /// While pressing.
     pub pressing: ShareAnswer,
@@ -141,8 +143,8 @@ pub struct SharesAnswer {
 }
 
 /// A share with its uncertainty.
-#[derive(Clone, Copy, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct ShareAnswer {
     /// The share, 1 being all; null where the formula does nothing there.
     pub value: Option<f64>,
@@ -151,8 +153,8 @@ pub struct ShareAnswer {
 }
 
 /// An effect of the library that looks alike.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct Resemblance {
     /// Name of the effect.
     pub effect: String,
@@ -161,8 +163,8 @@ pub struct Resemblance {
 }
 
 /// The error with one formula more.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct FormulaRung {
     /// The model or formula that was added.
     pub add: String,
@@ -173,8 +175,8 @@ pub struct FormulaRung {
 }
 
 /// How much of the residual a quantity explains.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct QuantityAnswer {
     /// Symbol of the quantity.
     pub quantity: String,
@@ -185,8 +187,8 @@ pub struct QuantityAnswer {
 }
 
 /// How much of the residual a pair of quantities explains.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct SurfaceAnswer {
     /// Symbols of both quantities.
     pub quantities: [&'static str; 2],

@@ -1,6 +1,5 @@
 //! `palpate dissertation`: every printed figure beside the one computed here.
 
-use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::finite;
@@ -9,8 +8,8 @@ use crate::dissertation::{
 };
 
 /// The dissertation recomputed.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct DissertationAnswer {
     /// Version of this answer.
     pub palpate_dissertation: u32,
@@ -23,7 +22,8 @@ pub struct DissertationAnswer {
 }
 
 /// What the agreement of a computed figure with a printed one shows.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum EvidenceKind {
     /// The figure follows from other printed numbers.
@@ -39,8 +39,8 @@ pub enum EvidenceKind {
 }
 
 /// How the figures of one kind of evidence came out.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct EvidenceTally {
     /// The kind of evidence.
     pub evidence: EvidenceKind,
@@ -55,8 +55,8 @@ pub struct EvidenceTally {
 }
 
 /// Printed figures of one place, beside those computed here.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct PrintedComparison {
     /// Where the figures are printed.
     pub printed_in: String,
@@ -69,8 +69,8 @@ pub struct PrintedComparison {
 }
 
 /// A printed number beside the one computed here.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct PrintedNumber {
     /// The quantity.
     pub quantity: String,
@@ -89,8 +89,8 @@ pub struct PrintedNumber {
 }
 
 /// A figure of the text.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct PrintedFigure {
     /// Its number.
     pub figure: String,
@@ -103,8 +103,8 @@ pub struct PrintedFigure {
 }
 
 /// A figure of the report that draws one of the text again.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct DrawnFigure {
     /// Its chapter in the report.
     pub chapter: String,

@@ -3,14 +3,13 @@
 use palpate_diagnose::promises::{Kept, Promise};
 use palpate_model::effects::{Effect, LIBRARY, Law, Role, Shape, Sign, Strength};
 use palpate_model::{Stage, StoredEffect};
-use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::summary::{how_many, needs};
 
 /// Every effect of the library.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct LibraryAnswer {
     /// Version of this answer.
     pub palpate_effects: u32,
@@ -19,8 +18,8 @@ pub struct LibraryAnswer {
 }
 
 /// One effect of the library.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct EffectAnswer {
     /// Its name, in answers, model files and on the command line.
     pub name: &'static str,
@@ -43,7 +42,8 @@ pub struct EffectAnswer {
 }
 
 /// A stage of the chain from the commanded motion to the recorded number.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum StageAnswer {
     /// What reaches the specimen is not what was commanded.
@@ -59,8 +59,8 @@ pub enum StageAnswer {
 }
 
 /// One law of an effect.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct LawAnswer {
     /// Name of this form.
     pub name: &'static str,
@@ -73,8 +73,8 @@ pub struct LawAnswer {
 }
 
 /// The parameter by which a law vanishes.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct StrengthAnswer {
     /// Its name.
     pub name: &'static str,
@@ -89,7 +89,8 @@ pub struct StrengthAnswer {
 }
 
 /// The sign of a strength.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum SignAnswer {
     /// Above zero only.
@@ -99,8 +100,8 @@ pub enum SignAnswer {
 }
 
 /// A parameter that gives a law its shape.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct ShapeAnswer {
     /// Its name.
     pub name: &'static str,
@@ -113,8 +114,8 @@ pub struct ShapeAnswer {
 }
 
 /// Whether a law of one's own keeps what every law of the library promises.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct ContractAnswer {
     /// Name of the law.
     pub name: String,
@@ -125,8 +126,8 @@ pub struct ContractAnswer {
 }
 
 /// One promise of a law.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct PromiseAnswer {
     /// What is promised.
     pub promise: &'static str,
@@ -137,7 +138,8 @@ pub struct PromiseAnswer {
 }
 
 /// Whether a promise is kept.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum KeptAnswer {
     /// It is kept.

@@ -2,15 +2,14 @@
 
 use palpate_analysis::events::{Events, Found, happened, judge};
 use palpate_trace::Trace;
-use schemars::JsonSchema;
 use serde::Serialize;
 use shared::events::{Kind, Settings};
 
 use crate::summary::unit_of;
 
 /// The events of recordings.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct EventsAnswer {
     /// Version of this answer.
     pub palpate_events: u32,
@@ -19,8 +18,8 @@ pub struct EventsAnswer {
 }
 
 /// The events of one recording.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct TraceEvents {
     /// Name of the trace.
     pub trace: String,
@@ -42,8 +41,8 @@ pub struct TraceEvents {
 }
 
 /// Levels by which events are found, in the unit of the signals.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct EventSettings {
     /// FA at or beyond which there is a burst.
     pub burst: f64,
@@ -59,8 +58,8 @@ pub struct EventSettings {
 }
 
 /// One event.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct EventAnswer {
     /// What happened.
     pub kind: EventKind,
@@ -77,8 +76,8 @@ pub struct EventAnswer {
 }
 
 /// Something that happened in a simulation.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct HappenedAnswer {
     /// What happened.
     pub kind: EventKind,
@@ -89,7 +88,8 @@ pub struct HappenedAnswer {
 }
 
 /// A kind of event.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum EventKind {
     /// Contact began.

@@ -5,14 +5,14 @@ use std::collections::BTreeMap;
 use palpate_analysis::regions::type_name;
 use palpate_fit::exponentials::{Fit, Parameter, Stop};
 use palpate_fit::hold::{HoldError, HoldFit, Spread, spreads};
-use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::finite;
 use crate::summary::{NO_BETTER, hold_warnings, unit_of};
 
 /// The relaxation function of every hold.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct HoldsAnswer {
     /// Version of this answer.
     pub palpate_fit: u32,
@@ -33,7 +33,8 @@ pub struct HoldsAnswer {
 }
 
 /// The fit of one hold.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct HoldFitAnswer {
     /// Name of the trace.
     pub trace: String,
@@ -71,8 +72,8 @@ pub struct HoldFitAnswer {
 }
 
 /// A parameter of a hold.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct HoldParameter {
     /// Its value: of `N` in the unit of the signal, of a coefficient a pure number, of a rate 1/s.
     pub value: f64,
@@ -83,8 +84,8 @@ pub struct HoldParameter {
 }
 
 /// Correlations between parameters.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct CorrelationAnswer {
     /// Names of the parameters, in the order of rows and columns.
     pub order: Vec<String>,
@@ -93,8 +94,8 @@ pub struct CorrelationAnswer {
 }
 
 /// One coefficient over repeats.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct SpreadAnswer {
     /// Type of the holds: `Type I` or `Type II`.
     #[serde(rename = "type")]

@@ -1,14 +1,13 @@
 //! `palpate markers`: the law of the gaps between markers.
 
 use palpate_analysis::markers::{Gap, Study};
-use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::finite;
 
 /// The latency model of the gaps between markers, e' = −ν sgn e |e|^n, e the distance of the gap from its equilibrium.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct MarkersAnswer {
     /// Version of this answer.
     pub palpate_markers: u32,
@@ -19,8 +18,8 @@ pub struct MarkersAnswer {
 }
 
 /// One gap in one hold.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct GapAnswer {
     /// Name of the trace.
     pub trace: String,

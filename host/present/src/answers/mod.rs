@@ -102,15 +102,17 @@ pub use terms::{NumberAnswer, TermsAnswer};
 pub use uncertain::Uncertain;
 pub use whole_motion::{FitAnswer, FittedParameter, TraceError};
 
+#[cfg(feature = "schemas")]
 use palpate_link::device::answers as device;
 use palpate_model::Parameter;
+#[cfg(feature = "schemas")]
 use schemars::{JsonSchema, Schema, SchemaGenerator, generate::SchemaSettings};
 use serde::Serialize;
 use serde_json::Value;
 
 /// An estimated number with its uncertainty.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct Estimate {
     /// The value, in `unit`.
     pub value: f64,
@@ -145,6 +147,7 @@ pub fn finite(number: f64) -> Option<f64> {
 }
 
 /// The JSON schema of every answer, by the name of its file in `docs/schema/`.
+#[cfg(feature = "schemas")]
 #[must_use]
 pub fn schemas() -> Vec<(&'static str, Schema)> {
     vec![
@@ -200,6 +203,7 @@ pub fn schemas() -> Vec<(&'static str, Schema)> {
 }
 
 /// What a program that reads an answer may rely on: the schema of what is written, not of what would be read.
+#[cfg(feature = "schemas")]
 fn schema<A: JsonSchema>() -> Schema {
     SchemaGenerator::new(SchemaSettings::draft2020_12().for_serialize()).into_root_schema_for::<A>()
 }

@@ -3,14 +3,13 @@
 use std::path::Path;
 
 use palpate_diagnose::criticism::next_motion::{Proposed, Rig, SEED};
-use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::finite;
 
 /// The motion that best tells effects apart.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct NextMotionAnswer {
     /// The file of the motion; null where none is proposed.
     pub file: Option<String>,
@@ -35,8 +34,8 @@ pub struct NextMotionAnswer {
 }
 
 /// Limits of a rig.
-#[derive(Clone, Copy, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct RigAnswer {
     /// Largest compression, mm.
     pub displacement_mm: f64,

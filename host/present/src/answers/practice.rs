@@ -6,12 +6,11 @@ use std::path::Path;
 use palpate_diagnose::practice::{Practice, SEALED, Truth};
 use palpate_model::{StoredEffect, StoredParameter};
 use palpate_trace::Trace;
-use schemars::JsonSchema;
 use serde::Serialize;
 
 /// A practice set that was made; nothing of its truth.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct PracticeAnswer {
     /// Version of this answer.
     pub palpate_practice: u32,
@@ -28,8 +27,8 @@ pub struct PracticeAnswer {
 }
 
 /// One more recording of the specimen of a practice set.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct PracticeRecording {
     /// The file of the recording.
     pub recorded: String,
@@ -38,8 +37,8 @@ pub struct PracticeRecording {
 }
 
 /// What is hidden in a practice set.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct TruthAnswer {
     /// Version of this answer.
     pub palpate_truth: u32,
@@ -58,8 +57,8 @@ pub struct TruthAnswer {
 }
 
 /// A hidden effect.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct HiddenEffect {
     /// Name of the effect.
     pub effect: String,
@@ -70,8 +69,8 @@ pub struct HiddenEffect {
 }
 
 /// The true value of a parameter.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct HiddenValue {
     /// The value, in `unit`.
     pub value: f64,

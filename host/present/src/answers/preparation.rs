@@ -3,13 +3,13 @@
 use std::collections::BTreeMap;
 
 use palpate_trace::Outlier;
-use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::summary::Preparation;
 
 /// An answer with the state of the traces that it rests on.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct Prepared<A> {
     /// The answer.
     #[serde(flatten)]
@@ -20,7 +20,8 @@ pub struct Prepared<A> {
 }
 
 /// What was found impossible in the traces, and what was done about it.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct PreparationAnswer {
     /// Samples that jump away and back faster than the motion or the signal ever goes.
     pub outliers: Vec<OutlierAnswer>,
@@ -34,8 +35,8 @@ pub struct PreparationAnswer {
 }
 
 /// One impossible sample.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct OutlierAnswer {
     /// Name of its trace.
     pub trace: String,
@@ -52,8 +53,8 @@ pub struct OutlierAnswer {
 }
 
 /// A fit without the impossible samples.
-#[derive(Clone, Copy, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct WithoutOutliers {
     /// Coefficient of determination.
     pub r_squared: f64,

@@ -3,14 +3,13 @@
 use palpate_analysis::pull_off::PullOff;
 use palpate_analysis::pull_off_growth::{AtSpeed, Growth, Law};
 use palpate_trace::Trace;
-use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::Uncertain;
 
 /// A contact that came off. Forces count from the force after the separation; a pull is positive.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct PullOffAnswer {
     /// Mean speed of the indenter while the specimen pulls, mm/s.
     pub speed_mm_per_s: f64,
@@ -38,8 +37,8 @@ pub struct PullOffAnswer {
 }
 
 /// How pull-offs grow with the speed of the retreat.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct PullOffGrowthAnswer {
     /// Means at each speed, the slowest first.
     pub speeds: Vec<PullOffsAtSpeed>,
@@ -52,8 +51,8 @@ pub struct PullOffGrowthAnswer {
 }
 
 /// Pull-offs at one speed. Standard errors are from the scatter, that of a single pull-off from the noise.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct PullOffsAtSpeed {
     /// Mean speed of the indenter while the specimen pulls, mm/s.
     pub speed_mm_per_s: f64,
@@ -70,8 +69,8 @@ pub struct PullOffsAtSpeed {
 }
 
 /// The law F = F0 (1 + (v/v0)^n).
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct PullOffLaw {
     /// Force at rest F0, N.
     #[serde(rename = "F0_N")]

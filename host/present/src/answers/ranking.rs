@@ -3,14 +3,14 @@
 use std::collections::BTreeMap;
 
 use palpate_fit::ranking::{ParameterSpread, Place, Ranking, Setup};
-use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::finite;
 use crate::summary::unit_of;
 
 /// Base laws, the best first.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct RankingAnswer {
     /// Version of this answer.
     pub palpate_ranking: u32,
@@ -27,8 +27,8 @@ pub struct RankingAnswer {
 }
 
 /// One law in a ranking.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct RankedLaw {
     /// Name of the law.
     pub law: &'static str,
@@ -55,8 +55,8 @@ pub struct RankedLaw {
 }
 
 /// A parameter over all traces and in each set-up.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct RankedParameter {
     /// The value over all traces, in `unit`.
     pub value: f64,
@@ -71,8 +71,8 @@ pub struct RankedParameter {
 }
 
 /// Traces that were recorded alike.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct SetupAnswer {
     /// Their largest compression, mm.
     pub compression_mm: f64,

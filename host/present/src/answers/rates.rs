@@ -1,15 +1,14 @@
 //! `palpate rates`: one specimen at several loading rates.
 
 use palpate_analysis::rates::{Group, Run, Study, Trend};
-use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::finite;
 use crate::summary::rates_warnings;
 
 /// One specimen at several loading rates (chapter 5).
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct RatesAnswer {
     /// Version of this answer.
     pub palpate_rates: u32,
@@ -36,8 +35,8 @@ pub struct RatesAnswer {
 }
 
 /// One loading and the hold after it.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct RateRun {
     /// Name of the trace.
     pub trace: String,
@@ -78,8 +77,8 @@ pub struct RateRun {
 }
 
 /// Runs at one displacement.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct RateGroup {
     /// The displacement, mm.
     pub displacement_mm: f64,
@@ -104,8 +103,8 @@ pub struct RateGroup {
 }
 
 /// A straight line over the logarithm of the loading rate.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct RateTrend {
     /// Slope, N for ten times the rate.
     #[serde(rename = "slope_N_per_decade")]

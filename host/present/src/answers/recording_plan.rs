@@ -4,12 +4,11 @@ use std::collections::BTreeMap;
 
 use palpate_fit::exponentials::plan::{Experiment, Plan, Recording};
 use palpate_fit::exponentials::{Bound, Parameter};
-use schemars::JsonSchema;
 use serde::Serialize;
 
 /// The Cramér–Rao bound of a recording of a hold, and the recordings that a wanted precision needs.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct RecordingPlanAnswer {
     /// Version of this answer.
     pub palpate_plan: u32,
@@ -28,8 +27,8 @@ pub struct RecordingPlanAnswer {
 }
 
 /// A recording that reaches the wanted precision, or the largest one allowed where none does.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct PlannedRecordingAnswer {
     /// Whether it reaches every precision that is wanted.
     pub enough: bool,

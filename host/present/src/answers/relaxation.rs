@@ -4,15 +4,14 @@ use palpate_analysis::relaxation::{Hold, Latency, OVER, StrainScale};
 use palpate_fit::exponentials::Parameter;
 use palpate_fit::hold::{HoldError, HoldFit, spreads};
 use palpate_fit::relaxation_form::{Broad, FormFit, Forms};
-use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::{HoldFitAnswer, SpreadAnswer, TermsAnswer, Uncertain, finite};
 use crate::summary::{hold_warnings, unit_of};
 
 /// Holds of a displacement: their relaxation functions, the form of the relaxation, and the linear latency model.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct RelaxationAnswer {
     /// Version of this answer.
     pub palpate_relaxation: u32,
@@ -31,8 +30,8 @@ pub struct RelaxationAnswer {
 }
 
 /// One hold of a displacement.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct RelaxationHold {
     /// Its relaxation function (eq. 3.4).
     #[serde(flatten)]
@@ -46,8 +45,8 @@ pub struct RelaxationHold {
 }
 
 /// Forms of a relaxation function, and which one is used.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct FormsAnswer {
     /// Name of the form of fewest numbers whose held-out error is no worse than the best by two standard errors.
     pub chosen: String,
@@ -56,8 +55,8 @@ pub struct FormsAnswer {
 }
 
 /// One form fitted to a hold.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct FormAnswer {
     /// Its name: `1 exponential` to `4 exponentials`, `power law` or `stretched exponential`.
     pub form: String,
@@ -83,8 +82,8 @@ pub struct FormAnswer {
 }
 
 /// The linear latency model, strain rate = −v1 (ε − ε_e), of a hold (4.4–4.10).
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct LatencyAnswer {
     /// Rate v1, 1/s.
     pub v1_per_s: f64,
@@ -113,7 +112,8 @@ pub struct LatencyAnswer {
 }
 
 /// What a strain is a share of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum StrainReference {
     /// The height of the specimen, from the head of the trace.

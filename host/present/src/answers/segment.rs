@@ -3,15 +3,14 @@
 use palpate_analysis::cycles::{Cycle, Inertia, Piece, Point, Segmentation, Turn};
 use palpate_analysis::pull_off_growth::Growth;
 use palpate_trace::{Control, Trace};
-use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::{PullOffAnswer, PullOffGrowthAnswer};
 use crate::summary::{region_of, segment_warnings, type_of};
 
 /// Recordings cut into cycles and regions.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct SegmentationAnswer {
     /// Version of this answer.
     pub palpate_segment: u32,
@@ -22,8 +21,8 @@ pub struct SegmentationAnswer {
 }
 
 /// One recording cut into cycles and regions.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct SegmentedTraceAnswer {
     /// Name of the trace.
     pub trace: String,
@@ -43,7 +42,8 @@ pub struct SegmentedTraceAnswer {
 }
 
 /// The quantity that was controlled in a test.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum ControlledQuantity {
     /// The displacement: holds relax.
@@ -53,7 +53,8 @@ pub enum ControlledQuantity {
 }
 
 /// What says which quantity was controlled.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum ControlSource {
     /// The head of the trace.
@@ -63,8 +64,8 @@ pub enum ControlSource {
 }
 
 /// One way in and back.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct CycleAnswer {
     /// Number of the cycle, from 1.
     pub number: usize,
@@ -98,8 +99,8 @@ pub struct CycleAnswer {
 }
 
 /// A point of a cycle (Fig. 3.10).
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct CyclePoint {
     /// `O`, `A` to `F`; from the second hold of a cycle on with its number, as `C2`. Where the specimen adheres, `Z` is where
     /// the force passes zero and `P` the largest pull.
@@ -114,8 +115,8 @@ pub struct CyclePoint {
 }
 
 /// A region of a cycle.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct CycleRegion {
     /// The points between which it lies, such as `AB`.
     pub points: String,
@@ -134,7 +135,8 @@ pub struct CycleRegion {
 }
 
 /// Which way a loop runs in the plane of force over displacement.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum LoopDirection {
     /// The force is higher on the way in: energy is dissipated.
@@ -147,8 +149,8 @@ pub enum LoopDirection {
 }
 
 /// What moving the sensor's own mass adds to the force (3.3.4).
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct InertiaAnswer {
     /// Moving mass, g.
     pub mass_g: f64,
@@ -169,7 +171,8 @@ pub struct InertiaAnswer {
 }
 
 /// What limits the force that a channel can show.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum ForceLimit {
     /// The resolution of the force channel, from the head of the trace.

@@ -4,12 +4,12 @@ use palpate_contact::sensor::{
     Felt, Fingertip, Indenter, PressResult, Response, SlideResult, SlipResult, Tone, TonesResult,
     Touch,
 };
-use schemars::JsonSchema;
 use serde::Serialize;
 use shared::adaptation::Relaxation;
 
 /// What the fingertip felt.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum SensorStimulus {
     /// A press, a hold and a release.
@@ -25,8 +25,8 @@ pub enum SensorStimulus {
 }
 
 /// A simulated fingertip and what it was touched with.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct SensorSpecimenAnswer {
     /// Share of silicone in the mixture of silicone and thinner, 0.5 to 0.9.
     pub share_of_silicone: f64,
@@ -50,8 +50,8 @@ pub struct SensorSpecimenAnswer {
 }
 
 /// A relaxation function g(t) = c0 + c1 e^(−v1 t) + c2 e^(−v2 t) (eq. 3.4).
-#[derive(Clone, Copy, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct SensorRelaxationAnswer {
     /// Share c0 at equilibrium, 0 to 1.
     pub c0: f64,
@@ -66,8 +66,8 @@ pub struct SensorRelaxationAnswer {
 }
 
 /// A press on a simulated fingertip.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct SensorPressAnswer {
     /// Version of this answer.
     pub palpate_sensor: u32,
@@ -85,8 +85,8 @@ pub struct SensorPressAnswer {
 }
 
 /// What one gauge read of a press.
-#[derive(Clone, Copy, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct SensorGaugeAnswer {
     /// Reading of largest size, µε.
     pub peak_ustrain: f64,
@@ -103,8 +103,8 @@ pub struct SensorGaugeAnswer {
 }
 
 /// Sinusoidal stimuli on a simulated fingertip.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct SensorFrequencyAnswer {
     /// Version of this answer.
     pub palpate_sensor: u32,
@@ -117,8 +117,8 @@ pub struct SensorFrequencyAnswer {
 }
 
 /// Responses of FA and SA at one frequency.
-#[derive(Clone, Copy, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct SensorToneAnswer {
     /// Frequency, Hz.
     #[serde(rename = "frequency_Hz")]
@@ -136,8 +136,8 @@ pub struct SensorToneAnswer {
 }
 
 /// Gain and phase, relative to the reading of silicone without memory.
-#[derive(Clone, Copy, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct SensorResponseAnswer {
     /// Amplitude over that of the reading without memory.
     pub gain: f64,
@@ -146,8 +146,8 @@ pub struct SensorResponseAnswer {
 }
 
 /// A slide over a fingerprint.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct SensorSlideAnswer {
     /// Version of this answer.
     pub palpate_sensor: u32,
@@ -168,8 +168,8 @@ pub struct SensorSlideAnswer {
 }
 
 /// A press and a pull sideways until it slides.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct SensorSlipAnswer {
     /// Version of this answer.
     pub palpate_sensor: u32,
@@ -186,8 +186,8 @@ pub struct SensorSlipAnswer {
 }
 
 /// A press that shakes as a hand does.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct SensorShakeAnswer {
     /// Version of this answer.
     pub palpate_sensor: u32,

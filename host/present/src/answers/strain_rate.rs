@@ -4,14 +4,13 @@ use palpate_analysis::derivative::Derivative;
 use palpate_analysis::regions::type_name;
 use palpate_analysis::segment_run::SegmentRun;
 use palpate_analysis::strain_rate::{Hold, Study};
-use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::finite;
 
 /// The power law ε̇ = −ν sgn(ε − ε_e) |ε − ε_e|^n of every hold (7.2).
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct StrainRateAnswer {
     /// Version of this answer.
     pub palpate_strain_rate: u32,
@@ -30,8 +29,8 @@ pub struct StrainRateAnswer {
 }
 
 /// The power law of one hold.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct StrainRateHold {
     /// Name of the trace.
     pub trace: String,
@@ -79,8 +78,8 @@ pub struct StrainRateHold {
 }
 
 /// What a derivative can show.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct DerivativeAnswer {
     /// Samples within so much time on each side are used, s.
     pub half_width_s: f64,
@@ -92,8 +91,8 @@ pub struct DerivativeAnswer {
 }
 
 /// The motion of a trace through segments that relax one after the other (7.4), beside the measured force.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct SimulatedRun {
     /// Name of the trace.
     pub trace: String,

@@ -5,15 +5,14 @@ use std::collections::BTreeMap;
 use palpate_survey::overview::{Effect, FarOut, Kind, Overview, Since};
 use palpate_survey::results::About;
 use palpate_survey::row::{Asked, Status};
-use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Most failures, and most values far out, that the answer lists.
 const MOST_LISTED: usize = 1000;
 
 /// What all rows of a survey say together.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct SurveyAnswer {
     /// Version of this answer.
     pub palpate_survey: u32,
@@ -54,7 +53,8 @@ pub struct SurveyAnswer {
 }
 
 /// What every group is asked.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum SurveyQuestion {
     /// `palpate fit`.
@@ -72,8 +72,8 @@ pub enum SurveyQuestion {
 }
 
 /// An effect that is missing in some groups.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct MissingEffect {
     /// Name of the effect.
     pub effect: String,
@@ -87,8 +87,8 @@ pub struct MissingEffect {
 }
 
 /// Since when an effect is missing in a specimen.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct MissingSince {
     /// The keys of the specimen, that of the time apart.
     pub specimen: String,
@@ -101,8 +101,8 @@ pub struct MissingSince {
 }
 
 /// One kind of estimate over all groups.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct EstimateDistribution {
     /// Name of the estimate.
     pub name: String,
@@ -125,8 +125,8 @@ pub struct EstimateDistribution {
 }
 
 /// The median of an estimate at one time.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct MedianAt {
     /// The time by its key, such as a date.
     pub at: String,
@@ -137,8 +137,8 @@ pub struct MedianAt {
 }
 
 /// A value far from the others of its kind.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct FarOutAnswer {
     /// Number of its group.
     pub group: usize,
@@ -153,8 +153,8 @@ pub struct FarOutAnswer {
 }
 
 /// A group without an answer.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct GroupFailure {
     /// Its number.
     pub group: usize,
@@ -167,7 +167,8 @@ pub struct GroupFailure {
 }
 
 /// What became of a group.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum GroupStatus {
     /// It has an answer.

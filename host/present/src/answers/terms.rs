@@ -1,12 +1,11 @@
 //! How many exponentials a hold shows.
 
 use palpate_analysis::terms::{Row, Terms};
-use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Fits with one to four exponentials, and which number the criteria choose.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct TermsAnswer {
     /// Number with the least Bayesian information criterion among those whose every term is identifiable.
     pub by_criterion: usize,
@@ -20,8 +19,8 @@ pub struct TermsAnswer {
 }
 
 /// A fit with one number of exponentials.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct NumberAnswer {
     /// Number of exponentials.
     pub exponentials: usize,

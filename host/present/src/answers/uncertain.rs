@@ -1,14 +1,13 @@
 //! A number with its uncertainty.
 
 use palpate_contact::afm::Estimate;
-use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::finite;
 
 /// A number with its standard error, in the unit that its key names.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct Uncertain {
     /// The value.
     pub value: f64,

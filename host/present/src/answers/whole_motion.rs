@@ -3,14 +3,14 @@
 use std::collections::BTreeMap;
 
 use palpate_fit::whole_motion::MotionFit;
-use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::{CorrelationAnswer, finite};
 use crate::summary::{FitSummary, unit_of};
 
 /// A law fitted to whole motions.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct FitAnswer {
     /// Version of this answer.
     pub palpate_fit: u32,
@@ -61,8 +61,8 @@ pub struct FitAnswer {
 }
 
 /// A fitted parameter.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct FittedParameter {
     /// The value, in `unit`.
     pub value: f64,
@@ -75,8 +75,8 @@ pub struct FittedParameter {
 }
 
 /// The error of one trace.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct TraceError {
     /// Name of the trace.
     pub trace: String,

@@ -347,7 +347,7 @@ fn creep_section(creep: &Creep) -> Section {
         "The data show {}. A time constant of 128 s cannot be distinguished from a straight line in 9.5 s, so D = 8.10 mm is an extrapolation; one exponential gives 6.48 mm. With three, Table B.1 lists v3 below v2 and both near 0.01 /s: two names for one slow drift, of which the hold identifies neither.",
         counted(found.decided(), "exponential")
     );
-    section = section.callout(Callout::Finding, "What 9.5 s tell", words);
+    section = section.callout(Callout::Finding, "What 9.5 s determine", words);
     let (long, axes) =
         (60.0, (Axis::new("time in the hold", "s"), Axis::new("displacement", "mm")));
     let mut plot =

@@ -224,7 +224,7 @@ fn what_follows(found: &[Fitted]) -> String {
     let missing: Vec<&Fitted> =
         found.iter().filter(|fitted| fitted.worst_misfit() > MISFIT).collect();
     let missing = if missing.is_empty() {
-        "Every law leaves no more than the noise, so that its drift is that of parameters which a press does not tell.".to_owned()
+        "Every law leaves no more than the noise, so that its drift is that of parameters which a press does not identify.".to_owned()
     } else {
         format!(
             "More than the noise is left by {}: a parameter that drifts there says that something is missing from the law, not that the specimen changed.",

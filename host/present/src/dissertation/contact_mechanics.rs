@@ -25,7 +25,7 @@ const TABLE_8_3: [(f64, f64, f64); 6] = [
     (100.0, 1.00032, 5e-6),
 ];
 /// Exponents that are drawn.
-const DRAWN: [f64; 5] = [1.8, 2.0, 4.0, 10.0, f64::INFINITY];
+const DRAWN_EXPONENTS: [f64; 5] = [1.8, 2.0, 4.0, 10.0, f64::INFINITY];
 /// Seed of everything here.
 const SEED: u64 = 8;
 /// Heights of the rough surfaces, nm.
@@ -76,7 +76,7 @@ fn name(law: PressureLaw) -> String {
 }
 
 fn pressures() -> Result<Section, ContactError> {
-    let laws = DRAWN.map(PressureLaw::new).into_iter().collect::<Result<Vec<_>, _>>()?;
+    let laws = DRAWN_EXPONENTS.map(PressureLaw::new).into_iter().collect::<Result<Vec<_>, _>>()?;
     let radii: Vec<f64> = (0..=200).map(|i| f64::from(i) / 200.0).collect();
     let coarse: Vec<f64> = (0..=40).map(|i| f64::from(i) / 40.0).collect();
     let radius = || Axis::new("Radius over that of the contact", "");
@@ -103,14 +103,14 @@ fn pressures() -> Result<Section, ContactError> {
     Ok(Section::new("The general pressure law")
         .paragraph(
             "The law (8.1) has Hertz's pressure as k = 2 and a uniform one as its limit; softer materials are said to have more. \
-             What that does to a force curve is not said. The Boussinesq kernel tells: in the middle of the contact the \
+             What that does to a force curve is not said. The Boussinesq kernel shows it: in the middle of the contact the \
              surface sinks κ times as deep as under Hertz's pressure of the same force and radius. With the radius of the contact \
              given by the tip, the force still grows with the power 3/2 of the depth, and a modulus found with Hertz's law is to \
              be multiplied by κ.",
         )
         .callout(
             Callout::Finding,
-            "A force curve does not tell k",
+            "A force curve does not determine k",
             "Only a factor between 1.03 (k = 1.8) and 0.85 (uniform) on the modulus depends on it. To measure k one has to see \
              the pressure or the shape of the surface.",
         )

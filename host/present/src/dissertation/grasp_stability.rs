@@ -30,7 +30,7 @@ const HELD: f64 = 9.5;
 const DIGIT: f64 = 0.01;
 const ROUNDING: f64 = 0.5 * DIGIT;
 /// Points of a drawn curve.
-const DRAWN: usize = 161;
+const CURVE_POINTS: usize = 161;
 
 /// What 6.4.5 claims, computed anew.
 #[must_use]
@@ -165,7 +165,7 @@ fn tangential(before: &Contact, after: &Contact) -> Comparison {
 
 fn surfaces(before: &Contact, after: &Contact) -> Plot {
     let line = |name: &str, contact: &Contact, colour| {
-        let curve = limit_curve(contact, limit(), FRAC_PI_2, DRAWN);
+        let curve = limit_curve(contact, limit(), FRAC_PI_2, CURVE_POINTS);
         let (force, moment) = columns(&curve);
         Series::line(name, force, moment).colour(colour)
     };
@@ -180,7 +180,7 @@ fn surfaces(before: &Contact, after: &Contact) -> Plot {
 }
 
 fn gains(before: &Contact, after: &Contact) -> Plot {
-    let pairs = limit_curve(before, limit(), FRAC_PI_2, DRAWN);
+    let pairs = limit_curve(before, limit(), FRAC_PI_2, CURVE_POINTS);
     let (force, gain): (Vec<f64>, Vec<f64>) = pairs
         .iter()
         .map(|point| {

@@ -47,7 +47,7 @@ pub(super) fn section() -> Section {
     let table = markers_sections(&study).into_iter().flat_map(|section| section.blocks);
     let table = table.filter(|block| matches!(block, palpate_report::Block::Table(_)));
     let section = table.fold(section, Section::block);
-    section.callout(Callout::Finding, "What the markers tell", words(&study))
+    section.callout(Callout::Finding, "What the markers show", words(&study))
 }
 
 fn recording() -> Trace {
@@ -96,7 +96,7 @@ fn words(study: &Study) -> String {
     let within = told.iter().filter(|off| **off < 3.0).count();
     format!(
         "From {} gaps v1 comes out as {} /s; {within} of them lie within three standard errors of the {RATE} /s of the force's \
-         relaxation. Inside and contact follow one law: what a camera sees tells the rate without a load cell.",
+         relaxation. Inside and contact follow one law: what a camera sees gives the rate without a load cell.",
         study.gaps.len(),
         rates.join(", ")
     )

@@ -249,7 +249,7 @@ fn consistency_section(spreads: &[Spread], fits: &[Vec<HoldFit>]) -> Section {
 }
 
 /// Chance below which a test says that something differs.
-const UNLIKELY: f64 = 0.01;
+const SIGNIFICANCE_LEVEL: f64 = 0.01;
 
 /// What the repeats at one compression say.
 fn within(spreads: &[Spread]) -> String {
@@ -265,9 +265,11 @@ fn within(spreads: &[Spread]) -> String {
         let at = spread.level.map_or(String::new(), |x| format!(" at {} mm", significant(x, 3)));
         format!("{}{at}", spread.parameter)
     };
-    let told = |spread: &&&Spread| spread.consistency.is_some_and(|test| test.p_value < UNLIKELY);
+    let told = |spread: &&&Spread| {
+        spread.consistency.is_some_and(|test| test.p_value < SIGNIFICANCE_LEVEL)
+    };
     format!(
-        "Shares and rates scatter from grasp to grasp by {} ({}) to {} ({}) of their mean. In {} of {} cases that is more than the noise of a recording explains (p < {UNLIKELY}): there one sushi differs from the next.",
+        "Shares and rates scatter from grasp to grasp by {} ({}) to {} ({}) of their mean. In {} of {} cases that is more than the noise of a recording explains (p < {SIGNIFICANCE_LEVEL}): there one sushi differs from the next.",
         percent(part(least), 2),
         place(least),
         percent(part(most), 2),
@@ -299,7 +301,7 @@ fn between(fits: &[Vec<HoldFit>]) -> (Table, String) {
         let (Some(means), Some(ranks)) = (welch(&groups), kruskal_wallis(&values)) else {
             continue;
         };
-        let told = match (means.p_value < UNLIKELY, ranks < UNLIKELY) {
+        let told = match (means.p_value < SIGNIFICANCE_LEVEL, ranks < SIGNIFICANCE_LEVEL) {
             (true, true) => &mut moved,
             (false, false) => &mut kept,
             _ => &mut unsure,
@@ -401,7 +403,8 @@ mod tests {
         let (table, words) = between(&fits);
         assert_eq!(table.rows.len(), 5);
         for row in &table.rows {
-            let told = |p: &str| p.trim_start_matches("< ").parse::<f64>().unwrap() < UNLIKELY;
+            let told =
+                |p: &str| p.trim_start_matches("< ").parse::<f64>().unwrap() < SIGNIFICANCE_LEVEL;
             let said = match (told(&row[3]), told(&row[4])) {
                 (true, true) => "these differ",
                 (false, false) => "no difference",

@@ -150,7 +150,7 @@ fn compared(source: &'static str, rows: &[Row], study: Option<&Study>) -> Compar
 fn claim() -> Section {
     Section::new("What was claimed")
         .paragraph("A rubber ball of 35 mm radius was pressed in steps of 5 mm and held for 10 s at each, and let back in the same steps. Strain was taken as force over the area of contact and a modulus of 28 kPa (7.6)–(7.8). Its rate does not fall in proportion to the distance from equilibrium, as the linear latency model has it, but with its fifth power: ε̇ = −ν (ε − ε_e)⁵, the lowest odd power that fitted best. ν fell from step to step in loading and was erratic in unloading.")
-        .paragraph(format!("The recordings are not printed. Here each hold is simulated with the printed ν and ε_e; how far from equilibrium it begins is not printed and taken as {} after loading and {} after unloading. First without noise: the printed digits must come back. Then with noise of {NOISE} N, a tenth of the accuracy of the load cell, and the order chosen by the data: that shows what such holds can tell.", GAPS.0, GAPS.1))
+        .paragraph(format!("The recordings are not printed. Here each hold is simulated with the printed ν and ε_e; how far from equilibrium it begins is not printed and taken as {} after loading and {} after unloading. First without noise: the printed digits must come back. Then with noise of {NOISE} N, a tenth of the accuracy of the load cell, and the order chosen by the data: that shows what such holds can determine.", GAPS.0, GAPS.1))
         .paragraph("Printed strains are negative in compression; here compression is positive. The law is the same for both.")
 }
 

@@ -137,7 +137,7 @@ fn frequencies(tones: &TonesResult) -> Section {
             "Tones from 0.1 to 400 Hz about a mean depth, through the filter that runs on the device. FA is small for slow \
              stimuli and grows to the share of the fast mode within a decade about its rate; SA passes all. Measured gains and \
              phases lie on the filter's own formula within {} of the reading. The expectation that the material shows itself \
-             in its answer to frequency holds below some 10 Hz, where the modes are; above, both channels are flat and tell no \
+             in its answer to frequency holds below some 10 Hz, where the modes are; above, both channels are flat and show no \
              more of it.",
             significant(farthest, 2)
         ))

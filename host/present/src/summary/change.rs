@@ -47,7 +47,7 @@ fn in_short(change: &Change) -> String {
         text += &format!(", held out {} → {}", significant(before, 4), significant(after, 4));
     }
     text + &change.noise.map_or_else(
-        || "; the recordings do not tell the noise.".into(),
+        || "; the recordings do not determine the noise.".into(),
         |noise| format!("; noise floor {}.", significant(noise.standard_deviation, 4)),
     )
 }

@@ -28,7 +28,7 @@ fn place(comparison: &Comparison) -> Section {
     let unit = unit_of(&comparison.signal);
     let kind = if comparison.only_noise { Callout::Finding } else { Callout::Warning };
     let floor = comparison.noise.map_or_else(
-        || "; the recordings do not tell the noise".into(),
+        || "; the recordings do not determine the noise".into(),
         |noise| {
             format!(
                 ", {:.2} times the noise of {} {unit}",
@@ -124,8 +124,9 @@ fn dependence_section(comparison: &Comparison, traces: &[Trace]) -> Section {
     let mut section = Section::new("What the failure depends on");
     let (unit, most) = (unit_of(&comparison.signal), scale(&comparison.dependences));
     let plot = |dependence: &Dependence| dependence_plot(dependence, unit, most);
-    let (told, chance): (Vec<&Dependence>, Vec<&Dependence>) =
-        by_p_value(comparison).into_iter().partition(|dependence| dependence.p_value <= TOLD);
+    let (told, chance): (Vec<&Dependence>, Vec<&Dependence>) = by_p_value(comparison)
+        .into_iter()
+        .partition(|dependence| dependence.p_value <= SHOWN_P_VALUE);
     for dependence in told {
         section = section.figure(plot(dependence), "");
     }
@@ -148,7 +149,7 @@ fn dependence_section(comparison: &Comparison, traces: &[Trace]) -> Section {
 }
 
 /// Chance below which a dependence is shown unasked.
-const TOLD: f64 = 0.05;
+const SHOWN_P_VALUE: f64 = 0.05;
 
 fn counted(quantities: usize) -> String {
     if quantities == 1 { "1 quantity".into() } else { format!("{quantities} quantities") }

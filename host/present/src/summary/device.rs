@@ -34,7 +34,7 @@ pub fn device_sections(identity: &Identity, settings: &Settings, status: &Status
     who.push(text("temperature", temperature));
     who.push(text(
         "converter",
-        status.converter.map_or("as it should be".into(), |fault| Fault(fault).to_string()),
+        status.converter.map_or("OK".into(), |fault| Fault(fault).to_string()),
     ));
     if status.stack_used > 0 {
         who.push(text("stack used", format!("{} bytes at most", status.stack_used)));

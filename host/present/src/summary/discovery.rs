@@ -21,7 +21,7 @@ const ALL: f64 = 0.25;
 /// A dependence up to this p value is drawn.
 const CLEAR: f64 = 0.01;
 /// Most that are drawn.
-const DRAWN: usize = 3;
+const MAX_DRAWN: usize = 3;
 
 /// A discovery with all that is told about it.
 pub struct DiscoverySummary<'a> {
@@ -202,7 +202,7 @@ impl<'a> DiscoverySummary<'a> {
             return section;
         }
         let columns = vec![Column::text("law"), Column::text("values"), Column::number("ΔBIC", "")];
-        let mut table = Table::new("These traces do not tell it from", columns);
+        let mut table = Table::new("These traces do not distinguish it from", columns);
         for Alternative { law, delta_bic, .. } in &formula.alternatives {
             table = table.row([law_in_words(law), values_in_words(law), format!("{delta_bic:.0}")]);
         }
@@ -254,7 +254,7 @@ impl<'a> DiscoverySummary<'a> {
             ]);
         }
         let clear = self.discovery.dependences.iter().filter(|it| it.p_value <= CLEAR);
-        let drawn: Vec<&Dependence> = clear.take(DRAWN).collect();
+        let drawn: Vec<&Dependence> = clear.take(MAX_DRAWN).collect();
         let most = scale(drawn.iter().copied());
         drawn.into_iter().fold(section.table(single), |section, dependence| {
             section.figure(dependence_plot(dependence, self.unit(), most), "")

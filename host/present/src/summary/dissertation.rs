@@ -183,7 +183,7 @@ fn chapter_section(chapter: &Chapter) -> Section {
     for comparison in &chapter.comparisons {
         let table = Block::Table(comparison.table());
         let count = comparison.checks.len();
-        whole = whole.block(if count > LONG {
+        whole = whole.block(if count > FOLDED_FIGURES {
             let summary = format!("{} recomputed: {count} figures", comparison.source);
             Block::Details { summary, blocks: vec![table] }
         } else {
@@ -194,7 +194,7 @@ fn chapter_section(chapter: &Chapter) -> Section {
 }
 
 /// Comparisons with more figures are folded away.
-const LONG: usize = 20;
+const FOLDED_FIGURES: usize = 20;
 
 /// Header row of [`comparisons_csv`].
 pub const COMPARISONS_HEADER: &str =

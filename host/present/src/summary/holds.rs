@@ -183,7 +183,7 @@ fn candidate_table(hold: &HoldFit, signal: &str) -> Table {
         ]);
     }
     table.note(format!(
-        "Chosen: {}, the least BIC (Bayesian information criterion) among those whose every term the data tell.",
+        "Chosen: {}, the least BIC (Bayesian information criterion) among those whose every term is identifiable.",
         hold.fit.sum.terms.len()
     ))
 }

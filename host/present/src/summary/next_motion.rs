@@ -73,7 +73,7 @@ pub fn next_motion_section(proposed: &Proposed, path: &Path, signal: &str) -> Se
     };
     let words = format!(
         "{} holds {} s of motion that distinguish {}: if one of them is right, each other, refitted, leaves at least {} squares of \
-         the noise ({menu}; more than 10 tell).{told} Weighed: {weighed} motions (seed {SEED}), from {} mm off to {} mm deep, at most {} mm/s, {} {unit} and {} s.",
+         the noise ({menu}; more than 10 distinguish them).{told} Weighed: {weighed} motions (seed {SEED}), from {} mm off to {} mm deep, at most {} mm/s, {} {unit} and {} s.",
         path.display(),
         significant(trace.duration(), 3),
         listed(&proposed.members),

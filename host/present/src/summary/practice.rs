@@ -18,7 +18,7 @@ pub fn practice_sections(practice: &Practice, folder: &str) -> Vec<Section> {
     let section = Section::new("A practice set")
         .table(overview(&practice.traces))
         .paragraph(format!(
-            "In {folder}: {} traces of one made-up specimen that the base law does not tell all of. \
+            "In {folder}: {} traces of one made-up specimen that the base law alone does not describe. \
              The truth is in {SEALED}; seed {}.",
             practice.traces.len(),
             practice.truth.seed

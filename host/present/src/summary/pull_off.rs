@@ -8,7 +8,7 @@ use palpate_report::number::significant;
 use palpate_report::{Axis, Colour, Column, Plot, Section, Series, Table};
 
 /// Points of the curve of the law.
-const DRAWN: usize = 100;
+const CURVE_POINTS: usize = 100;
 
 /// How the contact of each cycle came off; none where nothing adheres.
 pub(super) fn pull_off_table(found: &Segmentation) -> Option<Table> {
@@ -106,8 +106,8 @@ fn growth_plot(growth: &Growth) -> Plot {
     .series(Series::points("measured", speeds.clone(), forces).colour(Colour::MEASURED));
     if let Ok(law) = &growth.law {
         let (first, last) = (speeds[0].ln(), speeds[speeds.len() - 1].ln());
-        let at = |k: usize| (first + (last - first) * k as f64 / DRAWN as f64).exp();
-        let speeds: Vec<f64> = (0..=DRAWN).map(at).collect();
+        let at = |k: usize| (first + (last - first) * k as f64 / CURVE_POINTS as f64).exp();
+        let speeds: Vec<f64> = (0..=CURVE_POINTS).map(at).collect();
         let forces = speeds.iter().map(|v| law.at(*v)).collect::<Vec<f64>>();
         plot = plot.series(Series::line("law", speeds, forces).colour(Colour::Hue(0)));
     }

@@ -14,7 +14,7 @@ const CLOSE_UP: f64 = 0.5;
 /// Residuals over noise from which on a hold counts as not described.
 const MISFIT: f64 = 1.3;
 /// Chance below which a test says that something differs.
-const UNLIKELY: f64 = 0.01;
+const SIGNIFICANCE_LEVEL: f64 = 0.01;
 
 /// Stiffness, strains, asymptotes and stiffening.
 #[must_use]
@@ -155,14 +155,14 @@ fn group_table(study: &Study) -> Table {
 fn group_words(group: &Group) -> String {
     let asymptotes = match group.asymptotes {
         None => "The asymptotes have no standard errors to compare them by.".to_owned(),
-        Some(test) if test.p_value >= UNLIKELY => format!(
+        Some(test) if test.p_value >= SIGNIFICANCE_LEVEL => format!(
             "The asymptotes of {} runs agree within their standard errors (p {}).",
             group.runs.len(),
             chance(test.p_value)
         ),
         Some(test) => {
             let along = match group.asymptote_trend {
-                Some(trend) if trend.p_value < UNLIKELY => "and they go with the rate",
+                Some(trend) if trend.p_value < SIGNIFICANCE_LEVEL => "and they go with the rate",
                 Some(_) => "without a trend that so few runs show",
                 None => "at too few rates to say whether along the rate",
             };
@@ -190,8 +190,8 @@ fn peak_words(group: &Group) -> String {
         if part.is_finite() { format!(", {} of it", percent(part, 2)) } else { String::new() },
         chance(trend.p_value)
     );
-    let differ = group.peaks.filter(|test| test.p_value < UNLIKELY);
-    let verdict = match (trend.p_value < UNLIKELY, differ) {
+    let differ = group.peaks.filter(|test| test.p_value < SIGNIFICANCE_LEVEL);
+    let verdict = match (trend.p_value < SIGNIFICANCE_LEVEL, differ) {
         (true, _) if trend.slope_n.0 > 0.0 => format!("The peak stiffens with the rate: {slope}."),
         (true, _) => format!("The peak falls with the rate: {slope}."),
         (false, Some(test)) => format!(
@@ -203,7 +203,7 @@ fn peak_words(group: &Group) -> String {
         }
         (false, None) => format!("A trend of the peak is not shown by so few runs: {slope}."),
     };
-    let off = trend.off_line.filter(|off| off.p_value < UNLIKELY).map(|off| {
+    let off = trend.off_line.filter(|off| off.p_value < SIGNIFICANCE_LEVEL).map(|off| {
         format!(
             " They lie off that line by more than their errors (χ² {} with {} degree{} of freedom, p {}): the change is no straight line over the logarithm of the rate, or runs differ by more than their noise.",
             significant(off.chi_square, 3),
@@ -221,7 +221,7 @@ pub fn warnings(study: &Study) -> Vec<String> {
     let alone = alone.then(|| {
         "Every displacement has one run only: nothing to compare over the rates.".to_owned()
     });
-    let stiffness = study.agreement.1.filter(|test| test.p_value < UNLIKELY).map(|_| {
+    let stiffness = study.agreement.1.filter(|test| test.p_value < SIGNIFICANCE_LEVEL).map(|_| {
         let of = study.runs.iter().map(|run| run.stiffness_pa.0);
         let (low, high) = of.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), k| (low.min(k), high.max(k)));
         format!(

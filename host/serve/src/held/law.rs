@@ -22,10 +22,10 @@ pub enum LawError {
     #[error("{0}")]
     Model(String),
     #[error(
-        "a hold of {law} is no sum of exponentials, so the signal alone does not tell how it goes on"
+        "a hold of {law} is no sum of exponentials, so the signal alone does not determine how it goes on"
     )]
     Form { law: String },
-    #[error("its effect `{0}` changes how it relaxes by what the gauges do not tell; drop it")]
+    #[error("its effect `{0}` changes how it relaxes by what the gauges do not measure; drop it")]
     Effect(String),
 }
 

@@ -6,9 +6,9 @@ use std::collections::VecDeque;
 pub(super) const BLOCK_S: f64 = 0.05;
 /// Differences kept, and fewest that tell the noise.
 const KEPT: usize = 120;
-const FEWEST: usize = 12;
+const MIN_MEANS: usize = 12;
 /// Least noise of a mean, µε: the smallest step of a strain on the line.
-const LEAST: f64 = 1.0 / 256.0;
+const MIN_NOISE_USTRAIN: f64 = 1.0 / 256.0;
 /// Median of the size of a normal variable of unit variance.
 const MEDIAN: f64 = 0.674_490;
 
@@ -64,13 +64,13 @@ impl Noise {
 
     /// Standard deviation of a mean over a block, µε; none while it is not known.
     pub(super) fn of_a_block(&self) -> Option<f64> {
-        if self.differences.len() < FEWEST {
+        if self.differences.len() < MIN_MEANS {
             return None;
         }
         let mut sizes: Vec<f64> = self.differences.iter().copied().collect();
         sizes.sort_by(f64::total_cmp);
         // A second difference has the variance 1 + 4 + 1.
         let deviation = sizes[sizes.len() / 2] / (MEDIAN * 6f64.sqrt());
-        Some(deviation.max(LEAST))
+        Some(deviation.max(MIN_NOISE_USTRAIN))
     }
 }

@@ -33,7 +33,7 @@ fn usual() -> usize {
 }
 
 /// Widest plot, pixels.
-const WIDEST: usize = 8192;
+const MAX_PIXELS: usize = 8192;
 
 /// Numbers of a drawing: its own, or a column of a trace that is shared with whoever fits it.
 #[derive(Clone, Debug)]
@@ -177,7 +177,7 @@ impl Drawing {
     pub fn json(&self, view: &View) -> Value {
         let whole = self.whole();
         let window = (view.from.unwrap_or(whole.0), view.to.unwrap_or(whole.1));
-        let width = view.width.clamp(1, WIDEST);
+        let width = view.width.clamp(1, MAX_PIXELS);
         let parts = self.parts(window, width);
         let broken = |k: usize| k > 0 && self.breaks.binary_search(&parts[k].start).is_ok();
         let mut time = Vec::with_capacity(2 * parts.len());

@@ -24,9 +24,9 @@ const FOREIGN: &str = "foreign";
 const MOST_FILES: usize = 1_000;
 const MOST_BYTES: u64 = 1 << 30;
 /// Letters of a name.
-const LONGEST: usize = 100;
+const MAX_NAME_LETTERS: usize = 100;
 /// Rows that a preview shows.
-const SHOWN: usize = 5;
+const PREVIEW_ROWS: usize = 5;
 
 /// What was dropped in a session.
 #[derive(Debug, Default)]
@@ -169,7 +169,7 @@ fn plain(name: &str) -> String {
     let fit = |c: char| if c.is_alphanumeric() || matches!(c, '.' | '-' | '_') { c } else { '_' };
     let fitting: Vec<char> = last.trim_start_matches('.').chars().map(fit).collect();
     // The end of a long name says what it is.
-    let name: String = fitting[fitting.len().saturating_sub(LONGEST)..].iter().collect();
+    let name: String = fitting[fitting.len().saturating_sub(MAX_NAME_LETTERS)..].iter().collect();
     if name.trim_matches('.').is_empty() { "file".into() } else { name }
 }
 
@@ -237,7 +237,7 @@ fn preview(imported: &Imported) -> Value {
         "columns": columns.iter().map(|(from, to)| json!({ "from": from, "to": to })).collect::<Vec<_>>(),
         "left_out": dropped.iter().map(|(name, why)| json!({ "name": name, "why": why })).collect::<Vec<_>>(),
         "names": names,
-        "head": (0..SHOWN.min(trace.len())).map(cells).collect::<Vec<_>>(),
+        "head": (0..PREVIEW_ROWS.min(trace.len())).map(cells).collect::<Vec<_>>(),
     })
 }
 
@@ -262,7 +262,7 @@ mod tests {
         ] {
             assert_eq!(plain(given), kept, "{given:?}");
         }
-        assert_eq!(plain(&format!("{}.csv", "x".repeat(300))).len(), LONGEST);
+        assert_eq!(plain(&format!("{}.csv", "x".repeat(300))).len(), MAX_NAME_LETTERS);
     }
 
     #[test]

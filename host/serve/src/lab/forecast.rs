@@ -12,7 +12,7 @@ use palpate_model::Model;
 use palpate_model::effects::find;
 
 /// Candidates that are drawn in the list.
-const DRAWN: usize = 12;
+const MAX_DRAWN: usize = 12;
 /// Columns of such a picture.
 const COLUMNS: usize = 120;
 
@@ -89,7 +89,8 @@ pub fn candidates(
         .enumerate()
         .map(|(place, &(index, gain))| {
             let name = &diagnosis.candidates[index].name;
-            let drawn = (place < DRAWN && gain > 0.0).then(|| Forecast::new(diagnosis, data, name));
+            let drawn =
+                (place < MAX_DRAWN && gain > 0.0).then(|| Forecast::new(diagnosis, data, name));
             let forecast = drawn.flatten();
             let mut found = described(name, model);
             found["gain_foretold"] = gain.into();

@@ -9,7 +9,7 @@ use palpate_diagnose::criticism::region::{Region, regions};
 use palpate_trace::Trace;
 
 /// Samples from which the regions of a trace are found on a thread of their own.
-const LONG: usize = 200_000;
+const OWN_THREAD_FROM: usize = 200_000;
 
 /// A stretch of time in one region: first and last sample, s.
 type Span = (f64, f64, Region);
@@ -29,7 +29,7 @@ impl Spans {
     #[must_use]
     pub fn of_set(traces: &Arc<Vec<Trace>>) -> Vec<Self> {
         let of = |index: usize| {
-            if traces[index].len() < LONG {
+            if traces[index].len() < OWN_THREAD_FROM {
                 return Self(Arc::new(of_trace(&traces[index]).into()));
             }
             let (spans, traces) = (Self::default(), traces.clone());
@@ -97,9 +97,10 @@ mod tests {
 
     #[test]
     fn a_long_trace_is_there_before_its_regions_are() {
-        let time: Vec<f64> = (0..LONG).map(|k| k as f64).collect();
+        let time: Vec<f64> = (0..OWN_THREAD_FROM).map(|k| k as f64).collect();
         let mut trace = Trace { time, ..Trace::default() };
-        let displacement = trace.time.iter().map(|t| (t / LONG as f64).min(0.5) - 0.1).collect();
+        let displacement =
+            trace.time.iter().map(|t| (t / OWN_THREAD_FROM as f64).min(0.5) - 0.1).collect();
         trace.set_column(palpate_trace::DISPLACEMENT, displacement);
         let spans = Spans::of_set(&Arc::new(vec![trace])).remove(0);
         let known = spans.0.wait();

@@ -14,13 +14,13 @@ use palpate_link::device::session::LinkError;
 /// What is shown is of the last so many seconds.
 const WINDOW_S: f64 = 1.0;
 /// It is told so often.
-const TELL: Duration = Duration::from_millis(200);
+const UPDATE_INTERVAL: Duration = Duration::from_millis(200);
 /// Longest average, s.
 const LONGEST_S: f64 = 60.0;
 /// Averages that may be wanted at once.
-const MOST: usize = 4;
+const MAX_AVERAGES: usize = 4;
 /// Nothing came for so long while an average is taken: the converter stands still.
-const PATIENCE: Duration = Duration::from_secs(2);
+const STANDSTILL: Duration = Duration::from_secs(2);
 
 /// Where an average goes.
 pub(super) type Answer = oneshot::Sender<Result<Value, String>>;
@@ -51,7 +51,7 @@ impl Counts {
         let wrong = |words: &str| Err(words.to_owned());
         let refusal = if !(seconds > 0.0 && seconds <= LONGEST_S) {
             wrong("give a time above 0, up to 60 s, to average over")
-        } else if self.averages.len() >= MOST {
+        } else if self.averages.len() >= MAX_AVERAGES {
             wrong("other averages are still being taken; wait for them")
         } else {
             let (over_s, heard) = (seconds, Instant::now());
@@ -80,7 +80,7 @@ impl Counts {
             let told = json!({ "command": null, "result": summary(&average.rows) });
             let _ = average.answer.send(Ok(told));
         }
-        if self.told.elapsed() < TELL {
+        if self.told.elapsed() < UPDATE_INTERVAL {
             return None;
         }
         self.told = Instant::now();
@@ -89,7 +89,7 @@ impl Counts {
 
     /// Gives up averages that no rows come for.
     pub(super) fn tick(&mut self) {
-        let late = |average: &mut Average| average.heard.elapsed() > PATIENCE;
+        let late = |average: &mut Average| average.heard.elapsed() > STANDSTILL;
         for average in self.averages.extract_if(.., late) {
             let _ = average.answer.send(Err(LinkError::NoRows.to_string()));
         }
@@ -178,7 +178,7 @@ mod tests {
         for wrong in [0.0, -1.0, f64::NAN, 1e9] {
             assert!(ask(&mut counts, wrong).try_recv().unwrap().is_err(), "{wrong}");
         }
-        let mut waiting: Vec<_> = (0..MOST).map(|_| ask(&mut counts, 10.0)).collect();
+        let mut waiting: Vec<_> = (0..MAX_AVERAGES).map(|_| ask(&mut counts, 10.0)).collect();
         assert!(ask(&mut counts, 10.0).try_recv().unwrap().unwrap_err().contains("wait"));
         counts.end("the device is gone");
         for answered in &mut waiting {

@@ -32,7 +32,7 @@ const SLICE: Duration = Duration::from_millis(10);
 /// A device that says nothing for so long is gone: a status comes every second.
 const SILENCE: Duration = Duration::from_millis(2_500);
 /// A device may take so long to answer when it is there again.
-const PATIENCE: Duration = Duration::from_millis(750);
+const ANSWER_WITHIN: Duration = Duration::from_millis(750);
 /// Between two attempts to open a port that went away.
 const PAUSE: Duration = Duration::from_millis(100);
 
@@ -73,7 +73,7 @@ impl Feed {
     pub(super) fn run(mut self, session: Option<Session>) {
         let mut next = session;
         while !self.is_over() {
-            match next.take().map_or_else(|| Session::open(&self.port, PATIENCE), Ok) {
+            match next.take().map_or_else(|| Session::open(&self.port, ANSWER_WITHIN), Ok) {
                 Ok(session) => {
                     if let Err(error) = self.converse(session) {
                         self.lose(&error);

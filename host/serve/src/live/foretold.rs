@@ -13,7 +13,7 @@ use palpate_report::number::{significant, typographic, with_error};
 /// Holds kept; older ones are forgotten first.
 const HOLDS: usize = 4_096;
 /// Holds that a page is told with each message: the last of each gauge, and those before.
-const TOLD: usize = 4 * GAUGES;
+const MAX_HOLDS: usize = 4 * GAUGES;
 
 /// A model that was named.
 #[derive(Clone, Debug)]
@@ -120,7 +120,7 @@ impl Foretold {
     /// As the page reads it, with the last holds.
     #[must_use]
     pub fn json(&self) -> Value {
-        let last = self.holds.range(self.holds.len().saturating_sub(TOLD)..);
+        let last = self.holds.range(self.holds.len().saturating_sub(MAX_HOLDS)..);
         json!({
             "law": self.law,
             "gauges": self.gauges,
@@ -217,9 +217,9 @@ fn failure_words(holds: &[(usize, &Hold)]) -> Option<String> {
     });
     let less = failed.iter().filter(|(_, failure, _)| failure.changes_less).count();
     let change = match less {
-        0 => "The signal changes more than the model says",
-        _ if less == failed.len() => "The signal changes less than the model says",
-        _ => "The signal changes more than the model says at some gauges and less at others",
+        0 => "The signal changes more than the model predicts",
+        _ if less == failed.len() => "The signal changes less than the model predicts",
+        _ => "The signal changes more than the model predicts at some gauges and less at others",
     };
     let acting = first.acting.map_or(String::new(), |acting| {
         format!(", first while its part of {} s relaxed", typographic(&significant(acting, 2)))
@@ -243,7 +243,7 @@ mod tests {
             told.keep(json!({ "from_s": begin, "to_s": begin + 0.5 }));
         }
         assert_eq!(told.holds.len(), HOLDS);
-        assert_eq!(told.json()["holds"].as_array().unwrap().len(), TOLD);
+        assert_eq!(told.json()["holds"].as_array().unwrap().len(), MAX_HOLDS);
         let found = told.holds_of(100.4, 101.2);
         assert_eq!(found.iter().map(|hold| &hold["from_s"]).collect::<Vec<_>>(), [100.0, 101.0]);
         assert!(told.holds_of(0.0, 9.4).is_empty());

@@ -1,13 +1,12 @@
 //! `palpate device calibrate`: gain and offset of gauges.
 
-use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::device::calibrate::Calibrated;
 
 /// Gain and offset of the gauges that were calibrated.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct CalibrationAnswer {
     /// Version of this answer.
     pub palpate_calibration: u32,
@@ -16,8 +15,8 @@ pub struct CalibrationAnswer {
 }
 
 /// Gain and offset of one gauge: strain = gain (counts − offset).
-#[derive(Clone, Copy, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct CalibratedAnswer {
     /// The gauge, 1 to 4.
     pub gauge: u8,

@@ -2,7 +2,6 @@
 
 use std::path::Path;
 
-use schemars::JsonSchema;
 use serde::Serialize;
 use shared::wire::{Settings, Status};
 
@@ -11,8 +10,8 @@ use crate::device::describe::{clock_in_words, kept_in_words, reset_in_words};
 use crate::device::heard::Identity;
 
 /// Who a device is, its settings, and what it lost.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct DeviceAnswer {
     /// Version of this answer.
     pub palpate_device: u32,
@@ -29,8 +28,8 @@ pub struct DeviceAnswer {
 }
 
 /// Who a device is.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct IdentityAnswer {
     /// The board; `simulated` for a device without hardware.
     pub board: String,

@@ -1,14 +1,13 @@
 //! `palpate device list`: which ports have a device.
 
-use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::IdentityAnswer;
 use crate::device::discover::Found;
 
 /// The ports that were asked.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct PortsAnswer {
     /// Version of this answer.
     pub palpate_devices: u32,
@@ -17,8 +16,8 @@ pub struct PortsAnswer {
 }
 
 /// A port, and who is there.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct PortAnswer {
     /// The port.
     pub port: String,

@@ -4,7 +4,6 @@ use std::path::Path;
 
 use palpate_analysis::events::name;
 use palpate_trace::recording::parts;
-use schemars::JsonSchema;
 use serde::Serialize;
 use shared::pipeline::GAUGES;
 use shared::wire::Felt;
@@ -12,8 +11,8 @@ use shared::wire::Felt;
 use crate::device::record::View;
 
 /// How a recording goes, once a second.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct SecondAnswer {
     /// How it goes.
     #[serde(flatten)]
@@ -23,8 +22,8 @@ pub struct SecondAnswer {
 }
 
 /// How a recording went: the last object.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct RecordedAnswer {
     /// The recording.
     pub file: String,
@@ -36,7 +35,8 @@ pub struct RecordedAnswer {
 }
 
 /// What came of a stream and what did not, so far.
-#[derive(Clone, Copy, Debug, Serialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct ViewAnswer {
     /// Time since the recording began, s.
     pub time_s: f64,
@@ -67,8 +67,8 @@ pub struct ViewAnswer {
 }
 
 /// Parts of the strain of one gauge.
-#[derive(Clone, Copy, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct PartsAnswer {
     /// Fast-adapting part FA, µε.
     pub fa_ustrain: f64,
@@ -77,8 +77,8 @@ pub struct PartsAnswer {
 }
 
 /// An event that the device felt.
-#[derive(Clone, Copy, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct EventAnswer {
     /// What happened: `touch`, `release` or `slip`.
     pub event: &'static str,

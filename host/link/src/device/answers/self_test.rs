@@ -1,6 +1,5 @@
 //! `palpate device self-test`: what the device's test of itself found.
 
-use schemars::JsonSchema;
 use serde::Serialize;
 use shared::pipeline::GAUGES;
 use shared::wire::{SelfTest, Settings};
@@ -8,8 +7,8 @@ use shared::wire::{SelfTest, Settings};
 use crate::device::self_test::{Check, checks, faults, noise};
 
 /// What a device's test of itself found.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct SelfTestAnswer {
     /// Whether nothing is wrong.
     pub passed: bool,

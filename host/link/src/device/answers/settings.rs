@@ -1,6 +1,5 @@
 //! `palpate device set`, `palpate device tare`: the settings of a device.
 
-use schemars::JsonSchema;
 use serde::Serialize;
 use shared::adaptation::Relaxation;
 use shared::fixed::microstrain;
@@ -10,8 +9,8 @@ use shared::wire::Settings;
 use crate::device::change::{Threshold, rate_hz};
 
 /// The settings after a change.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct SetAnswer {
     /// Version of this answer.
     pub palpate_settings: u32,
@@ -22,8 +21,8 @@ pub struct SetAnswer {
 }
 
 /// The zero after a tare.
-#[derive(Clone, Copy, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct TareAnswer {
     /// Version of this answer.
     pub palpate_tare: u32,
@@ -34,8 +33,8 @@ pub struct TareAnswer {
 }
 
 /// The settings of a device.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct SettingsAnswer {
     /// Sample rate, Hz.
     pub rate_hz: f64,
@@ -48,8 +47,8 @@ pub struct SettingsAnswer {
 }
 
 /// The relaxation function g(t) = c0 + c1 exp(−v1 t) + c2 exp(−v2 t), eq. 3.4, with c0 = 1 − c1 − c2.
-#[derive(Clone, Copy, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct RelaxationAnswer {
     /// Share of the fast term, 0 to 1.
     pub c1: f64,
@@ -62,9 +61,9 @@ pub struct RelaxationAnswer {
 }
 
 /// Thresholds of the regions of a grasp.
-#[derive(Clone, Copy, Debug, Serialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 #[serde(rename_all = "kebab-case")]
-#[schemars(deny_unknown_fields)]
 pub struct ThresholdsAnswer {
     /// Strain at or above which there is contact, µε.
     pub touch: f64,
@@ -85,8 +84,8 @@ pub struct ThresholdsAnswer {
 }
 
 /// Gain, calibration and zero of one gauge: strain = gain (counts − offset), compensated for temperature, less the tare.
-#[derive(Clone, Copy, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct GaugeAnswer {
     /// Gain of the converter: a power of two, 1 to 128.
     pub gain: u8,

@@ -1,6 +1,5 @@
 //! How a device is, and what it lost.
 
-use schemars::JsonSchema;
 use serde::Serialize;
 use shared::fixed::celsius;
 use shared::wire::{Counters, Source, Status};
@@ -8,8 +7,8 @@ use shared::wire::{Counters, Source, Status};
 use crate::device::refusal::Fault;
 
 /// How a device is.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct StatusAnswer {
     /// What was lost since the reset.
     pub counters: CountersAnswer,
@@ -26,7 +25,8 @@ pub struct StatusAnswer {
 }
 
 /// Where the rows of a stream come from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum SourceAnswer {
     /// The converter.
@@ -36,8 +36,8 @@ pub enum SourceAnswer {
 }
 
 /// What was lost, stage by stage, since the reset. Each count stops at the largest number of 32 bits.
-#[derive(Clone, Copy, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct CountersAnswer {
     /// Conversions whose data-ready edge was not seen, or came while one was read.
     pub conversions_missed: u32,

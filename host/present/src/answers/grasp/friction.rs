@@ -1,14 +1,13 @@
 //! `palpate grasp friction`: friction and pressure from a recorded slide.
 
 use palpate_contact::grasp::friction::Friction;
-use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::answers::finite;
 
 /// Coefficient of friction and exponent of the pressure from a slide.
-#[derive(Clone, Copy, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct GraspFrictionAnswer {
     /// Version of this answer.
     pub palpate_grasp_friction: u32,

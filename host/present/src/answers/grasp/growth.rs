@@ -1,12 +1,11 @@
 //! `palpate grasp growth`: a limit surface that grows under creep or shrinks under relaxation.
 
 use palpate_contact::grasp::Grown;
-use schemars::JsonSchema;
 use serde::Serialize;
 
 /// What a held contact carries over time.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct GraspGrowthAnswer {
     /// Version of this answer.
     pub palpate_grasp_growth: u32,
@@ -15,8 +14,8 @@ pub struct GraspGrowthAnswer {
 }
 
 /// What a held contact carries at one time.
-#[derive(Clone, Copy, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct GrownAnswer {
     /// Time since the hold began, s.
     pub time_s: f64,

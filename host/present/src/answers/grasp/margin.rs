@@ -2,14 +2,13 @@
 
 use palpate_contact::grasp::{History, Slip};
 use palpate_trace::Trace;
-use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::answers::finite;
 
 /// The margin until slip over recordings.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct GraspMarginAnswer {
     /// Version of this answer.
     pub palpate_grasp_margin: u32,
@@ -18,8 +17,8 @@ pub struct GraspMarginAnswer {
 }
 
 /// The margin over one trace: the factor by which the load could grow until the contact slips.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct MarginHistoryAnswer {
     /// Name of the trace.
     pub trace: String,
@@ -46,8 +45,8 @@ pub struct MarginHistoryAnswer {
 }
 
 /// A stretch of time over which the contact slips.
-#[derive(Clone, Copy, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct SlipAnswer {
     /// When it begins, s.
     pub from_s: f64,

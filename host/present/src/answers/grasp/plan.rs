@@ -2,15 +2,14 @@
 
 use palpate_contact::grasp::balance::Share;
 use palpate_contact::grasp::{Balance, BalanceError, Hand, Instant, Least};
-use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::answers::finite;
 use crate::summary::{Forecast, HandPlan};
 
 /// How a hand is to grasp an object.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct GraspPlanAnswer {
     /// Version of this answer.
     pub palpate_grasp_plan: u32,
@@ -35,7 +34,8 @@ pub struct GraspPlanAnswer {
 }
 
 /// What is made least.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum LeastAnswer {
     /// The sum of the normal forces.
@@ -45,7 +45,8 @@ pub enum LeastAnswer {
 }
 
 /// Forces that balance a load, or why there are none.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(untagged)]
 pub enum BalanceAnswer {
     /// Forces that balance it.
@@ -55,8 +56,8 @@ pub enum BalanceAnswer {
 }
 
 /// Forces that balance a load.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct BalancedAnswer {
     /// The normal force that was made least, N, or the factor of the load; null where it is not finite.
     pub value: Option<f64>,
@@ -67,8 +68,8 @@ pub struct BalancedAnswer {
 }
 
 /// No forces balance a load.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct UnbalancedAnswer {
     /// Always null.
     pub value: (),
@@ -77,8 +78,8 @@ pub struct UnbalancedAnswer {
 }
 
 /// What one finger does to the object.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct FingerAnswer {
     /// Name of the finger.
     pub finger: String,
@@ -96,8 +97,8 @@ pub struct FingerAnswer {
 }
 
 /// How a grip goes on over time.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct GraspForecastAnswer {
     /// From when it is looked ahead, s since the grasp was made.
     pub from_s: f64,
@@ -115,8 +116,8 @@ pub struct GraspForecastAnswer {
 }
 
 /// Grip and margin at one time.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct InstantAnswer {
     /// Time since the grasp was made, s.
     pub time_s: f64,

@@ -1,15 +1,14 @@
 //! `palpate grasp surface`: a limit surface.
 
 use palpate_contact::grasp::{Contact, Load, Margin, Shape, SurfacePoint};
-use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::answers::finite;
 use crate::summary::SurfaceSummary;
 
 /// The limit surface of a contact and, where a load is given, its margin.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct GraspSurfaceAnswer {
     /// Version of this answer.
     pub palpate_grasp_surface: u32,
@@ -33,8 +32,8 @@ pub struct GraspSurfaceAnswer {
 }
 
 /// How a contact lies and presses.
-#[derive(Clone, Copy, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct ContactAnswer {
     /// Shape and sizes.
     pub contact: ContactShapeAnswer,
@@ -47,9 +46,9 @@ pub struct ContactAnswer {
 }
 
 /// Shape of a contact, centred in the middle, its axes along x and y.
-#[derive(Clone, Copy, Debug, Serialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 #[serde(tag = "shape", rename_all = "lowercase")]
-#[schemars(deny_unknown_fields)]
 pub enum ContactShapeAnswer {
     /// A rectangle whose pressure varies along x (eq. 6.10).
     Rectangle {
@@ -73,8 +72,8 @@ pub enum ContactShapeAnswer {
 }
 
 /// A load on a contact and how far it is from slip.
-#[derive(Clone, Copy, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct GraspLoadAnswer {
     /// Tangential force along x and y, N.
     #[serde(rename = "force_N")]
@@ -91,8 +90,8 @@ pub struct GraspLoadAnswer {
 }
 
 /// One point of a limit surface.
-#[derive(Clone, Copy, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct SurfacePointAnswer {
     /// Velocity of the middle of the contact along x and y, mm/s.
     pub velocity: [f64; 2],

@@ -1,14 +1,13 @@
 //! `palpate grasp watch`: the margin as it comes, one answer a line.
 
 use palpate_contact::grasp::live::{Hold, Reading};
-use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::answers::finite;
 
 /// How a grasp is at one time.
-#[derive(Clone, Copy, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct GraspWatchAnswer {
     /// Version of this answer.
     pub palpate_grasp_reading: u32,
@@ -31,7 +30,8 @@ pub struct GraspWatchAnswer {
 }
 
 /// How a grasp is, in a word.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum GraspState {
     /// Nothing is held.
@@ -45,8 +45,8 @@ pub enum GraspState {
 }
 
 /// Forces and margin, now or once settled.
-#[derive(Clone, Copy, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct GraspHoldAnswer {
     /// Normal force, N.
     #[serde(rename = "normal_N")]

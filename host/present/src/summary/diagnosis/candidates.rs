@@ -72,7 +72,7 @@ impl DiagnosisSummary<'_> {
             table = table.row(cells);
         }
         let table = table.note(
-            "Foretold: fall of the whitened sum of squares by the score test, before any refit, for the \
+            "Predicted: fall of the whitened sum of squares by the score test, before any refit, for the \
              model without the effects found. p value: chance that noise alone shows as much anywhere \
              in the library. Refitted: the error of the best few after a refit, each in the place of an \
              effect found and beside the others found; behind: to the best in that place.",

@@ -74,7 +74,7 @@ impl DiagnosisSummary<'_> {
                 let sets: Vec<String> =
                     undecided.map(|step: &Step| listed(&step.credible, "or")).collect();
                 let text = format!(
-                    "{noise} But these traces do not tell whether it is {}.",
+                    "{noise} But these traces do not distinguish whether it is {}.",
                     sets.join(", and whether it is ")
                 );
                 (Callout::Warning, text)

@@ -49,7 +49,7 @@ impl DiagnosisSummary<'_> {
         }
     }
 
-    /// What is left over the quantity it depends on most, each way by itself.
+    /// The mean residual over the quantity it depends on most, each way by itself.
     fn curve_plot(&self, curve: &LeftoverCurve) -> Plot {
         let unit = self.unit();
         let name = curve.covariate.name();
@@ -59,7 +59,7 @@ impl DiagnosisSummary<'_> {
         };
         let split = !curve.loading.is_empty() && !curve.unloading.is_empty();
         Plot::new(
-            format!("What is left over the {name}"),
+            format!("Mean residual over the {name}"),
             Axis::new(name, curve.covariate.unit(unit)),
             Axis::new("mean residual", unit),
         )

@@ -87,7 +87,7 @@ fn method(resampling: u64) -> String {
          by a score test of what its sensitivity has beyond the model's own parameters; below {} of its \
          size it counts as absorbed. The chance of the largest score anywhere in the library comes from \
          {DRAWS} draws of noise (seed {}). The best are refitted, and the Bayesian information criterion \
-         on whitened residuals decides; {RESAMPLES} resamplings of blocks of the data (seed {}) tell how \
+         on whitened residuals decides; {RESAMPLES} resamplings of blocks of the data (seed {}) show how \
          firmly. Then the same for what is left, and of every effect found it is asked again whether it is \
          needed and whether another would do better.",
         percent(ABSORBED, 1),

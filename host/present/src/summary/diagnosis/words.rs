@@ -192,7 +192,7 @@ impl DiagnosisSummary<'_> {
     pub(super) fn experiment_in_words(&self) -> Option<(String, Option<String>)> {
         let experiment = self.next_experiment()?;
         let experiment = experiment.trim_end_matches('.');
-        Some((format!("The experiment that would tell: {experiment}."), None))
+        Some((format!("The experiment that would decide: {experiment}."), None))
     }
 
     /// What to do next: a sentence, and the command where there is one.
@@ -244,7 +244,7 @@ impl DiagnosisSummary<'_> {
     pub(super) fn law_of_ones_own(&self) -> (String, Option<String>) {
         let begin = match self.curve() {
             Some(curve) => format!(
-                "here the curve of what is left over the {} ({} of it)",
+                "here the curve of the mean residual over the {} ({} of it)",
                 curve.covariate.name(),
                 percent(curve.explained, 2)
             ),

@@ -7,7 +7,7 @@ use palpate_contact::grasp::friction::Friction;
 use palpate_report::number::{percent, significant};
 use palpate_report::{Callout, Column, Section, Table};
 
-/// μ, k and how much of a mix the slide had. `law` was taken where it tells no k.
+/// μ, k and how much of a mix the slide had. `law` was taken where it does not determine k.
 #[must_use]
 pub fn friction_sections(found: &Friction, law: PressureLaw) -> Vec<Section> {
     let columns = vec![Column::text(""), Column::text("value")];

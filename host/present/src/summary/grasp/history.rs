@@ -7,10 +7,10 @@ use palpate_report::{Axis, Callout, Colour, Column, Plot, Section, Series, Table
 use palpate_trace::Trace;
 
 /// Share above which the plot is cut off: far beyond slip.
-const DRAWN: f64 = 3.0;
+const MAX_DRAWN_SHARE: f64 = 3.0;
 
 /// Slips shown of one trace at most.
-const SHOWN: usize = 10;
+const MAX_SHOWN_SLIPS: usize = 10;
 
 /// Smallest margin and slips of every trace, and the share used over time.
 #[must_use]
@@ -74,7 +74,7 @@ fn slip_table(trace: &Trace, history: &History) -> Table {
         Column::text("before"),
     ];
     let mut table = Table::new(format!("Slips of {}", trace.label()), columns);
-    for (index, slip) in history.slips.iter().take(SHOWN).enumerate() {
+    for (index, slip) in history.slips.iter().take(MAX_SHOWN_SLIPS).enumerate() {
         table = table.row([
             (index + 1).to_string(),
             format!("{:.4}", slip.from),
@@ -82,14 +82,14 @@ fn slip_table(trace: &Trace, history: &History) -> Table {
             if slip.from_touch { "no contact" } else { "held" }.to_owned(),
         ]);
     }
-    match history.slips.len().saturating_sub(SHOWN) {
+    match history.slips.len().saturating_sub(MAX_SHOWN_SLIPS) {
         0 => table,
         more => table.note(format!("{more} more")),
     }
 }
 
 fn plot(trace: &Trace, history: &History) -> Plot {
-    let cut = |used: &[f64]| used.iter().map(|used| used.min(DRAWN)).collect::<Vec<_>>();
+    let cut = |used: &[f64]| used.iter().map(|used| used.min(MAX_DRAWN_SHARE)).collect::<Vec<_>>();
     let drawn = |used: &[f64]| -> Vec<f64> {
         // `min` would take the number where there is none.
         used.iter()

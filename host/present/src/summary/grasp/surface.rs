@@ -8,7 +8,7 @@ use palpate_report::number::significant;
 use palpate_report::{Axis, Callout, Colour, Column, Plot, Section, Series, Table};
 
 /// Points of a drawn curve.
-const DRAWN: usize = 81;
+const CURVE_POINTS: usize = 81;
 
 /// A limit surface and, if there is one, a load with its margin.
 #[derive(Clone, Copy, Debug)]
@@ -87,7 +87,7 @@ impl SurfaceSummary<'_> {
             Axis::new("moment about the normal", "N mm"),
         );
         let curve = |name: &str, angle: f64, hue: usize| {
-            let points = limit_curve(self.contact, limit, angle, DRAWN);
+            let points = limit_curve(self.contact, limit, angle, CURVE_POINTS);
             let force: Vec<f64> = points.iter().map(|point| point.load.tangential()).collect();
             let moment: Vec<f64> = points.iter().map(|point| point.load.moment).collect();
             Series::line(name, force, moment).colour(Colour::Hue(hue))

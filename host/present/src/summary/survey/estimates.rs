@@ -12,7 +12,7 @@ const MOST_DRAWN: usize = 8;
 const MOST_BARS: usize = 40;
 const IN_A_BAR: usize = 5;
 /// Fewest values that make a distribution.
-const FEWEST: usize = 8;
+const MIN_VALUES: usize = 8;
 
 /// Distributions, what lies far out, drift; nothing where there are no numbers.
 pub(super) fn sections(overview: &Overview) -> Vec<Section> {
@@ -20,7 +20,8 @@ pub(super) fn sections(overview: &Overview) -> Vec<Section> {
         return Vec::new();
     }
     let mut first = Section::new("Estimates").table(table(overview));
-    let drawn = overview.kinds.iter().filter(|kind| kind.values.len() >= FEWEST).take(MOST_KINDS);
+    let drawn =
+        overview.kinds.iter().filter(|kind| kind.values.len() >= MIN_VALUES).take(MOST_KINDS);
     let figures: Vec<Block> = drawn.map(distribution).collect();
     let (shown, folded) = figures.split_at(figures.len().min(MOST_DRAWN));
     first.blocks.extend(shown.iter().cloned());

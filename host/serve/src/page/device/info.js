@@ -50,7 +50,7 @@ export function infoPanel(desk) {
       say(list, "clock", device.clock);
       say(list, "reset cause", device.reset);
       if (device.panic) say(list, "last panic", device.panic, true);
-      say(list, "converter", `${status.converter ?? "as it should be"}, clock ${number(device.converter_clock_hz / 1e6)} MHz`, Boolean(status.converter));
+      say(list, "converter", `${status.converter ?? "OK"}, clock ${number(device.converter_clock_hz / 1e6)} MHz`, Boolean(status.converter));
       const now = state.streaming ? `now ${figure(state.rate_hz, 1)} Hz${desk.isReplay ? ", as fast as the trace" : ""}` : "the stream is stopped";
       say(list, "rate", `set ${number(settings.rate_hz, 6)} Hz, ${now}`);
       const celsius = status.temperature_celsius;

@@ -48,10 +48,12 @@ function parameters(of, choices) {
   const head = h("tr", {}, ["of", "parameter", "value", "standard error", "unit"].map((name, k) => h("th", { scope: "col", class: k === 2 || k === 3 ? "lab-number" : null }, name)));
   const body = rows.flatMap(([name, list]) => Object.entries(list).map(row(name)));
   const law = formula(of.base, choices);
+  const drawing = choices.laws.find((known) => known.name === of.base.law)?.drawing;
   return h(
     "div",
     { class: "lab-scroll" },
     law ? h("p", { class: "lab-formula" }, h("strong", {}, of.base.law), " ", h("span", {}, symbols(law))) : null,
+    drawing ? h("pre", { class: "lab-drawing", "aria-hidden": "true" }, drawing) : null,
     h("table", { class: "lab-parameters" }, h("thead", {}, head), h("tbody", {}, body)),
   );
 }

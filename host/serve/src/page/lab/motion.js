@@ -15,12 +15,12 @@ export function motion(found) {
   const [displacement, ...rest] = columns.filter(({ name }) => name === "displacement_mm").concat(columns.filter(({ name }) => name !== "displacement_mm"));
   const predicted = rest.filter(({ name }) => found.tells_apart.some((member) => name.startsWith(`${member.replaceAll("-", "_")}_`)));
   const unit = predicted[0]?.name.split("_").at(-1) ?? "";
-  const told = found.pairs_told < found.pairs ? ` Of ${found.pairs} pairs it tells ${found.pairs_told}.` : "";
+  const told = found.pairs_told < found.pairs ? ` Of ${found.pairs} pairs it distinguishes ${found.pairs_told}.` : "";
   const lines = predicted.map(({ values }, index) => ({ kind: `trace-${index % KEYS.length}`, x: time, y: values, name: found.tells_apart[index] }));
   return h(
     "div",
     {},
-    h("p", {}, `${number(found.duration_s)} s of motion that distinguish ${found.tells_apart.join(", ")}: if one is right, each other, refitted, leaves at least ${number(found.separates)} squares of the noise (more than 10 tell).${told}`),
+    h("p", {}, `${number(found.duration_s)} s of motion that distinguish ${found.tells_apart.join(", ")}: if one is right, each other, refitted, leaves at least ${number(found.separates)} squares of the noise (more than 10 distinguish them).${told}`),
     h(
       "div",
       { class: "lab-charts" },

@@ -58,7 +58,7 @@ export function healthPanel(root) {
       if (status) {
         const celsius = status.temperature_celsius;
         line(list, "temperature", celsius === null ? "no sensor" : `${celsius.toFixed(1)} °C`);
-        line(list, "converter", status.converter ?? "as it should be", Boolean(status.converter));
+        line(list, "converter", status.converter ?? "OK", Boolean(status.converter));
         for (const [key, words] of Object.entries(COUNTERS)) line(lost, words, number(status.counters[key]), status.counters[key] > 0);
       }
       const who = health.device;
