@@ -89,6 +89,7 @@ const CALLS: &[(&str, &str)] = &[
     ("sensor-slip", "sensor slip"),
     ("strain-rate", "strain-rate --modulus 2.8e4 --order free ball.csv"),
     ("strain-rate", "strain-rate --modulus 2.8e4 --simulate 8 ball.csv"),
+    ("survey-population", "survey population fitted"),
     ("survey-report", "survey report segmented"),
     ("survey-report", "survey report diagnosed"),
 ];

@@ -84,7 +84,7 @@ pub use sensor::{
 };
 pub(crate) use sensor::{spectrum_figure, tones_figure};
 pub use strain_rate::strain_rate_sections;
-pub use survey::survey_sections;
+pub use survey::{population_sections, survey_sections};
 pub use terms::number_table;
 pub use whole_motion::FitSummary;
 
