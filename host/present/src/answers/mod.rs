@@ -75,7 +75,7 @@ pub use grasp::{
 };
 pub use holds::{CorrelationAnswer, HoldFitAnswer, HoldParameter, HoldsAnswer, SpreadAnswer};
 pub use markers::{GapAnswer, MarkersAnswer};
-pub use next_motion::{NextMotionAnswer, RigAnswer};
+pub use next_motion::{InformedParameter, NextMotionAnswer, RigAnswer};
 pub use population::{
     LeftOutOfPopulation, PopulationAnswer, PopulationEffect, PopulationParameter, SpreadInPopulation,
     ValueInterval,
