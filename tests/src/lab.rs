@@ -117,7 +117,7 @@ fn practice(folder: &Path) {
     done(folder, &["fit", "fung", "stress", "--signal", "stress_kPa", "-o", "stress.toml"]);
 }
 
-/// A survey of eleven days, the last without a trace, and one of a specimen that lacks an effect in its model.
+/// Surveys of eleven days, the last without a trace: their regions, and fits of each as a specimen; and one of a specimen that lacks an effect in its model.
 fn surveys(lab: &Path) {
     let put = |from: &Path, day: usize| {
         let folder = lab.join(format!("days/date={day}"));
@@ -130,6 +130,8 @@ fn surveys(lab: &Path) {
     put(&bundled("press.csv"), 10);
     put(&lab.join("model.toml"), 11);
     done(lab, &["survey", "segment", "days", "--by", "date", "-o", "segmented"]);
+    let fit = ["survey", "fit", "fung", "days", "--by", "folder", "--terms", "1", "-o", "fitted"];
+    done(lab, &fit);
     done(lab, &["hide", "mullins", "--seed", "7", "-o", "practice"]);
     done(lab, &["fit", "fung", "practice", "-o", "practice.toml"]);
     fs::create_dir_all(lab.join("softened/date=1")).unwrap();

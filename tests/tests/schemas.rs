@@ -24,6 +24,7 @@ const CALLS: &[(&str, &str)] = &[
     ("creep", "creep held.csv --terms 3 --cutoff 20"),
     ("decompose", "decompose traces"),
     ("diagnose", "diagnose --model few.toml few"),
+    ("diagnose", "diagnose --model few.toml few --next next.csv --for v1,c2"),
     ("discover", "discover --model few.toml few"),
     ("drop", "drop mullins better.toml traces"),
     ("effects-check", "effects --check laws.toml"),
@@ -89,6 +90,7 @@ const CALLS: &[(&str, &str)] = &[
     ("sensor-slip", "sensor slip"),
     ("strain-rate", "strain-rate --modulus 2.8e4 --order free ball.csv"),
     ("strain-rate", "strain-rate --modulus 2.8e4 --simulate 8 ball.csv"),
+    ("survey-population", "survey population fitted"),
     ("survey-report", "survey report segmented"),
     ("survey-report", "survey report diagnosed"),
 ];

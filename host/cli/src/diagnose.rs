@@ -11,12 +11,13 @@ use super::preparation::Prepare;
 use super::published::Published;
 use super::{Failure, progress};
 use palpate_diagnose::criticism::diagnose::{Diagnosis, diagnose};
-use palpate_diagnose::criticism::next_motion::{Proposed, RigFile, propose};
+use palpate_diagnose::criticism::next_motion::{Informing, Proposed, RigFile, inform, propose};
 use palpate_fit::data::Data;
 use palpate_model::Model;
 use palpate_present::answers::{self, DiagnosisAnswer, NextMotionAnswer};
 use palpate_present::summary::{
-    DiagnosisSummary, NextCommand, Preparation, motion_file, next_motion_section, no_motion,
+    DiagnosisSummary, NextCommand, Preparation, informing_file, informing_section, motion_file,
+    next_motion_section, no_motion,
 };
 use palpate_report::{Section, pdf};
 use palpate_trace::files::plan::{COMPUTED, FIGURE, Plan};
@@ -37,7 +38,8 @@ Examples:
   palpate diagnose --model model.toml traces/ --report diagnosis.html
   palpate diagnose --model model.toml traces/ --figure figure.svg
   palpate diagnose --model model.toml traces/ --json | jq .verdict
-  palpate diagnose --model model.toml traces/ --next motion.csv --rig rig.toml")]
+  palpate diagnose --model model.toml traces/ --next motion.csv --rig rig.toml
+  palpate diagnose --model model.toml traces/ --next motion.csv --for v1,v2")]
 pub struct Args {
     /// The model
     #[arg(long, value_name = "MODEL.toml")]
@@ -51,6 +53,9 @@ pub struct Args {
     /// Limits of the rig for it [default: what the traces did]
     #[arg(long, value_name = "RIG.toml", requires = "next")]
     rig: Option<PathBuf>,
+    /// Write instead the motion after which these parameters are known best: names with commas between them, or all
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',', requires = "next")]
+    r#for: Vec<String>,
     #[command(flatten)]
     published: Published,
     #[command(flatten)]
@@ -103,7 +108,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let (model, traces, next) = inputs(&args.model, &args.traces, &args.published, &args.prepare)?;
     let mut found = diagnosed(&args.prepare, model, traces, next, DOING)?;
     if let Some(path) = &args.next {
-        found.propose(path, &limits.unwrap_or_default())?;
+        found.propose(path, &limits.unwrap_or_default(), &args.r#for)?;
     }
     args.result.show(&found)?;
     args.figure.write(&found)
@@ -156,7 +161,15 @@ pub(super) struct Diagnosed {
     pub diagnosis: Diagnosis,
     next: NextCommand,
     /// The next motion that was asked for, and its file.
-    proposed: Option<(Proposed, PathBuf)>,
+    proposed: Option<(Next, PathBuf)>,
+}
+
+/// The next motion.
+enum Next {
+    /// To distinguish effects.
+    Deciding(Proposed),
+    /// To know parameters better.
+    Informing(Informing),
 }
 
 impl Diagnosed {
@@ -169,29 +182,46 @@ impl Diagnosed {
     /// The diagnosis for programs, with the motion that was asked for.
     pub fn answer(&self) -> DiagnosisAnswer {
         let found = self.with(|summary, _| DiagnosisAnswer::from(summary));
-        let next_motion = self.proposed.as_ref().map(|(it, path)| NextMotionAnswer::of(it, path));
+        let next_motion = self.proposed.as_ref().map(|(next, path)| match next {
+            Next::Deciding(found) => NextMotionAnswer::of(found, path),
+            Next::Informing(found) => NextMotionAnswer::informing(found, path),
+        });
         DiagnosisAnswer { next_motion, ..found.expect("these traces were diagnosed") }
     }
 
-    /// Looks for the motion that would decide, and writes it where there is one.
-    fn propose(&mut self, path: &Path, limits: &RigFile) -> Result<(), Failure> {
+    /// Looks for the motion that would decide, or that would tell most of the `wanted` parameters, and writes it where there is one.
+    fn propose(&mut self, path: &Path, limits: &RigFile, wanted: &[String]) -> Result<(), Failure> {
         let Self { model, diagnosis, traces, .. } = self;
-        let found = progress::watched("looking for a motion that decides", || {
-            propose(model, diagnosis, traces, limits)
-        })?;
-        let proposed = found.map_err(Failure::input)?;
-        if let Some(trace) = motion_file(&proposed, &self.diagnosis.signal) {
+        let signal = &diagnosis.signal;
+        let (next, file) = if wanted.is_empty() {
+            let found = progress::watched("looking for a motion that decides", || {
+                propose(model, diagnosis, traces, limits)
+            })?;
+            let found = found.map_err(Failure::input)?;
+            let file = motion_file(&found, signal);
+            (Next::Deciding(found), file)
+        } else {
+            let found = progress::watched("looking for a motion that tells most", || {
+                inform(model, diagnosis, traces, limits, wanted)
+            })?;
+            let found = found.map_err(Failure::input)?;
+            let file = informing_file(&found, signal);
+            (Next::Informing(found), Some(file))
+        };
+        if let Some(trace) = file {
             write(path, &trace).map_err(Failure::work)?;
             eprintln!("motion: {}", path.display());
         }
-        self.proposed = Some((proposed, path.into()));
+        self.proposed = Some((next, path.into()));
         Ok(())
     }
 
     fn with_motion(&self, mut sections: Vec<Section>) -> Vec<Section> {
         let signal = &self.diagnosis.signal;
-        let proposed = self.proposed.as_ref();
-        sections.extend(proposed.map(|(found, path)| next_motion_section(found, path, signal)));
+        sections.extend(self.proposed.as_ref().map(|(next, path)| match next {
+            Next::Deciding(found) => next_motion_section(found, path, signal),
+            Next::Informing(found) => informing_section(found, path, signal),
+        }));
         sections
     }
 
@@ -227,7 +257,7 @@ impl Answer for Diagnosed {
     }
 
     fn failed(&self) -> Option<String> {
-        let (proposed, path) = self.proposed.as_ref()?;
+        let Some((Next::Deciding(proposed), path)) = &self.proposed else { return None };
         proposed.motion.is_none().then(|| {
             format!("{} was not written: {}", path.display(), no_motion(proposed, &self.diagnosis))
         })

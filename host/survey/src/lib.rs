@@ -5,6 +5,7 @@
 //! - [`row`]: what an answer is as a row of a table.
 //! - [`results`]: the folder that a survey fills, part by part, and takes up again after a kill.
 //! - [`overview`]: what all rows say together.
+//! - [`population`]: what the specimens have in common, and how much they differ.
 //!
 //! The rows do not depend on the number of threads, nor on how often the survey was interrupted: the same inputs and options
 //! make the same bytes in `groups/`. What differs from run to run, the seconds, stands in `work/`.
@@ -32,6 +33,7 @@ mod manifest;
 mod names;
 pub mod overview;
 mod part;
+pub mod population;
 pub mod results;
 pub mod row;
 pub mod run;

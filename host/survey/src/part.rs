@@ -18,7 +18,7 @@ const ABOUT: &str = "palpate-survey";
 /// Version of the tables.
 pub const VERSION: &str = "1";
 /// Columns that no key may be called by.
-pub const RESERVED: [&str; 17] = [
+pub const RESERVED: [&str; 18] = [
     "group",
     "status",
     "reason",
@@ -36,6 +36,7 @@ pub const RESERVED: [&str; 17] = [
     "next_experiment",
     "warnings",
     "estimates",
+    "correlations",
 ];
 
 /// One number of what an answer says.
@@ -77,6 +78,12 @@ pub(super) fn found_bytes(by: &[String], rows: &[Row]) -> Result<Vec<u8>, Parque
     columns.push(lists(rows, |said| &said.warnings));
     fields.push(estimates_field()?);
     columns.extend(estimates(rows));
+    fields
+        .push(list("correlations", primitive("element", Physical::DOUBLE, Repetition::REQUIRED)?)?);
+    let correlations = |row: &'_ Row| {
+        row.said.correlations.iter().copied().map(Some).collect::<Vec<_>>().into_iter()
+    };
+    columns.push(Column::Number(Cells::lists(rows.iter().map(correlations), false)));
     to_bytes("survey", fields, columns, (ABOUT, VERSION.into()))
 }
 
@@ -203,6 +210,8 @@ fn row_of(record: &Record, by: &[String]) -> Result<Row, String> {
             estimates.push(estimate_of(element)?);
         }
     }
+    // Surveys of before this column was there are read without.
+    let correlations = field("correlations").map(elements).unwrap_or_default();
     let words = |name: &str| {
         Ok::<_, String>(elements(field(name)?).iter().filter_map(text_of).collect::<Vec<_>>())
     };
@@ -226,6 +235,7 @@ fn row_of(record: &Record, by: &[String]) -> Result<Row, String> {
             next_experiment: text_of(field("next_experiment")?),
             warnings: words("warnings")?,
             estimates,
+            correlations: correlations.iter().filter_map(number_of).collect(),
         },
     })
 }
@@ -302,6 +312,7 @@ pub(super) mod tests {
                 estimate("mullins", 5e-324, Some(0.1)),
                 estimate("drift", -0.0, None),
             ],
+            correlations: vec![0.5, -1.0 / 3.0, -0.0],
         };
         let few = Said { estimates: vec![estimate("", 2.0, Some(3.0))], ..Said::default() };
         vec![

@@ -78,6 +78,9 @@ pub struct Said {
     pub warnings: Vec<String>,
     /// Every number that was estimated.
     pub estimates: Vec<Estimate>,
+    /// Correlations between the errors of these, above the diagonal, row by row; empty where the answer does not tell them.
+    #[serde(default)]
+    pub correlations: Vec<f64>,
 }
 
 /// A number that was estimated.
@@ -162,6 +165,17 @@ impl Said {
         said.warnings = flat::warnings(answer);
         said
     }
+
+    /// The correlation between the errors of two estimates, by their places; none where the answer does not tell it.
+    #[must_use]
+    pub fn correlation_of(&self, one: usize, other: usize) -> Option<f64> {
+        let (row, column) = (one.min(other), one.max(other));
+        if row == column {
+            return Some(1.0);
+        }
+        let before = row * self.estimates.len() - row * (row + 1) / 2;
+        self.correlations.get(before + column - row - 1).copied()
+    }
 }
 
 fn number(answer: &Value, name: &str) -> Option<f64> {
@@ -183,12 +197,19 @@ fn of_fit(answer: &Value) -> Said {
         let found = &answer["parameters"][name];
         flat::estimate("", name, found)
     });
+    let estimates: Vec<Estimate> = estimates.collect();
+    let matrix = &answer["correlation"]["matrix"];
+    let pairs = (0..order.len()).flat_map(|row| (row + 1..order.len()).map(move |it| (row, it)));
+    let correlations: Option<Vec<f64>> =
+        pairs.map(|(row, column)| matrix[row][column].as_f64()).collect();
+    let told = correlations.filter(|_| estimates.len() == order.len());
     Said {
+        correlations: told.unwrap_or_default(),
         residual_rms: number(answer, "residual_rms"),
         noise_rms: number(answer, "noise_rms"),
         heldout_rms: number(answer, "heldout_rms"),
         r_squared: number(answer, "r_squared"),
-        estimates: estimates.collect(),
+        estimates,
         ..Said::default()
     }
 }

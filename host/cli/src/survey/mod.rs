@@ -8,6 +8,7 @@ mod decompose;
 mod diagnose;
 mod fit;
 mod fleet;
+mod population;
 mod relaxation;
 mod report;
 mod segment;
@@ -34,7 +35,8 @@ Examples:
   palpate survey fit fung grasps.parquet --by trace_id -o results --report fleet.html
   palpate survey diagnose --model model.toml lab/ --by finger,date -o missing
   palpate survey segment lab/ --by finger --names '{finger}-*.csv' -o work
-  palpate survey report results --report fleet.html")]
+  palpate survey report results --report fleet.html
+  palpate survey population results")]
 pub struct Args {
     #[command(subcommand)]
     question: Question,
@@ -56,6 +58,8 @@ enum Question {
     Decompose(decompose::Args),
     /// What all rows of a survey say together
     Report(report::Args),
+    /// What all specimens have in common, and how much they differ
+    Population(population::Args),
     /// The traces of one group, as a folder for the other commands and the Lab
     Traces(traces::Args),
 }
@@ -64,6 +68,7 @@ enum Question {
 pub fn run(args: &Args) -> Result<(), Failure> {
     match &args.question {
         Question::Report(args) => report::run(args),
+        Question::Population(args) => population::run(args),
         Question::Traces(args) => traces::run(args),
         question => {
             let survey = question.survey()?;
@@ -83,7 +88,7 @@ impl Question {
             Self::Segment(args) => segment::survey(args),
             Self::Relaxation(args) => relaxation::survey(args),
             Self::Decompose(args) => decompose::survey(args),
-            Self::Report(_) | Self::Traces(_) => {
+            Self::Report(_) | Self::Population(_) | Self::Traces(_) => {
                 Err(Failure::Input(miette::miette!("this command asks no group anything")))
             }
         }

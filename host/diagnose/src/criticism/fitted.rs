@@ -102,6 +102,18 @@ impl Fitted {
         criterion(other) - criterion(self) > by
     }
 
+    /// Which coordinates were not fitted: given, or on a bound.
+    #[must_use]
+    pub fn held(&self) -> Vec<bool> {
+        self.free.iter().map(|free| !free).collect()
+    }
+
+    /// Variance of a whitened residual, as the fit left it.
+    #[must_use]
+    pub fn variance(&self) -> f64 {
+        (self.cost / (self.samples as f64 - self.parameters as f64)).max(1e-300)
+    }
+
     /// The parameter of the last effect that the data push against a bound; none where there is none.
     #[must_use]
     pub fn last_effect_at_bound(&self) -> Option<(&Parameter, f64)> {
@@ -181,9 +193,7 @@ impl Fitted {
     #[must_use]
     pub fn standard_errors(&self, problem: &Problem, inexact: bool) -> Vec<Option<f64>> {
         let total = self.total(problem, |_| 1.0);
-        let held: Vec<bool> = self.free.iter().map(|free| !free).collect();
-        let variance = (self.cost / (self.samples as f64 - self.parameters as f64)).max(1e-300);
-        let mut known = uncertainty(&total.curvature, &held, variance);
+        let mut known = uncertainty(&total.curvature, &self.held(), self.variance());
         if inexact {
             known.covariance = self.jackknife(problem);
         }

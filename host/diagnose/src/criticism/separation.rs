@@ -115,6 +115,51 @@ impl Rivals<'_> {
     }
 }
 
+impl Rivals<'_> {
+    /// What the first member says of a recording after all others, and the curvature of a fit to all and that; none where it has no
+    /// usable motion.
+    pub(super) fn curvature_with(&self, trace: Trace) -> Option<(Vec<f64>, DMatrix<f64>)> {
+        let member = self.members.first()?;
+        let set: Vec<Trace> = self.traces.iter().cloned().chain([trace]).collect();
+        let all = Data::of_motions(&set, self.signal).ok()?;
+        let all = all.with_reference(self.reference_temperature);
+        let own = set.len() - 1;
+        let predicted = signal_of(&member.chain, &member.values, &all, own);
+        let (curvature, _) = curvature_with(member, &all, own, self.whitening);
+        curvature.iter().all(|value| value.is_finite()).then_some((predicted, curvature))
+    }
+}
+
+/// The curvature of a fit to the data of a member and to the recording with index `own`, whose stretches come with it.
+fn curvature_with(
+    member: &Fitted,
+    all: &Data,
+    own: usize,
+    noise: &Whitening,
+) -> (DMatrix<f64>, Vec<Stretch>) {
+    let white = Whitening::none();
+    let problem = Problem::new(&member.chain, all, &white, None);
+    let size = member.point.len();
+    let mut curvature = DMatrix::zeros(size, size);
+    for block in &member.blocks {
+        curvature += &block.white.curvature;
+    }
+    let mut stretches = Vec::new();
+    problem.derivatives(&member.point, |piece, residual, mut columns| {
+        if piece.trace != own {
+            return;
+        }
+        columns.iter_mut().for_each(|(_, column)| noise.apply(column));
+        for (i, column) in &columns {
+            for (j, other) in &columns {
+                curvature[(*i, *j)] += dot(column, other);
+            }
+        }
+        stretches.push(Stretch { samples: residual.len(), columns });
+    });
+    (curvature, stretches)
+}
+
 /// What a chain says of the recording with index `own`.
 pub(super) fn signal_of(chain: &Chain, values: &[f64], all: &Data, own: usize) -> Vec<f64> {
     let white = Whitening::none();
@@ -145,26 +190,8 @@ struct Refit {
 
 impl Refit {
     fn of(member: &Fitted, all: &Data, own: usize, noise: &Whitening) -> Self {
-        let white = Whitening::none();
-        let problem = Problem::new(&member.chain, all, &white, None);
+        let (curvature, stretches) = curvature_with(member, all, own, noise);
         let size = member.point.len();
-        let mut curvature = DMatrix::zeros(size, size);
-        for block in &member.blocks {
-            curvature += &block.white.curvature;
-        }
-        let mut stretches = Vec::new();
-        problem.derivatives(&member.point, |piece, residual, mut columns| {
-            if piece.trace != own {
-                return;
-            }
-            columns.iter_mut().for_each(|(_, column)| noise.apply(column));
-            for (i, column) in &columns {
-                for (j, other) in &columns {
-                    curvature[(*i, *j)] += dot(column, other);
-                }
-            }
-            stretches.push(Stretch { samples: residual.len(), columns });
-        });
         let scale = curvature.diagonal().map(|v| if v > 0.0 { 1.0 / v.sqrt() } else { 0.0 });
         let scaled = DMatrix::from_fn(size, size, |i, j| {
             curvature[(i, j)] * scale[i] * scale[j] + if i == j { 1e-9 } else { 0.0 }

@@ -18,6 +18,7 @@ mod grasp;
 mod holds;
 mod markers;
 mod next_motion;
+pub(crate) mod population;
 mod practice;
 mod preparation;
 mod pull_off;
@@ -74,7 +75,11 @@ pub use grasp::{
 };
 pub use holds::{CorrelationAnswer, HoldFitAnswer, HoldParameter, HoldsAnswer, SpreadAnswer};
 pub use markers::{GapAnswer, MarkersAnswer};
-pub use next_motion::{NextMotionAnswer, RigAnswer};
+pub use next_motion::{InformedParameter, NextMotionAnswer, RigAnswer};
+pub use population::{
+    LeftOutOfPopulation, PopulationAnswer, PopulationEffect, PopulationParameter, SpreadInPopulation,
+    ValueInterval,
+};
 pub use practice::{HiddenEffect, HiddenValue, PracticeAnswer, PracticeRecording, TruthAnswer};
 pub use preparation::{PreparationAnswer, Prepared};
 pub use pull_off::{PullOffAnswer, PullOffGrowthAnswer, PullOffLaw, PullOffsAtSpeed};
@@ -198,6 +203,7 @@ pub fn schemas() -> Vec<(&'static str, Schema)> {
         ("sensor-slide", schema::<SensorSlideAnswer>()),
         ("sensor-slip", schema::<SensorSlipAnswer>()),
         ("strain-rate", schema::<StrainRateAnswer>()),
+        ("survey-population", schema::<PopulationAnswer>()),
         ("survey-report", schema::<SurveyAnswer>()),
     ]
 }

@@ -64,7 +64,7 @@ pub use holds::hold_sections;
 pub(crate) use holds::{NO_BETTER, warnings as hold_warnings};
 pub use ladder::ladder;
 pub use markers::{markers_figure, markers_sections};
-pub use next_motion::{motion_file, next_motion_section, no_motion};
+pub use next_motion::{informing_file, informing_section, motion_file, next_motion_section, no_motion};
 pub use outliers::{Preparation, Refit};
 pub use plan::plan_section;
 pub use practice::{practice_sections, truth_sections};
@@ -84,7 +84,7 @@ pub use sensor::{
 };
 pub(crate) use sensor::{spectrum_figure, tones_figure};
 pub use strain_rate::strain_rate_sections;
-pub use survey::survey_sections;
+pub use survey::{population_sections, survey_sections};
 pub use terms::number_table;
 pub use whole_motion::FitSummary;
 

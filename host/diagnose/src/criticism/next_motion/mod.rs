@@ -1,7 +1,9 @@
-//! The next experiment as a motion: within the limits of a rig, the one that sets the members of a credible set furthest apart.
+//! The next experiment as a motion: within the limits of a rig, the one that sets the members of a credible set furthest apart, or
+//! the one after which wanted parameters are known best ([`precision`]).
 //!
 //! Motions of the menu and random ones are weighed; the best few are then changed step by step for as long as that helps.
 
+mod precision;
 mod rig;
 
 use rand::{RngExt, SeedableRng};
@@ -18,6 +20,7 @@ use palpate_model::effects::Scales;
 use palpate_model::{Hold, Model, Move, Profile, Step};
 use palpate_trace::{Trace, block_means};
 
+pub use precision::{Informing, InformingError, Precision, inform};
 pub use rig::{Rig, RigError, RigFile};
 
 /// Seed of the random motions.
@@ -38,8 +41,59 @@ const MOVES: std::ops::RangeInclusive<usize> = 2..=8;
 const ENDS_S: f64 = 0.5;
 /// The slowest move, in parts of the largest speed.
 const SLOWEST: f64 = 0.01;
-/// Seconds of rest before the recording.
+/// Rest before the recording, s.
 const REST_S: f64 = 60.0;
+
+/// What a motion is for.
+trait Aim: Sync {
+    /// What is foreseen of a recording.
+    type Foreseen: Send;
+
+    /// A motion as a recording after the others.
+    fn trace(&self, time: Vec<f64>, displacement: Vec<f64>) -> Trace;
+
+    /// What is foreseen of it; none where it has no usable motion.
+    fn foresee(&self, trace: Trace) -> Option<Self::Foreseen>;
+
+    /// What it is worth, the more the better.
+    fn worth(foreseen: &Self::Foreseen) -> f64;
+
+    /// Largest size of the signal.
+    fn largest_signal(foreseen: &Self::Foreseen) -> f64;
+}
+
+/// Seconds of rest before the recording, at the temperature of the others.
+const BEFORE: Condition = Condition { rest: REST_S, warmer: 0.0 };
+
+impl Aim for Rivals<'_> {
+    type Foreseen = Foreseen;
+
+    fn trace(&self, time: Vec<f64>, displacement: Vec<f64>) -> Trace {
+        Rivals::trace(self, time, displacement, BEFORE)
+    }
+
+    fn foresee(&self, trace: Trace) -> Option<Foreseen> {
+        Rivals::foresee(self, trace)
+    }
+
+    fn worth(foreseen: &Foreseen) -> f64 {
+        foreseen.worth()
+    }
+
+    fn largest_signal(foreseen: &Foreseen) -> f64 {
+        foreseen.predicted.iter().flatten().fold(0.0, |most: f64, y| most.max(y.abs()))
+    }
+}
+
+/// The best motion for something.
+struct Best<F> {
+    trace: Trace,
+    foreseen: F,
+    /// What is foreseen of the best motion of the menu, within the same limits.
+    of_menu: Option<F>,
+    /// Motions that were weighed.
+    weighed: usize,
+}
 
 /// A motion that is proposed.
 #[derive(Clone, Debug)]
@@ -100,13 +154,19 @@ pub fn propose(
 /// The motion that sets the members of a credible set furthest apart; none where no motion within the limits does.
 #[must_use]
 pub fn next_motion(rivals: &Rivals, scales: &Scales, rig: &Rig) -> Option<NextMotion> {
-    let judge = Judge { rivals, rig };
+    let Best { trace, foreseen, of_menu, weighed } = best_motion(rivals, scales, rig)?;
+    (foreseen.told() > 0).then_some(NextMotion { trace, foreseen, of_menu, weighed })
+}
+
+/// The motion that is worth most; none where none lies within the limits.
+fn best_motion<A: Aim>(aim: &A, scales: &Scales, rig: &Rig) -> Option<Best<A::Foreseen>> {
+    let judge = Judge { aim, rig };
     let mut random = ChaCha8Rng::seed_from_u64(SEED);
     let menu: Vec<Legs> =
         MENU.iter().filter_map(|experiment| judge.legs(&experiment.plain(scales)?)).collect();
     let mut weighed = judge.weighed(menu);
     let best = weighed.iter().max_by(|(_, a), (_, b)| a.total_cmp(b));
-    let of_menu = best.and_then(|(legs, _)| rivals.foresee(judge.trace(legs)));
+    let of_menu = best.and_then(|(legs, _)| aim.foresee(judge.trace(legs)));
     weighed.extend(judge.weighed((0..DRAWN).map(|_| judge.drawn(&mut random)).collect()));
     weighed.sort_by(|(_, a), (_, b)| b.total_cmp(a));
     let mut count = MENU.len() + DRAWN;
@@ -128,8 +188,8 @@ pub fn next_motion(rivals: &Rivals, scales: &Scales, rig: &Rig) -> Option<NextMo
     }
     let (legs, _) = weighed.into_iter().max_by(|(_, a), (_, b)| a.total_cmp(b))?;
     let trace = judge.trace(&legs);
-    let foreseen = rivals.foresee(trace.clone())?;
-    (foreseen.told() > 0).then_some(NextMotion { trace, foreseen, of_menu, weighed: count })
+    let foreseen = aim.foresee(trace.clone())?;
+    Some(Best { trace, foreseen, of_menu, weighed: count })
 }
 
 /// A move, and what comes after it.
@@ -145,33 +205,31 @@ struct Leg {
 
 type Legs = Vec<Leg>;
 
-struct Judge<'a> {
-    rivals: &'a Rivals<'a>,
+struct Judge<'a, A> {
+    aim: &'a A,
     rig: &'a Rig,
 }
 
-impl Judge<'_> {
+impl<A: Aim> Judge<'_, A> {
     /// The motions that the rig allows, with what each is worth.
     fn weighed(&self, motions: Vec<Legs>) -> Vec<(Legs, f64)> {
         let weigh = |legs: Legs| {
             let trace = self.trace(&legs);
-            let foreseen = self.rivals.foresee(trace.clone())?;
-            self.allows(&foreseen, &trace).then_some((legs, foreseen.worth()))
+            let foreseen = self.aim.foresee(trace.clone())?;
+            self.allows(&foreseen, &trace).then(|| (legs, A::worth(&foreseen)))
         };
         motions.into_par_iter().filter_map(weigh).collect()
     }
 
-    fn allows(&self, foreseen: &Foreseen, trace: &Trace) -> bool {
-        let signal =
-            foreseen.predicted.iter().flatten().fold(0.0, |most: f64, y| most.max(y.abs()));
+    fn allows(&self, foreseen: &A::Foreseen, trace: &Trace) -> bool {
+        let signal = A::largest_signal(foreseen);
         trace.duration() <= self.rig.time_s && signal <= self.rig.signal
     }
 
     fn trace(&self, legs: &[Leg]) -> Trace {
         let motion = self.profile(legs).motion();
         let rounded = motion.displacement.iter().map(|x| (x * 1e5).round() / 1e5).collect();
-        let under = Condition { rest: REST_S, warmer: 0.0 };
-        self.rivals.trace(motion.time.to_vec(), rounded, under)
+        self.aim.trace(motion.time.to_vec(), rounded)
     }
 
     fn profile(&self, legs: &[Leg]) -> Profile {

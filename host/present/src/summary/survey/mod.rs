@@ -1,10 +1,14 @@
 //! What all rows of a survey say together, as tables and plots.
 //!
 //! - [`estimates`]: how each number is distributed, and what lies far out.
+//! - [`population`]: what the specimens have in common, and how much they differ.
 //! - [`missing`]: which effect is missing in how many groups, and since when.
 
 mod estimates;
 mod missing;
+mod population;
+
+pub use population::population_sections;
 
 use palpate_report::number::{duration, significant};
 use palpate_report::{Block, Callout, Column, Section, Table};
