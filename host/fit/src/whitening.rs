@@ -123,6 +123,12 @@ impl Whitening {
         noise
     }
 
+    /// Whether everything is left as it is.
+    #[must_use]
+    pub fn is_none(&self) -> bool {
+        self.none
+    }
+
     /// This noise with its size counted as a guess.
     #[must_use]
     pub fn guess(self) -> Self {
