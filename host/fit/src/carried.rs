@@ -5,7 +5,9 @@
 //! with u_q = u ln(x/X) and wi' = −vi wi + u_q', and ∂F/∂ln vi = Pi zi with zi = ∂yi/∂ln vi, which steps as
 //! exactly as yi does. Where the memory acts on the strain, yi follows x and F is u/x times their sum.
 
+use super::columns::{BLOCK, Column, Products};
 use super::coordinates::Coordinates;
+use super::many_exp::exp;
 use palpate_model::{Chain, Coordinate, Elastic, Form, Hereditary, MAX_TERMS, Separation};
 
 /// A linear base law at a point of the search.
@@ -21,8 +23,8 @@ pub struct Carried {
     /// Part of all force that the equilibrium has, where that is given.
     equilibrium: Option<f64>,
     rates: [f64; MAX_TERMS],
-    /// Damping, N·s/mm.
-    damping: f64,
+    /// Damping, N·s/mm; none where the law has no damper.
+    damping: Option<f64>,
     terms: usize,
 }
 
@@ -68,13 +70,36 @@ pub struct Stretch<'a> {
 const SAME_INTERVAL: f64 = 1e-7;
 /// Compression, mm, below which the ratio u/x is not formed.
 const TOUCHING: f64 = 1e-9;
-/// Samples that are kept at hand before their derivatives are written, column by column.
-const BLOCK: usize = 128;
+/// Turns below which the gain of a branch is summed up as a series, and 1/(k+1)! from the highest power on that counts there.
+const SHORT: f64 = 0.1;
+const GAIN: [f64; 10] = [
+    1.0 / 3_628_800.0,
+    1.0 / 362_880.0,
+    1.0 / 40_320.0,
+    1.0 / 5_040.0,
+    1.0 / 720.0,
+    1.0 / 120.0,
+    1.0 / 24.0,
+    1.0 / 6.0,
+    0.5,
+    1.0,
+];
+/// Most coordinates of a law.
+const MOST: usize = 2 * MAX_TERMS + 3;
 
 /// ln(x/X) at every compression x > 0, mm; 0 off the specimen.
 pub fn logarithms(x: &[f64], reference: f64, into: &mut Vec<f64>) {
     into.clear();
     into.extend(x.iter().map(|&x| if x > 0.0 { (x / reference).ln() } else { 0.0 }));
+}
+
+/// What was measured over a stretch.
+#[derive(Clone, Copy, Debug)]
+pub struct Measured<'a> {
+    /// The signal at each sample.
+    pub signal: &'a [f64],
+    /// By what the residual of each sample is multiplied; empty where by one.
+    pub roots: &'a [f64],
 }
 
 impl Carried {
@@ -103,7 +128,7 @@ impl Carried {
             forces: [0.0; MAX_TERMS + 1],
             equilibrium: None,
             rates: [0.0; MAX_TERMS],
-            damping: 0.0,
+            damping: None,
             terms: response.hereditary.branches.len(),
         };
         for (coordinate, &value) in coordinates.list().iter().zip(point) {
@@ -116,11 +141,20 @@ impl Carried {
                 }
                 Coordinate::Shape => carried.exponent = value + 1.0,
                 Coordinate::Rate(branch) => carried.rates[branch - 1] = value.exp(),
-                Coordinate::Damping => carried.damping = value,
+                Coordinate::Damping => carried.damping = Some(value),
                 _ => return None,
             }
         }
         Some(carried)
+    }
+
+    /// Predicts the force, N, over a stretch into `force`.
+    pub fn predict(&self, stretch: Stretch, memory: &mut Memory, force: &mut Vec<f64>) {
+        force.clear();
+        force.reserve(stretch.time.len());
+        self.blocks::<false>(stretch, memory, |rows| {
+            force.extend_from_slice(&rows.force.0[..rows.len])
+        });
     }
 
     /// Predicts the force, N, over a stretch into `force`, and the derivative by each coordinate `wanted`
@@ -133,30 +167,82 @@ impl Carried {
         wanted: &[Coordinate],
         columns: &mut [Vec<f64>],
     ) {
-        match self.terms {
-            0 => self.pass::<0>(stretch, memory, force, wanted, columns),
-            1 => self.pass::<1>(stretch, memory, force, wanted, columns),
-            2 => self.pass::<2>(stretch, memory, force, wanted, columns),
-            3 => self.pass::<3>(stretch, memory, force, wanted, columns),
-            _ => self.pass::<MAX_TERMS>(stretch, memory, force, wanted, columns),
-        }
-    }
-
-    fn pass<const N: usize>(
-        &self,
-        stretch: Stretch,
-        memory: &mut Memory,
-        force: &mut Vec<f64>,
-        wanted: &[Coordinate],
-        columns: &mut [Vec<f64>],
-    ) {
         let count = stretch.time.len();
-        force.clear();
-        force.reserve(count);
-        for column in columns.iter_mut() {
+        for column in columns.iter_mut().chain([&mut *force]) {
             column.clear();
             column.reserve(count);
         }
+        let mut filled = Column::ZERO;
+        self.blocks::<true>(stretch, memory, |rows| {
+            force.extend_from_slice(&rows.force.0[..rows.len]);
+            for (column, coordinate) in columns.iter_mut().zip(wanted) {
+                self.fill(*coordinate, rows, &mut filled);
+                column.extend_from_slice(&filled.0[..rows.len]);
+            }
+        });
+    }
+
+    /// Adds the products of the derivatives by the coordinates `wanted`, and last of the residual (predicted minus measured), over a
+    /// stretch: nothing is written down but a block of samples.
+    pub fn add_products(
+        &self,
+        stretch: Stretch,
+        memory: &mut Memory,
+        measured: Measured,
+        wanted: &[Coordinate],
+        products: &mut Products,
+    ) {
+        let mut columns = [Column::ZERO; MOST + 1];
+        let columns = &mut columns[..=wanted.len()];
+        let mut begin = 0;
+        self.blocks::<true>(stretch, memory, |rows| {
+            let range = begin..begin + rows.len;
+            begin = range.end;
+            let (derivatives, residual) = columns.split_at_mut(wanted.len());
+            let residual = &mut residual[0];
+            residual.0[rows.len..].fill(0.0);
+            let pairs = rows.force.0.iter().zip(&measured.signal[range.clone()]);
+            for (residual, (force, signal)) in residual.0.iter_mut().zip(pairs) {
+                *residual = force - signal;
+            }
+            let roots = measured.roots.get(range).unwrap_or_default();
+            weigh(residual, roots);
+            // What does not touch has no derivative.
+            if rows.factor.0.iter().all(|factor| *factor == 0.0) {
+                products.add_to_last(residual.0.iter().map(|r| r * r).sum());
+                return;
+            }
+            for (column, coordinate) in derivatives.iter_mut().zip(wanted) {
+                self.fill(*coordinate, rows, column);
+                weigh(column, roots);
+            }
+            products.add(columns);
+        });
+    }
+
+    /// Runs over a stretch, block by block; with `SLOPES` the derivatives come along.
+    fn blocks<const SLOPES: bool>(
+        &self,
+        stretch: Stretch,
+        memory: &mut Memory,
+        sink: impl FnMut(&Rows),
+    ) {
+        match self.terms {
+            0 => self.pass::<0, SLOPES>(stretch, memory, sink),
+            1 => self.pass::<1, SLOPES>(stretch, memory, sink),
+            2 => self.pass::<2, SLOPES>(stretch, memory, sink),
+            3 => self.pass::<3, SLOPES>(stretch, memory, sink),
+            _ => self.pass::<MAX_TERMS, SLOPES>(stretch, memory, sink),
+        }
+    }
+
+    fn pass<const N: usize, const SLOPES: bool>(
+        &self,
+        stretch: Stretch,
+        memory: &mut Memory,
+        mut sink: impl FnMut(&Rows),
+    ) {
+        let count = stretch.time.len();
         let mut branches: [Branch; N] = std::array::from_fn(|k| memory.branches[k]);
         match stretch.rest {
             Some(rest) => self.rest(rest, &mut branches),
@@ -166,88 +252,117 @@ impl Carried {
         // The first sample is reached at once: a step of no time.
         let mut steps = [Step { decay: 1.0, gain: 1.0, ..Step::default() }; N];
         let (mut before, mut interval) = (f64::NAN, f64::NAN);
-        let mut rows = [Row::<N>::NONE; BLOCK];
+        let mut rows = Rows::ZERO;
+        let mut drives = Drives::ZERO;
         for begin in (0..count).step_by(BLOCK) {
             let end = (begin + BLOCK).min(count);
-            for (k, row) in (begin..end).zip(&mut rows) {
-                let sample = self.sample(stretch.x[k], stretch.logarithm[k]);
-                let (change, change_q) = (sample.drive - driven, sample.drive_q - driven_q);
-                (driven, driven_q) = (sample.drive, sample.drive_q);
-                let now = stretch.time[k] - before;
-                before = stretch.time[k];
+            rows.len = end - begin;
+            self.drives(&stretch.x[begin..end], &stretch.logarithm[begin..end], &mut drives);
+            for (k, &time) in stretch.time[begin..end].iter().enumerate() {
+                let now = time - before;
+                before = time;
                 let same = (now - interval).abs() <= SAME_INTERVAL * now;
-                if k > 0 && !same {
+                let first = begin + k == 0;
+                if !same && !first {
                     interval = now;
                     steps = std::array::from_fn(|branch| Step::new(self.rates[branch] * now));
                 }
-                let mut sum = self.forces[0] * sample.drive;
-                let mut by_q = self.forces[0] * sample.drive_q;
-                for ((branch, step), force) in
-                    branches.iter_mut().zip(&steps).zip(&self.forces[1..])
-                {
-                    branch.by_rate = branch.by_rate * step.decay
-                        + step.decay_by_rate * branch.y
-                        + step.gain_by_rate * change;
-                    branch.y = branch.y * step.decay + step.gain * change;
-                    branch.by_q = branch.by_q * step.decay + step.gain * change_q;
-                    sum += force * branch.y;
-                    by_q += force * branch.by_q;
+                let (drive, drive_q) = (drives.drive.0[k], drives.drive_q.0[k]);
+                let (change, change_q) = (drive - driven, drive_q - driven_q);
+                (driven, driven_q) = (drive, drive_q);
+                let mut sum = self.forces[0] * drive;
+                let mut by_q = self.forces[0] * drive_q;
+                for branch in 0..N {
+                    let (state, step) = (&mut branches[branch], &steps[branch]);
+                    if SLOPES {
+                        state.by_rate = state.by_rate * step.decay
+                            + (step.decay_by_rate * state.y + step.gain_by_rate * change);
+                        state.by_q = state.by_q * step.decay + step.gain * change_q;
+                        by_q += self.forces[branch + 1] * state.by_q;
+                        rows.by_rate[branch].0[k] = state.by_rate;
+                    }
+                    state.y = state.y * step.decay + step.gain * change;
+                    sum += self.forces[branch + 1] * state.y;
+                    rows.y[branch].0[k] = state.y;
                 }
                 // A damper beside the spring follows the speed at which the contact is pressed.
-                let speed = if k > 0 { self.reference * change / now } else { 0.0 };
-                sum += self.damping * speed;
+                let mut speed = 0.0;
+                if let Some(damping) = self.damping.filter(|_| !first) {
+                    speed = self.reference * change / now;
+                    sum += damping * speed;
+                }
                 // Contact breaks at zero force, and what does not touch has no derivative.
                 let held = if self.bonded || sum > 0.0 { 1.0 } else { 0.0 };
-                let factor = held * sample.factor;
-                force.push(factor * sum);
-                *row = Row {
-                    factor,
-                    drive: sample.drive,
-                    by_q: factor * (by_q + sample.factor_q * sum),
-                    speed: held * speed,
-                    y: branches.map(|branch| branch.y),
-                    by_rate: branches.map(|branch| branch.by_rate),
-                };
+                let factor = held * drives.factor.0[k];
+                rows.factor.0[k] = factor;
+                rows.force.0[k] = factor * sum;
+                if SLOPES {
+                    rows.by_q.0[k] = factor * (by_q + drives.factor_q.0[k] * sum);
+                    rows.speed.0[k] = held * speed;
+                }
             }
-            for (column, coordinate) in columns.iter_mut().zip(wanted) {
-                self.fill(*coordinate, &rows[..end - begin], column);
-            }
+            rows.end();
+            rows.drive = drives.drive;
+            sink(&rows);
         }
         (memory.driven, memory.driven_q) = (driven, driven_q);
         memory.branches[..N].copy_from_slice(&branches);
     }
 
-    /// The derivative by one coordinate at these samples.
-    fn fill<const N: usize>(&self, by: Coordinate, rows: &[Row<N>], column: &mut Vec<f64>) {
+    /// The derivative by one coordinate at the samples of a block.
+    #[inline]
+    fn fill(&self, by: Coordinate, rows: &Rows, column: &mut Column) {
+        let mut times = |factor: f64, of: &Column| {
+            let pairs = rows.factor.0.iter().zip(&of.0);
+            for (value, (held, of)) in column.0.iter_mut().zip(pairs) {
+                *value = factor * (held * of);
+            }
+        };
         match by {
-            Coordinate::Force(0) => column.extend(rows.iter().map(|row| row.factor * row.drive)),
-            Coordinate::Force(k) => column.extend(rows.iter().map(|row| row.factor * row.y[k - 1])),
+            Coordinate::Force(0) => times(1.0, &rows.drive),
+            Coordinate::Force(k) => times(1.0, &rows.y[k - 1]),
             Coordinate::Total => {
                 let part = self.equilibrium.unwrap_or(1.0);
-                let sum = |row: &Row<N>| part * row.drive + (1.0 - part) * row.y[0];
-                column.extend(rows.iter().map(|row| row.factor * sum(row)));
+                let both = rows.drive.0.iter().zip(&rows.y[0].0);
+                let mut sum = Column::ZERO;
+                for (sum, (drive, y)) in sum.0.iter_mut().zip(both) {
+                    *sum = part * drive + (1.0 - part) * y;
+                }
+                times(1.0, &sum);
             }
-            Coordinate::Shape => column.extend(rows.iter().map(|row| row.by_q)),
-            Coordinate::Rate(k) => {
-                let force = self.forces[k];
-                column.extend(rows.iter().map(|row| row.factor * force * row.by_rate[k - 1]));
-            }
-            Coordinate::Damping => column.extend(rows.iter().map(|row| row.speed)),
-            Coordinate::Power | Coordinate::Order => column.extend(rows.iter().map(|_| 0.0)),
+            Coordinate::Shape => *column = rows.by_q,
+            Coordinate::Rate(k) => times(self.forces[k], &rows.by_rate[k - 1]),
+            Coordinate::Damping => *column = rows.speed,
+            Coordinate::Power | Coordinate::Order => *column = Column::ZERO,
         }
     }
 
-    /// What one sample drives the memory by, and what its answer is multiplied by.
-    fn sample(&self, x: f64, logarithm: f64) -> Sample {
-        let u = if x > 0.0 { (self.exponent * logarithm).exp() } else { 0.0 };
+    /// What the samples of a block drive the memory by, and what its answer is multiplied by.
+    fn drives(&self, x: &[f64], logarithm: &[f64], drives: &mut Drives) {
+        let mut u = Column::ZERO;
+        // Off the specimen there is nothing to do.
+        if x.iter().any(|&x| x > 0.0) {
+            for (u, (&x, &logarithm)) in u.0.iter_mut().zip(x.iter().zip(logarithm)) {
+                let power = exp(self.exponent * logarithm);
+                *u = if x > 0.0 { power } else { 0.0 };
+            }
+        }
         match self.form {
-            Form::Strain => Sample {
-                drive: if self.bonded { x } else { x.max(0.0) },
-                drive_q: 0.0,
-                factor: if x > TOUCHING { u / x } else { 0.0 },
-                factor_q: logarithm,
-            },
-            _ => Sample { drive: u, drive_q: u * logarithm, factor: 1.0, factor_q: 0.0 },
+            Form::Strain => {
+                for (k, (&x, &logarithm)) in x.iter().zip(logarithm).enumerate() {
+                    drives.drive.0[k] = if self.bonded { x } else { x.max(0.0) };
+                    drives.factor.0[k] = if x > TOUCHING { u.0[k] / x } else { 0.0 };
+                    drives.factor_q.0[k] = logarithm;
+                }
+            }
+            _ => {
+                drives.drive = u;
+                for (by_q, (u, logarithm)) in
+                    drives.drive_q.0.iter_mut().zip(u.0.iter().zip(logarithm))
+                {
+                    *by_q = u * logarithm;
+                }
+            }
         }
     }
 
@@ -263,41 +378,74 @@ impl Carried {
     }
 }
 
-/// What the derivatives at one sample are made of.
-#[derive(Clone, Copy)]
-struct Row<const N: usize> {
-    factor: f64,
-    drive: f64,
-    by_q: f64,
-    speed: f64,
-    y: [f64; N],
-    by_rate: [f64; N],
+/// Multiplies the samples of a block by these roots; by one where there are none.
+fn weigh(column: &mut Column, roots: &[f64]) {
+    for (value, root) in column.0.iter_mut().zip(roots) {
+        *value *= root;
+    }
 }
 
-impl<const N: usize> Row<N> {
-    const NONE: Self =
-        Self { factor: 0.0, drive: 0.0, by_q: 0.0, speed: 0.0, y: [0.0; N], by_rate: [0.0; N] };
+/// What the derivatives at the samples of a block are made of; zero where it has no more samples.
+struct Rows {
+    len: usize,
+    force: Column,
+    factor: Column,
+    drive: Column,
+    by_q: Column,
+    speed: Column,
+    y: [Column; MAX_TERMS],
+    by_rate: [Column; MAX_TERMS],
 }
 
-/// See [`Carried::sample`].
-struct Sample {
-    drive: f64,
-    /// Its derivative by q.
-    drive_q: f64,
-    factor: f64,
+impl Rows {
+    const ZERO: Self = Self {
+        len: 0,
+        force: Column::ZERO,
+        factor: Column::ZERO,
+        drive: Column::ZERO,
+        by_q: Column::ZERO,
+        speed: Column::ZERO,
+        y: [Column::ZERO; MAX_TERMS],
+        by_rate: [Column::ZERO; MAX_TERMS],
+    };
+
+    /// Makes all derivatives zero where there are no more samples.
+    fn end(&mut self) {
+        for column in [&mut self.factor, &mut self.by_q, &mut self.speed] {
+            column.0[self.len..].fill(0.0);
+        }
+    }
+}
+
+/// What the samples of a block drive the memory by, and what its answer is multiplied by.
+struct Drives {
+    drive: Column,
+    /// Derivative of the drive by q.
+    drive_q: Column,
+    factor: Column,
     /// Derivative by q of the logarithm of the factor.
-    factor_q: f64,
+    factor_q: Column,
+}
+
+impl Drives {
+    const ZERO: Self = Self {
+        drive: Column::ZERO,
+        drive_q: Column::ZERO,
+        factor: Column([1.0; BLOCK]),
+        factor_q: Column::ZERO,
+    };
 }
 
 impl Step {
     /// Over `turns` times the branch's own time.
     fn new(turns: f64) -> Self {
-        let decay = (-turns).exp();
         // (1 − e^(−s))/s, and its derivative by ln s; the series where the difference would cancel.
-        let gain = if turns < 1e-5 {
-            1.0 - turns * (0.5 - turns / 6.0)
+        let (decay, gain) = if turns < SHORT {
+            let gain = GAIN.iter().fold(0.0, |sum, term| term - turns * sum);
+            (1.0 - turns * gain, gain)
         } else {
-            -(-turns).exp_m1() / turns
+            let decay = exp(-turns);
+            (decay, (1.0 - decay) / turns)
         };
         let gain_by_rate = if turns < 1e-3 {
             turns * (-0.5 + turns * (1.0 / 3.0 - turns * (0.125 - turns / 30.0)))

@@ -12,6 +12,12 @@ use palpate_trace::{REST, block_begins};
 
 /// Samples for each mean from which on it is worth to search on the means first.
 const WORTH: usize = 4;
+/// The same of rough means, on which a search costs less than the first step on all samples.
+const COARSE_WORTH: usize = 2;
+/// Duration of a rough block, over the time since the motion.
+const COARSE_PART: f64 = 0.1;
+/// Change of the compression over a rough block, over the largest.
+const COARSE_WAY: f64 = 0.03;
 
 /// The block means of a data set.
 #[derive(Clone, Debug)]
@@ -32,15 +38,29 @@ struct Blocks {
 }
 
 impl Compressed {
-    /// The means of a data set; none where they are hardly fewer than the samples.
+    /// The means of a data set that tell it as well as its samples; none where they are hardly fewer.
     #[must_use]
     pub fn of(data: &Data) -> Option<Self> {
         let band = REST * data.largest_compression();
+        let compressed = Self::by(data, |time, x| block_begins(time, x, band));
+        (WORTH * compressed.len() <= data.samples()).then_some(compressed)
+    }
+
+    /// Means that tell a data set roughly, as it takes to find the valley of a minimum; none where they are hardly fewer.
+    #[must_use]
+    pub fn coarse(data: &Data) -> Option<Self> {
+        let largest = data.largest_compression();
+        let compressed = Self::by(data, |time, x| coarse_begins(time, x, largest));
+        (COARSE_WORTH * compressed.len() <= data.samples()).then_some(compressed)
+    }
+
+    /// The means over blocks that begin where `begins` says of times and compressions.
+    fn by(data: &Data, begins: impl Fn(&[f64], &[f64]) -> Vec<usize>) -> Self {
         let mut compressed = Self { blocks: Vec::new(), within: 0.0 };
         for piece in &data.pieces {
             let (time, x) = (&piece.motion.time[..], &piece.motion.displacement[..]);
             let mut blocks = Blocks::default();
-            for block in ends(time, x, band).windows(2) {
+            for block in ends(begins(time, x), time.len()).windows(2) {
                 let range = block[0]..block[1];
                 let count = range.len() as f64;
                 let mean = |values: &[f64]| values[range.clone()].iter().sum::<f64>() / count;
@@ -56,7 +76,7 @@ impl Compressed {
             }
             compressed.blocks.push(blocks);
         }
-        (WORTH * compressed.len() <= data.samples()).then_some(compressed)
+        compressed
     }
 
     /// Number of means.
@@ -98,8 +118,34 @@ impl Compressed {
 }
 
 /// Where blocks begin, and the number of samples.
-fn ends(time: &[f64], x: &[f64], band: f64) -> Vec<usize> {
-    block_begins(time, x, band).into_iter().chain([time.len()]).collect()
+fn ends(begins: Vec<usize>, samples: usize) -> Vec<usize> {
+    begins.into_iter().chain([samples]).collect()
+}
+
+/// Where rough blocks begin: each lasts a small part of the time since a motion, or over a small part of the largest compression of
+/// one, and none goes from the one to the other.
+fn coarse_begins(time: &[f64], x: &[f64], largest: f64) -> Vec<usize> {
+    let (mut begins, mut begin) = (vec![0], 0);
+    // The last place that the motion has left, and when.
+    let (mut place, mut since) = (x[0], time[0]);
+    let mut moving = false;
+    for k in 1..time.len() {
+        let moves = (x[k] - place).abs() > REST * largest;
+        let over = if moves {
+            !moving || (x[k] - x[begin]).abs() > COARSE_WAY * largest
+        } else {
+            time[k] - time[begin] > COARSE_PART * (time[begin] - since)
+        };
+        if over {
+            begins.push(k);
+            begin = k;
+        }
+        if moves {
+            (place, since) = (x[k], time[k]);
+        }
+        moving = moves;
+    }
+    begins
 }
 
 #[cfg(test)]
@@ -118,7 +164,7 @@ mod tests {
     #[test]
     fn every_sample_is_in_one_block_and_a_motion_is_left_as_it_is() {
         let (time, x) = press(100.0, 60.0);
-        let ends = ends(&time, &x, 4.0 * REST);
+        let ends = ends(block_begins(&time, &x, 4.0 * REST), time.len());
         assert!(ends.windows(2).all(|pair| pair[0] < pair[1]));
         assert_eq!((ends[0], ends[ends.len() - 1]), (0, time.len()));
         // Samples 1 to 100 are the press: each by itself.
@@ -129,7 +175,7 @@ mod tests {
     fn means_grow_like_the_logarithm_of_a_hold_not_like_its_samples() {
         let blocks = |rate: f64, hold: f64| {
             let (time, x) = press(rate, hold);
-            ends(&time, &x, 4.0 * REST).len()
+            block_begins(&time, &x, 4.0 * REST).len() + 1
         };
         let (short, long) = (blocks(50.0, 60.0), blocks(50.0, 6000.0));
         assert!(long < 2 * short + 100, "{long} for {short}");

@@ -140,7 +140,7 @@ fn fit_hold(
     let trend = response.of_fall(shrinks != against);
     let signs = signs.then(|| response.of_fall(shrinks));
     let options = response.options(terms, signs);
-    let prepared = Prepared::new(time, &options).map_err(failed)?;
+    let prepared = Prepared::for_one(time, &options).map_err(failed)?;
     let (fit, candidates) = match terms {
         Terms::Fixed(_) => {
             let fit = prepared.fit(values).map_err(failed)?;

@@ -19,6 +19,12 @@ pub trait LeastSquares {
 
     /// Sum of squares with the normal equations at a point within the bounds.
     fn normal(&self, point: &[f64]) -> Normal;
+
+    /// Sum of squares at a point that may turn out worse, with the normal equations where they cost hardly more. The point may be moved
+    /// to where it is lower.
+    fn tried(&self, point: &mut [f64]) -> (f64, Option<Normal>) {
+        (self.cost(point), None)
+    }
 }
 
 /// The normal equations at a point.
@@ -117,23 +123,33 @@ pub struct Effort {
     pub iterations: usize,
     /// Relative fall of the sum of squares that counts as none.
     pub cost: f64,
+    /// Damping of the first step, over curvatures of one.
+    pub damping: f64,
 }
 
 impl Effort {
     /// To the last digits that mean something.
-    pub const FULL: Self = Self { iterations: 200, cost: 1e-13 };
+    pub const FULL: Self = Self { iterations: 200, cost: 1e-13, damping: 1e-3 };
+    /// The same from close by.
+    pub const NEAR: Self = Self { damping: 1e-6, ..Self::FULL };
     /// A few steps.
-    pub const TRIAL: Self = Self { iterations: 4, cost: 1e-5 };
+    pub const TRIAL: Self = Self { iterations: 4, cost: 1e-5, damping: 1e-3 };
     /// Enough to choose between models.
-    pub const QUICK: Self = Self { iterations: 16, cost: 1e-6 };
+    pub const QUICK: Self = Self { iterations: 16, cost: 1e-6, damping: 1e-3 };
     /// Enough for a law that is far from straight.
-    pub const LONG: Self = Self { iterations: 40, cost: 1e-6 };
+    pub const LONG: Self = Self { iterations: 40, cost: 1e-6, damping: 1e-3 };
 }
 
 /// Cosine between the residual and any free column of J at which the gradient counts as vanished.
 const GRADIENT_TOLERANCE: f64 = 1e-9;
 const STEP_TOLERANCE: f64 = 1e-12;
 const MOST_DAMPING: f64 = 1e18;
+/// Least damping after a step that went wrong: from less it would go wrong again.
+const REJECTED: f64 = 1e-3;
+/// Damping of a step that is not to be damped: none but what keeps it defined.
+pub(super) const HARDLY: f64 = 1e-12;
+/// Damping below which a step is as good as free.
+const FREE: f64 = 1e-4;
 
 /// Searches for a minimum from `start`, which is moved into the bounds first.
 pub fn minimise(problem: &impl LeastSquares, start: &[f64]) -> Solution {
@@ -165,7 +181,7 @@ pub fn race<P: LeastSquares + Sync>(problem: &P, starts: &[Vec<f64>]) -> Vec<Sol
 /// Takes searches that a race has kept to their end; the lowest. None without one.
 pub fn finish<P: LeastSquares + Sync>(problem: &P, kept: &[Solution]) -> Option<Solution> {
     let finish = |runner: &Solution| {
-        let found = minimise(problem, &runner.point);
+        let found = minimise_with(problem, &runner.point, Effort::NEAR);
         Solution { iterations: runner.iterations + found.iterations, ..found }
     };
     let finished: Vec<Solution> = kept.par_iter().map(finish).collect();
@@ -196,7 +212,7 @@ pub fn minimise_with(problem: &impl LeastSquares, start: &[f64], effort: Effort)
     let mut point: Vec<f64> =
         start.iter().zip(bounds).map(|(x, (lower, upper))| x.clamp(*lower, *upper)).collect();
     let mut normal = problem.normal(&point);
-    let mut damping = 1e-3;
+    let mut damping = effort.damping;
     let mut growth = 2.0;
     let mut iterations = 0;
     let stop = loop {
@@ -214,14 +230,19 @@ pub fn minimise_with(problem: &impl LeastSquares, start: &[f64], effort: Effort)
         if negligible(&step, &point) {
             break Stop::Step;
         }
-        let trial: Vec<f64> = point
+        let mut trial: Vec<f64> = point
             .iter()
             .zip(step.iter())
             .zip(bounds)
             .map(|((x, dx), (lower, upper))| (x + dx).clamp(*lower, *upper))
             .collect();
         let promised = -normal.raised_by(&step);
-        let gained = normal.cost - problem.cost(&trial);
+        // A free step that promises nothing need not be tried.
+        if damping <= FREE && promised <= effort.cost * normal.cost {
+            break Stop::Cost;
+        }
+        let (cost, there) = problem.tried(&mut trial);
+        let gained = normal.cost - cost;
         tracing::trace!(
             "step {iterations}: damping {damping:.1e}, sum of squares {:.9e}, gained {gained:.3e} of {promised:.3e}",
             normal.cost
@@ -231,7 +252,7 @@ pub fn minimise_with(problem: &impl LeastSquares, start: &[f64], effort: Effort)
             let stalled =
                 gained <= effort.cost * normal.cost && promised <= effort.cost * normal.cost;
             point = trial;
-            normal = problem.normal(&point);
+            normal = there.unwrap_or_else(|| problem.normal(&point));
             if stalled {
                 break Stop::Cost;
             }
@@ -241,7 +262,7 @@ pub fn minimise_with(problem: &impl LeastSquares, start: &[f64], effort: Effort)
             if promised.abs() <= effort.cost * normal.cost {
                 break Stop::Cost;
             }
-            damping *= growth;
+            damping = (damping * growth).max(REJECTED);
             growth *= 2.0;
         }
         damping = damping.max(1e-12);
@@ -275,10 +296,19 @@ pub(super) fn bounded_step(
     point: &[f64],
     bounds: &[(f64, f64)],
 ) -> DVector<f64> {
-    let dimension = point.len();
-    let mut step = DVector::zeros(dimension);
-    let mut free: Vec<usize> =
-        (0..dimension).filter(|&j| !pushed(normal, point, bounds, j)).collect();
+    bounded_step_of(0..point.len(), normal, damping, point, bounds)
+}
+
+/// The same where only some coordinates move.
+pub(super) fn bounded_step_of(
+    moving: impl Iterator<Item = usize>,
+    normal: &Normal,
+    damping: f64,
+    point: &[f64],
+    bounds: &[(f64, f64)],
+) -> DVector<f64> {
+    let mut step = DVector::zeros(point.len());
+    let mut free: Vec<usize> = moving.filter(|&j| !pushed(normal, point, bounds, j)).collect();
     while !free.is_empty() {
         let inner = free_step(normal, damping, &free, &step);
         let violated = |&(place, j): &(usize, usize)| {

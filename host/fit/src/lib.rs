@@ -26,6 +26,7 @@
 pub mod by_differences;
 mod carried;
 pub mod choice;
+mod columns;
 mod compression;
 pub mod consistency;
 pub mod coordinates;
@@ -38,6 +39,7 @@ pub mod least_squares;
 pub mod levels;
 pub mod line;
 mod log_blocks;
+mod many_exp;
 pub mod power_law;
 pub mod problem;
 pub mod ranking;

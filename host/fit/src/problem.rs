@@ -12,11 +12,12 @@ use std::sync::Arc;
 
 use nalgebra::{DMatrix, DMatrixView};
 
-use super::carried::{Carried, Memory, Stretch, logarithms};
+use super::carried::{Carried, Measured, Memory, Stretch, logarithms};
+use super::columns::Products;
 use super::compression::Compressed;
 use super::coordinates::Coordinates;
 use super::data::{Data, Piece};
-use super::least_squares::{LeastSquares, Normal};
+use super::least_squares::{HARDLY, LeastSquares, Normal, bounded_step_of};
 use super::levels::LevelSums;
 use super::spare::Spare;
 use super::whitening::Whitening;
@@ -37,6 +38,8 @@ pub struct Problem<'a> {
     constant: f64,
     /// A trace that is predicted but not fitted.
     left_out: Option<usize>,
+    /// Whether a search goes over shape and rates alone, the forces being always the best.
+    projects: bool,
     coordinates: Coordinates,
     bounds: Vec<(f64, f64)>,
 }
@@ -72,6 +75,7 @@ impl<'a> Problem<'a> {
             roots: Vec::new(),
             constant: 0.0,
             left_out,
+            projects: false,
             bounds: bounds(&coordinates, chain, data),
             coordinates,
         }
@@ -95,6 +99,14 @@ impl<'a> Problem<'a> {
             constant: compressed.within,
             ..problem
         }
+    }
+
+    /// The same for a search from afar: it goes over shape and rates alone where the law is linear in its forces, and these are always
+    /// the best. A valley that is bent in all coordinates is straight in those.
+    #[must_use]
+    pub fn projecting(mut self) -> Self {
+        self.projects = true;
+        self
     }
 
     /// The same without the residuals of one trace.
@@ -124,6 +136,7 @@ impl<'a> Problem<'a> {
             roots: self.roots.clone(),
             constant: self.constant,
             left_out: self.left_out,
+            projects: self.projects,
             bounds: bounds(&coordinates, chain, self.data),
             coordinates,
         }
@@ -266,8 +279,47 @@ impl<'a> Problem<'a> {
         });
         let (time, rest) = (&motion.time[..], motion.rest_before);
         let stretch = Stretch { time, x: &x, logarithm, rest };
-        carried.run(stretch, &mut run.memory, force, wanted, columns);
+        if wanted.is_empty() {
+            carried.predict(stretch, &mut run.memory, force);
+        } else {
+            carried.run(stretch, &mut run.memory, force, wanted, columns);
+        }
         self.spare.give([own]);
+    }
+
+    /// Sums of products of the derivatives and of the residual, for each of so many groups of stretches; no derivative is written down.
+    /// None where the law is not carried, something acts beside it or whitens, or what follows from the motions is not kept.
+    fn in_one_pass(
+        &self,
+        point: &[f64],
+        groups: usize,
+        group: impl Fn(&Piece) -> Option<usize>,
+    ) -> Option<Vec<Normal>> {
+        if !self.chain.effects.is_empty() || !self.whitening.is_none() || !self.data.keeps() {
+            return None;
+        }
+        let carried = Carried::new(self.chain, &self.coordinates, point)?;
+        let mut memory = Memory::default();
+        let free = |&j: &usize| self.bounds[j].0 < self.bounds[j].1;
+        let moving: Vec<usize> = (0..self.coordinates.count()).filter(free).collect();
+        let wanted: Vec<Coordinate> = moving.iter().map(|&j| self.coordinates.list()[j]).collect();
+        // The last are of stretches that are not fitted: what comes after may remember them.
+        let mut sums = vec![Products::zeros(wanted.len() + 1); groups + 1];
+        for (index, piece) in self.data.pieces.iter().enumerate() {
+            let motion = &piece.motion;
+            let stretch = Stretch {
+                time: &motion.time,
+                x: &motion.displacement,
+                logarithm: &self.logarithms[index],
+                rest: motion.rest_before,
+            };
+            let roots = self.roots.get(index).copied().unwrap_or_default();
+            let measured = Measured { signal: piece.measured, roots };
+            let own = &mut sums[group(piece).unwrap_or(groups)];
+            carried.add_products(stretch, &mut memory, measured, &wanted, own);
+        }
+        let normal = |sums: &Products| Normal::of(point.len(), &moving, sums);
+        Some(sums[..groups].iter().map(normal).collect())
     }
 
     /// From the force of a carried base law to the signal.
@@ -447,7 +499,21 @@ impl<'a> Problem<'a> {
     /// The normal equations of every trace by itself, as it is.
     #[must_use]
     pub fn by_trace(&self, point: &[f64]) -> Vec<(Normal, usize)> {
-        let mut found = vec![(Normal::zeros(point.len()), 0); self.data.labels.len()];
+        let traces = self.data.labels.len();
+        if self.roots.is_empty()
+            && let Some(normals) = self.in_one_pass(point, traces, |piece| Some(piece.trace))
+        {
+            let samples = |trace: usize| {
+                let own = self.data.pieces.iter().filter(|piece| piece.trace == trace);
+                own.map(|piece| piece.measured.len()).sum()
+            };
+            return normals
+                .into_iter()
+                .enumerate()
+                .map(|(k, normal)| (normal, samples(k)))
+                .collect();
+        }
+        let mut found = vec![(Normal::zeros(point.len()), 0); traces];
         self.slopes(point, |piece, residual, columns| {
             let (normal, samples) = &mut found[piece.trace];
             normal.add(columns, residual, 0..residual.len());
@@ -510,17 +576,28 @@ impl<'a> Problem<'a> {
         (squares / self.data.samples() as f64).sqrt()
     }
 
-    /// Sum of products of neighbouring residuals over the sum of squares, not whitened.
+    /// What is left, not whitened, in a few numbers.
     #[must_use]
-    pub fn autocorrelation(&self, point: &[f64]) -> f64 {
-        let (mut product, mut square) = (0.0, 0.0);
+    pub fn residuals_in_short(&self, point: &[f64]) -> Residuals {
+        let mut traces = vec![(0.0, 0); self.data.labels.len()];
+        let mut product = 0.0;
         self.each_piece(&[point.to_vec()], |piece, forces| {
-            let residual: Vec<f64> =
-                forces[0].iter().zip(piece.measured).map(|(f, y)| f - y).collect();
-            product += residual.windows(2).map(|pair| pair[0] * pair[1]).sum::<f64>();
-            square += residual.iter().map(|r| r * r).sum::<f64>();
+            let (square, count) = &mut traces[piece.trace];
+            let mut before = 0.0;
+            for (force, measured) in forces[0].iter().zip(piece.measured) {
+                let residual = force - measured;
+                product += before * residual;
+                *square += residual * residual;
+                before = residual;
+            }
+            *count += piece.measured.len();
         });
-        if square > 0.0 { product / square } else { 0.0 }
+        let square: f64 = traces.iter().map(|(square, _)| square).sum();
+        let rms = |(square, count): &(f64, usize)| (square / (*count as f64).max(1.0)).sqrt();
+        Residuals {
+            autocorrelation: if square > 0.0 { product / square } else { 0.0 },
+            trace_rms: traces.iter().map(rms).collect(),
+        }
     }
 
     /// Sums over no samples, where slow noise moves the levels of the traces.
@@ -569,9 +646,43 @@ impl<'a> Problem<'a> {
         }
     }
 
+    /// The normal equations in one pass, where they can be had so.
+    fn fused(&self, point: &[f64]) -> Option<Normal> {
+        let fitted = |piece: &Piece| self.fitted(piece).then_some(0);
+        let mut normal = self.in_one_pass(point, 1, fitted)?.pop()?;
+        normal.cost += self.constant;
+        Some(normal)
+    }
+
+    /// Moves a point, with these normal equations, to the best forces where they are always the best; the normal equations there.
+    fn projected(&self, point: &mut [f64], normal: &Normal) -> Option<Normal> {
+        if !self.projects {
+            return None;
+        }
+        let is_force = |coordinate: &Coordinate| {
+            matches!(coordinate, Coordinate::Force(_) | Coordinate::Total | Coordinate::Damping)
+        };
+        let list = self.coordinates.list();
+        let forces = (0..list.len()).filter(|&j| is_force(&list[j]));
+        let step = bounded_step_of(forces, normal, HARDLY, point, &self.bounds);
+        let best: Vec<f64> = point.iter().zip(step.iter()).map(|(x, dx)| x + dx).collect();
+        let there = self.fused(&best).filter(|there| there.cost < normal.cost)?;
+        point.copy_from_slice(&best);
+        Some(there)
+    }
+
     fn fitted(&self, piece: &Piece) -> bool {
         self.left_out != Some(piece.trace)
     }
+}
+
+/// What a fit leaves, in a few numbers.
+#[derive(Clone, Debug)]
+pub struct Residuals {
+    /// Sum of products of neighbouring residuals over the sum of squares.
+    pub autocorrelation: f64,
+    /// Root mean square residual of each trace, in the unit of the signal.
+    pub trace_rms: Vec<f64>,
 }
 
 /// The residual of one stretch.
@@ -641,6 +752,20 @@ fn bounds(coordinates: &Coordinates, chain: &Chain, data: &Data) -> Vec<(f64, f6
 }
 
 impl Normal {
+    /// From products of the derivatives by the coordinates `moving`, of so many, and last of the residual.
+    fn of(dimension: usize, moving: &[usize], products: &Products) -> Self {
+        let mut normal = Self::zeros(dimension);
+        let residual = moving.len();
+        normal.cost = products.of(residual, residual);
+        for (a, &i) in moving.iter().enumerate() {
+            normal.gradient[i] = products.of(a, residual);
+            for (b, &j) in moving.iter().enumerate() {
+                normal.curvature[(i, j)] = products.of(a, b);
+            }
+        }
+        normal
+    }
+
     /// Adds a range of samples: derivatives column by column, and residuals.
     pub fn add(&mut self, columns: &Columns, residual: &[f64], range: Range<usize>) {
         // The residual counts as one more column: one product of few rows at a time, at hand in the cache,
@@ -678,7 +803,16 @@ impl LeastSquares for Problem<'_> {
         self.fitted_cost(point, |_, _| {})
     }
 
+    fn tried(&self, point: &mut [f64]) -> (f64, Option<Normal>) {
+        let Some(normal) = self.fused(point) else { return (self.cost(point), None) };
+        let normal = self.projected(point, &normal).unwrap_or(normal);
+        (normal.cost, Some(normal))
+    }
+
     fn normal(&self, point: &[f64]) -> Normal {
+        if let Some(normal) = self.fused(point) {
+            return normal;
+        }
         let mut normal = Normal::zeros(point.len());
         normal.cost = self.constant;
         let mut sums = self.level_sums(point.len());

@@ -2,14 +2,17 @@
 //!
 //! For a given shape of the elastic response (the exponent q) and given rates the law is linear in the
 //! force that each branch carries. So shape and rates go over a grid, the branch forces come from linear
-//! least squares, and the best few distinct starts are handed on. Each law says where it starts from there; a kernel that is no sum of exponentials goes over a grid of its own.
+//! least squares, and every valley that the grid shows is handed on, up to a few. Each law says where it starts from there; a kernel
+//! that is no sum of exponentials goes over a grid of its own.
 
-use nalgebra::{DMatrix, DMatrixView, DVector};
+use nalgebra::{DMatrix, DVector};
 
+use super::columns::{BLOCK, Column, Products};
 use super::data::Data;
+use super::many_exp::exp;
 use palpate_model::kernel::MemoryOf;
 use palpate_model::laws::Beginning;
-use palpate_model::{BaseLaw, Branch, Constants, Elastic, LawOption, Memory, Relaxation, Span};
+use palpate_model::{BaseLaw, Branch, Constants, Elastic, Form, LawOption, MAX_TERMS, Span};
 
 /// A start: shape of the elastic response, rates (1/s, fast to slow) and order of the kernel, and branch
 /// forces (the equilibrium first) at the reference compression.
@@ -22,13 +25,14 @@ struct Start {
     cost: f64,
 }
 
-/// Most starts from different shapes.
+/// Most starts.
 const MOST: usize = 3;
 
-/// Parameters of the law to start from, the best first.
-pub fn starts(law: &BaseLaw, data: &Data) -> Vec<Vec<f64>> {
+/// Parameters of the law to start from, the best first. The samples of each stretch weigh as the squares of their `roots`, or all the
+/// same where there are none.
+pub fn starts(law: &BaseLaw, data: &Data, roots: &[&[f64]]) -> Vec<Vec<f64>> {
     let reference = data.largest_compression();
-    let mut found = linear_starts(law, data, reference);
+    let mut found = linear_starts(law, (data, roots), reference);
     found.truncate(MOST);
     let scales = data.scales();
     let beginning = Beginning {
@@ -56,45 +60,168 @@ impl Start {
 }
 
 const RATES: usize = 16;
-/// Samples whose products are taken at a time.
-const AT_A_TIME: usize = 256;
+/// Columns of a sample: the elastic response, the answer at each rate, and the signal.
+const COLUMNS: usize = RATES + 2;
+/// Two intervals closer than this, relatively, are the same: times are printed with few digits.
+const SAME_INTERVAL: f64 = 1e-7;
 
-/// The best start of Fung's law for each shape of the elastic response, best first.
-fn linear_starts(law: &BaseLaw, data: &Data, reference: f64) -> Vec<Start> {
-    let rates = rate_grid(data);
-    let shapes = match law.family.takes(LawOption::Elastic) {
-        true => law.elastic.shapes(reference),
-        false => vec![law.family.shape],
-    };
-    let best = |&shape: &f64| {
-        let gram = Gram::of(data, (law.elastic, shape), &rates, reference);
-        match law.kernel.memory {
-            MemoryOf::Exponentials => best_rates(&gram, shape, &rates, law.terms),
-            memory => best_kernel(&gram, shape, &rates, (memory, law.span)),
+/// The starts of Fung's law, the best first: each valley of the grid, or where the law is not quite Fung's the best of each shape.
+fn linear_starts(law: &BaseLaw, set: Set, reference: f64) -> Vec<Start> {
+    let rates = rate_grid(set.0);
+    let has_shapes = law.family.takes(LawOption::Elastic);
+    let shapes = if has_shapes { law.elastic.shapes(reference) } else { vec![law.family.shape] };
+    let of = |shapes: &[f64]| grams(set, (law.elastic, shapes), &rates, reference);
+    let grid = Grid { grams: of(&shapes), terms: law.terms, rates };
+    let mut found: Vec<Start> = match law.kernel.memory {
+        MemoryOf::Exponentials => {
+            let mut lowest: Vec<Cell> =
+                (0..shapes.len()).filter_map(|shape| grid.lowest(shape)).collect();
+            let itself = law.family.form == Form::Force && !law.family.retarded;
+            if itself && law.family.linear_memory {
+                lowest = grid.valleys(lowest);
+            }
+            let between = |cell: &Cell| grid.between(&shapes, cell);
+            let shapes: Vec<f64> = lowest.iter().map(between).collect();
+            let grams = of(&shapes);
+            let start =
+                |((gram, &shape), cell): ((&Gram, &f64), &Cell)| grid.start(gram, shape, cell);
+            grams.iter().zip(&shapes).zip(&lowest).filter_map(start).collect()
+        }
+        memory => {
+            let best = |(gram, &shape): (&Gram, &f64)| {
+                best_kernel(gram, shape, &rates, (memory, law.span))
+            };
+            grid.grams.iter().zip(&shapes).filter_map(best).collect()
         }
     };
-    let mut found: Vec<Start> = shapes.iter().filter_map(best).collect();
     found.sort_by(|a, b| a.cost.total_cmp(&b.cost));
     found
+}
+
+/// A data set, and the roots of the weights of its samples, stretch by stretch; none where all weigh the same.
+type Set<'a> = (&'a Data<'a>, &'a [&'a [f64]]);
+
+/// The best forces at every shape and every set of rates.
+struct Grid {
+    /// For each shape.
+    grams: Vec<Gram>,
+    terms: usize,
+    rates: [f64; RATES],
+}
+
+/// A place of the grid.
+#[derive(Clone, Debug, PartialEq)]
+struct Cell {
+    /// Which shape.
+    shape: usize,
+    /// The equilibrium, which is 0, and which rates, from 1.
+    chosen: Vec<usize>,
+    cost: f64,
+}
+
+impl Grid {
+    /// The lowest of a shape.
+    fn lowest(&self, shape: usize) -> Option<Cell> {
+        let mut best: Option<Cell> = None;
+        let mut chosen: Vec<usize> = (0..=self.terms).collect();
+        loop {
+            if let Some(Forces { cost, .. }) = self.grams[shape].solve(&chosen)
+                && best.as_ref().is_none_or(|best| cost < best.cost)
+            {
+                best = Some(Cell { shape, chosen: chosen.clone(), cost });
+            }
+            if !next_combination(&mut chosen[1..], RATES) {
+                return best;
+            }
+        }
+    }
+
+    /// Where cells come to that go on to the lowest neighbour as long as that is lower: each place once.
+    fn valleys(&self, cells: Vec<Cell>) -> Vec<Cell> {
+        let mut ends: Vec<Cell> = Vec::new();
+        let mut passed: Vec<Cell> = Vec::new();
+        for mut cell in cells {
+            while !passed.contains(&cell) {
+                passed.push(cell.clone());
+                match self.lowest_beside(&cell).filter(|beside| beside.cost < cell.cost) {
+                    Some(beside) => cell = beside,
+                    None => ends.push(cell.clone()),
+                }
+            }
+        }
+        ends
+    }
+
+    /// The lowest of the cells that are one step away in some or all directions.
+    fn lowest_beside(&self, cell: &Cell) -> Option<Cell> {
+        let steps = 3_usize.pow(self.terms as u32 + 1);
+        let beside = |code: usize| {
+            let mut rest = code;
+            let mut moved = |from: usize| {
+                let to = (from + rest % 3).checked_sub(1);
+                rest /= 3;
+                to
+            };
+            let shape = moved(cell.shape)?;
+            let rates: Option<Vec<usize>> = cell.chosen[1..].iter().map(|&k| moved(k)).collect();
+            let chosen: Vec<usize> = std::iter::once(0).chain(rates?).collect();
+            self.at(shape, chosen)
+        };
+        (0..steps).filter_map(beside).min_by(|a, b| a.cost.total_cmp(&b.cost))
+    }
+
+    /// The cell with this shape and these rates, where the grid has it.
+    fn at(&self, shape: usize, chosen: Vec<usize>) -> Option<Cell> {
+        let rising = chosen.windows(2).all(|pair| pair[0] < pair[1]);
+        if !rising || chosen.last().is_none_or(|&last| last > RATES) {
+            return None;
+        }
+        let cost = self.grams.get(shape)?.solve(&chosen)?.cost;
+        Some(Cell { shape, chosen, cost })
+    }
+
+    /// The shape at the bottom of the parabola through a cell and those beside it; its own where there is none.
+    fn between(&self, shapes: &[f64], cell: &Cell) -> f64 {
+        let own = shapes[cell.shape];
+        let beside =
+            |shape: usize| Some((*shapes.get(shape)?, self.at(shape, cell.chosen.clone())?.cost));
+        let sides = cell.shape.checked_sub(1).and_then(beside).zip(beside(cell.shape + 1));
+        let Some(((left, above_left), (right, above_right))) = sides else { return own };
+        let (down, up) = (own - left, right - own);
+        let slopes = ((above_left - cell.cost) / down, (above_right - cell.cost) / up);
+        let curvature = slopes.0 + slopes.1;
+        let moved = 0.5 * (slopes.0 * up - slopes.1 * down) / curvature;
+        if slopes.0 >= 0.0 && slopes.1 >= 0.0 && curvature > 0.0 { own + moved } else { own }
+    }
+
+    /// The start at the rates of a cell with another shape, whose products these are.
+    fn start(&self, gram: &Gram, shape: f64, cell: &Cell) -> Option<Start> {
+        let Forces { values, cost } = gram.solve(&cell.chosen)?;
+        let rates = cell.chosen[1..].iter().map(|&k| self.rates[k - 1]).collect();
+        Some(Start { shape, rates, order: 1.0, forces: values[..=self.terms].to_vec(), cost })
+    }
 }
 
 /// The best order, and rate where it has one, of a kernel.
 fn best_kernel(
     gram: &Gram,
     shape: f64,
-    rates: &[f64],
+    rates: &[f64; RATES],
     (memory, span): (MemoryOf, Span),
 ) -> Option<Start> {
     let MemoryOf::Spectrum { of, has_rate, orders, .. } = memory else {
-        let (forces, cost) = gram.solve(&[0])?;
-        return Some(Start { shape, rates: Vec::new(), order: 1.0, forces, cost });
+        let Forces { values, cost } = gram.solve(&[0])?;
+        return Some(Start { shape, rates: Vec::new(), order: 1.0, forces: vec![values[0]], cost });
     };
-    let own_rates = if has_rate { rates } else { &[1.0] };
+    let own_rates = if has_rate { &rates[..] } else { &[1.0] };
     let mut best: Option<Start> = None;
     for &rate in own_rates {
         for &order in orders {
             let shares = on_grid(&of(rate, order, span).branches, rates);
-            let Some((forces, cost)) = gram.combined(&shares).solve(&[0, 1]) else { continue };
+            let Some(Forces { values, cost }) = gram.combined(&shares).solve(&[0, 1]) else {
+                continue;
+            };
+            let forces = values[..2].to_vec();
             if forces.iter().sum::<f64>() > 0.0 && best.as_ref().is_none_or(|b| cost < b.cost) {
                 let rates = if has_rate { vec![rate] } else { Vec::new() };
                 best = Some(Start { shape, rates, order, forces, cost });
@@ -117,11 +244,11 @@ fn on_grid(branches: &[Branch], rates: &[f64]) -> DVector<f64> {
 }
 
 /// Rates from slower than the longest stretch to as fast as the sampling shows, 1/s, falling.
-fn rate_grid(data: &Data) -> Vec<f64> {
+fn rate_grid(data: &Data) -> [f64; RATES] {
     let fastest = (0.5 / data.shortest_interval()).min(1e4 / data.longest());
     let slowest = 0.5 / data.longest();
     let ratio = (slowest / fastest).powf(1.0 / (RATES - 1) as f64);
-    (0..RATES).map(|k| fastest * ratio.powi(k as i32)).collect()
+    std::array::from_fn(|k| fastest * ratio.powi(k as i32))
 }
 
 /// Inner products of the measured signal and of every branch's answer to the motion, in contact.
@@ -131,58 +258,121 @@ struct Gram {
     total: f64,
 }
 
-impl Gram {
-    fn of(data: &Data, (elastic, shape): (Elastic, f64), rates: &[f64], reference: f64) -> Self {
-        let size = rates.len() + 1;
-        let mut gram = Self {
-            products: DMatrix::zeros(size, size),
-            measured: DVector::zeros(size),
-            total: 0.0,
-        };
-        let p = 1.0 / elastic.unit(shape, reference);
-        // Each branch by itself: a relaxation function whose whole response decays at its rate.
-        let alone: Vec<Relaxation> =
-            rates.iter().map(|&rate| Relaxation::new(&[1.0], &[rate])).collect();
-        // The signal counts as one more branch: one product of a few hundred rows gives all.
-        let mut rows = Vec::with_capacity(AT_A_TIME * (size + 1));
-        let mut sums = DMatrix::zeros(size + 1, size + 1);
-        let mut add = |rows: &mut Vec<f64>| {
-            let part = DMatrixView::from_slice(rows, size + 1, rows.len() / (size + 1));
-            sums.gemm(1.0, &part, &part.transpose(), 1.0);
-            rows.clear();
-        };
-        for piece in &data.pieces {
-            let mut memories = vec![Memory::rested(1); rates.len()];
-            let mut before = piece.motion.time[0];
-            let samples =
-                piece.motion.time.iter().zip(piece.motion.displacement.iter()).zip(piece.measured);
-            for ((&time, &x), &y) in samples {
-                let response = p * elastic.unit(shape, x);
-                let first = rows.len();
-                rows.push(response);
-                for (memory, relaxation) in memories.iter_mut().zip(&alone) {
-                    rows.push(if time > before {
-                        memory.step(relaxation, response, time - before)
-                    } else {
-                        memory.jump(relaxation, response)
-                    });
-                }
-                before = time;
+/// What a shape of the elastic response is summed up in.
+struct Shape {
+    /// Stiffness of a force of one at the reference compression.
+    p: f64,
+    /// State of each branch: one whose whole response decays at its rate.
+    states: [f64; RATES],
+    driven: f64,
+    block: [Column; COLUMNS],
+    products: Products,
+}
+
+/// The products of every shape of the elastic response, all in one run over the motions.
+fn grams(
+    (data, roots): Set,
+    (elastic, shapes): (Elastic, &[f64]),
+    rates: &[f64; RATES],
+    reference: f64,
+) -> Vec<Gram> {
+    let mut sums: Vec<(f64, Shape)> =
+        shapes.iter().map(|&shape| (shape, Shape::new(elastic.unit(shape, reference)))).collect();
+    let mut filled = 0;
+    for (index, piece) in data.pieces.iter().enumerate() {
+        let roots = roots.get(index).copied().unwrap_or_default();
+        sums.iter_mut().for_each(|(_, sums)| sums.rest());
+        let mut steps = [(1.0, 1.0); RATES];
+        let (mut before, mut interval) = (f64::NAN, f64::NAN);
+        let motion = &piece.motion;
+        let samples = motion.time.iter().zip(&*motion.displacement).zip(piece.measured);
+        for (k, ((&time, &x), &y)) in samples.enumerate() {
+            let now = time - before;
+            before = time;
+            let same = (now - interval).abs() <= SAME_INTERVAL * now;
+            if now > 0.0 && !same {
+                interval = now;
+                steps = rates.map(|rate| step(rate * now));
+            }
+            for (shape, sums) in &mut sums {
+                sums.drive(sums.p * elastic.unit(*shape, x), &steps);
                 if x > 0.0 {
-                    rows.push(y);
-                } else {
-                    rows.truncate(first);
-                }
-                if rows.len() == AT_A_TIME * (size + 1) {
-                    add(&mut rows);
+                    sums.keep(y, roots.get(k).copied().unwrap_or(1.0), filled);
                 }
             }
+            filled += usize::from(x > 0.0);
+            if filled == BLOCK {
+                sums.iter_mut().for_each(|(_, sums)| sums.add(BLOCK));
+                filled = 0;
+            }
         }
-        add(&mut rows);
-        gram.products.copy_from(&sums.view((0, 0), (size, size)));
-        gram.measured.copy_from(&sums.view((0, size), (size, 1)));
-        gram.total = sums[(size, size)];
-        gram
+    }
+    sums.iter_mut().for_each(|(_, sums)| sums.add(filled));
+    sums.iter().map(|(_, sums)| Gram::of(&sums.products)).collect()
+}
+
+/// Decay and gain of a branch over so many times its own time.
+fn step(turns: f64) -> (f64, f64) {
+    let decay = exp(-turns);
+    let gain = if turns < 1e-5 { 1.0 - 0.5 * turns } else { (1.0 - decay) / turns };
+    (decay, gain)
+}
+
+impl Shape {
+    fn new(unit: f64) -> Self {
+        Self {
+            p: 1.0 / unit,
+            states: [0.0; RATES],
+            driven: 0.0,
+            block: [Column::ZERO; COLUMNS],
+            products: Products::zeros(COLUMNS),
+        }
+    }
+
+    /// The specimen has forgotten all.
+    fn rest(&mut self) {
+        (self.states, self.driven) = ([0.0; RATES], 0.0);
+    }
+
+    fn drive(&mut self, response: f64, steps: &[(f64, f64); RATES]) {
+        let change = response - self.driven;
+        self.driven = response;
+        for (state, (decay, gain)) in self.states.iter_mut().zip(steps) {
+            *state = *state * decay + gain * change;
+        }
+    }
+
+    /// Keeps this sample with its signal, times a root, at a place of the block.
+    fn keep(&mut self, signal: f64, root: f64, place: usize) {
+        let values = [self.driven].into_iter().chain(self.states).chain([signal]);
+        for (column, value) in self.block.iter_mut().zip(values) {
+            column.0[place] = root * value;
+        }
+    }
+
+    /// Adds the first so many samples of the block.
+    fn add(&mut self, samples: usize) {
+        self.block.iter_mut().for_each(|column| column.0[samples..].fill(0.0));
+        self.products.add(&self.block);
+    }
+}
+
+/// Nonnegative forces of some branches.
+#[derive(Clone, Copy, Debug)]
+struct Forces {
+    values: [f64; MAX_TERMS + 1],
+    /// The sum of squares that they leave.
+    cost: f64,
+}
+
+impl Gram {
+    fn of(products: &Products) -> Self {
+        let size = RATES + 1;
+        Self {
+            products: DMatrix::from_fn(size, size, |a, b| products.of(a, b)),
+            measured: DVector::from_fn(size, |a, _| products.of(a, size)),
+            total: products.of(size, size),
+        }
     }
 
     /// The same for the elastic response and one answer that is made of these parts of all.
@@ -197,45 +387,56 @@ impl Gram {
         Self { products, measured, total: self.total }
     }
 
-    /// Nonnegative forces of the branches `chosen`, and the sum of squares they leave.
-    fn solve(&self, chosen: &[usize]) -> Option<(Vec<f64>, f64)> {
-        let mut active: Vec<usize> = chosen.to_vec();
+    /// Nonnegative forces of at most `MAX_TERMS + 1` branches `chosen`, and the sum of squares they leave.
+    fn solve(&self, chosen: &[usize]) -> Option<Forces> {
+        let mut active = [true; MAX_TERMS + 1];
         loop {
-            let size = active.len();
-            let matrix = DMatrix::from_fn(size, size, |a, b| {
-                let entry = self.products[(active[a], active[b])];
-                if a == b { entry * (1.0 + 1e-12) } else { entry }
-            });
-            let right = DVector::from_fn(size, |a, _| self.measured[active[a]]);
-            let forces = matrix.cholesky()?.solve(&right);
-            let (worst, least) = forces.argmin();
-            if least >= 0.0 {
-                let cost = self.total - right.dot(&forces);
-                let force_of =
-                    |branch| active.iter().position(|&a| a == branch).map_or(0.0, |a| forces[a]);
-                return Some((chosen.iter().map(|&branch| force_of(branch)).collect(), cost));
+            let mut places = (0..chosen.len()).filter(|&place| active[place]);
+            places.clone().next()?;
+            let (values, explained) = self.solve_free(chosen, &active)?;
+            let least = places.by_ref().min_by(|&a, &b| values[a].total_cmp(&values[b]))?;
+            if values[least] >= 0.0 {
+                return Some(Forces { values, cost: self.total - explained });
             }
-            active.remove(worst);
-            if active.is_empty() {
-                return None;
-            }
+            active[least] = false;
         }
     }
-}
 
-fn best_rates(gram: &Gram, shape: f64, rates: &[f64], terms: usize) -> Option<Start> {
-    let mut best: Option<Start> = None;
-    let mut chosen: Vec<usize> = (0..=terms).collect();
-    loop {
-        if let Some((forces, cost)) = gram.solve(&chosen)
-            && best.as_ref().is_none_or(|best| cost < best.cost)
-        {
-            let rates = chosen[1..].iter().map(|&k| rates[k - 1]).collect();
-            best = Some(Start { shape, rates, order: 1.0, forces, cost });
+    /// Forces of the branches that are active, and what they explain; none where they cannot be told apart.
+    fn solve_free(
+        &self,
+        chosen: &[usize],
+        active: &[bool; MAX_TERMS + 1],
+    ) -> Option<([f64; MAX_TERMS + 1], f64)> {
+        let mut lower = [[0.0; MAX_TERMS + 1]; MAX_TERMS + 1];
+        let mut values = [0.0; MAX_TERMS + 1];
+        let mut explained = 0.0;
+        let free = |place: &usize| active[*place];
+        for a in (0..chosen.len()).filter(free) {
+            for b in (0..=a).filter(free) {
+                let mut entry = self.products[(chosen[a], chosen[b])];
+                if a == b {
+                    entry *= 1.0 + 1e-12;
+                }
+                let sum: f64 = (0..b).map(|k| lower[a][k] * lower[b][k]).sum();
+                let rest = entry - sum;
+                if a != b {
+                    lower[a][b] = rest / lower[b][b];
+                } else if rest > 0.0 {
+                    lower[a][a] = rest.sqrt();
+                } else {
+                    return None;
+                }
+            }
+            let before: f64 = (0..a).map(|k| lower[a][k] * values[k]).sum();
+            values[a] = (self.measured[chosen[a]] - before) / lower[a][a];
+            explained += values[a] * values[a];
         }
-        if !next_combination(&mut chosen[1..], rates.len()) {
-            return best;
+        for a in (0..chosen.len()).rev().filter(free) {
+            let after: f64 = (a + 1..chosen.len()).map(|k| lower[k][a] * values[k]).sum();
+            values[a] = (values[a] - after) / lower[a][a];
         }
+        Some((values, explained))
     }
 }
 

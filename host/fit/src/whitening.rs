@@ -59,6 +59,15 @@ impl Schedule {
         (own, slow, left[0])
     }
 
+    /// Gains of a state of fixed size, and what is left at a sample.
+    #[inline]
+    fn all_at(&self, k: usize) -> (&[f64; STATES], f64) {
+        let (rows, _) = self.numbers.as_chunks::<{ STATES + 1 }>();
+        let row = &rows[k.min(rows.len() - 1)];
+        let (gain, left) = row.split_first_chunk::<STATES>().unwrap_or((&[0.0; STATES], &[1.0]));
+        (gain, left[0])
+    }
+
     /// Whether the last sample's numbers are these, as far as it matters.
     fn is_near(&self, gain: &[f64], left: f64) -> bool {
         if self.numbers.is_empty() {
@@ -72,6 +81,10 @@ impl Schedule {
 
 /// Time constants of the processes that together are flicker, in samples.
 const TIMES: [f64; 6] = [4.0, 16.0, 64.0, 256.0, 1024.0, 4096.0];
+/// Numbers of a state with one value of the autoregression.
+const STATES: usize = 1 + TIMES.len();
+/// Samples of rest as most recordings have them.
+const USUAL: usize = 1024;
 /// Factor between the times of neighbouring processes.
 const APART: f64 = 4.0;
 /// Samples after which the Kalman filter counts as settled at the latest.
@@ -121,6 +134,12 @@ impl Whitening {
             noise.schedule = Arc::new(noise.gains(longest));
         }
         noise
+    }
+
+    /// Whether everything is left as it is.
+    #[must_use]
+    pub fn is_none(&self) -> bool {
+        self.none
     }
 
     /// This noise with its size counted as a guess.
@@ -222,7 +241,29 @@ impl Whitening {
     }
 
     fn apply_kalman(&self, values: &mut [f64]) {
-        let (coefficients, decays) = (self.coefficients(), decays());
+        match self.coefficients() {
+            [] => self.apply_decays(0.0, values),
+            [own] => self.apply_decays(*own, values),
+            coefficients => self.apply_in_general(coefficients, values),
+        }
+    }
+
+    /// Where the autoregression remembers one value, which decays like the flicker.
+    fn apply_decays(&self, own: f64, values: &mut [f64]) {
+        let decays = states_of(own, decays());
+        let mut state = [0.0; STATES];
+        for (k, value) in values.iter_mut().enumerate() {
+            let (gain, left) = self.schedule.all_at(k);
+            let innovation = *value - sum(&state);
+            for ((state, gain), decay) in state.iter_mut().zip(gain).zip(&decays) {
+                *state = (*state + gain * innovation) * decay;
+            }
+            *value = innovation / left;
+        }
+    }
+
+    fn apply_in_general(&self, coefficients: &[f64], values: &mut [f64]) {
+        let decays = decays();
         let mut own = vec![0.0; self.order()];
         let mut slow = [0.0; TIMES.len()];
         for (k, value) in values.iter_mut().enumerate() {
@@ -248,6 +289,48 @@ impl Whitening {
     /// Sidhu and Kailath, 1974): the covariance of a stationary state first changes by a matrix of rank one, and so it does from
     /// then on. A sample costs a few operations for each number of the state, not for each pair of them.
     fn gains(&self, longest: usize) -> Schedule {
+        match self.coefficients() {
+            [] => self.gains_of_decays(0.0, longest),
+            [own] => self.gains_of_decays(*own, longest),
+            _ => self.gains_in_general(longest),
+        }
+    }
+
+    /// Where the autoregression remembers one value, which decays like the flicker: the same with a state of fixed size.
+    fn gains_of_decays(&self, own: f64, longest: usize) -> Schedule {
+        let (flicker, decays) = (self.flicker.powi(2), states_of(own, decays()));
+        let mut towards = states_of(self.left[0].powi(2), [flicker; TIMES.len()]);
+        let mut variance = sum(&towards);
+        let chance = decays[1..].iter().map(|decay| flicker * (1.0 - decay * decay)).sum::<f64>();
+        let least = chance + self.left[self.left.len() - 1].powi(2);
+        let mut gain = towards.map(|towards| towards / variance);
+        let mut change: [f64; STATES] = std::array::from_fn(|k| gain[k] * decays[k]);
+        let mut weight = -variance;
+        let mut found = Schedule { order: 1, numbers: Vec::new() };
+        let most = longest.clamp(1, SETTLED);
+        found.numbers.reserve(most.min(USUAL) * (STATES + 1));
+        loop {
+            let left = variance.sqrt();
+            let settled = found.is_near(&gain, left);
+            found.numbers.extend_from_slice(&gain);
+            found.numbers.push(left);
+            if settled || found.len() >= most {
+                return found;
+            }
+            let told = sum(&change);
+            let next = (variance + weight * told * told).max(least);
+            let (along, inverse) = (weight * told, 1.0 / next);
+            for k in 0..STATES {
+                towards[k] += along * change[k];
+                change[k] = (change[k] - told * gain[k]) * decays[k];
+                gain[k] = towards[k] * inverse;
+            }
+            weight *= variance * inverse;
+            variance = next;
+        }
+    }
+
+    fn gains_in_general(&self, longest: usize) -> Schedule {
         let order = self.order();
         let (flicker, decays) = (self.flicker.powi(2), decays());
         let seen = |state: &[f64]| state[0] + state[order..].iter().sum::<f64>();
@@ -307,27 +390,119 @@ impl Whitening {
     /// What the likelihood of values that are this noise about an unknown constant takes: minus twice
     /// its logarithm is `squares`/s² + `logarithms` + 2 (count − 1) ln s for this noise times s.
     #[must_use]
-    pub fn likelihood(&self, values: &[f64]) -> Likelihood {
-        let mut values = values.to_vec();
-        let mut ones = vec![1.0; values.len()];
-        self.apply(&mut values);
-        self.apply(&mut ones);
-        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-        let unit = dot(&ones, &ones);
-        let (own, count) = (&self.left, values.len());
+    pub fn likelihood(&self, stretch: &Stretch) -> Likelihood {
+        let count = stretch.values.len();
+        let [values, both, unit] = if self.schedule.numbers.is_empty() && self.reach() <= REACH {
+            self.from_moments(stretch)
+        } else {
+            let mut values = stretch.values.clone();
+            let mut ones = vec![1.0; count];
+            self.apply(&mut values);
+            self.apply(&mut ones);
+            let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+            [dot(&values, &values), dot(&ones, &values), dot(&ones, &ones)]
+        };
+        let own = &self.left;
         let left = |k: usize| match self.schedule.len() {
             0 => own[k],
             _ => self.schedule.at(k).2,
         };
         // From where it has settled, what is left is the same at each sample.
         let settled = self.schedule.len().max(own.len());
-        let changing: f64 = (0..count.min(settled)).map(|k| left(k).ln()).sum();
+        // Few logarithms of products instead of many.
+        let mut changing = 0.0;
+        for begin in (0..count.min(settled)).step_by(AT_A_TIME) {
+            let end = (begin + AT_A_TIME).min(count).min(settled);
+            changing += (begin..end).map(left).product::<f64>().ln();
+        }
         let rest = count.saturating_sub(settled) as f64 * left(settled - 1).ln();
         let logarithms = changing + rest;
         Likelihood {
-            squares: dot(&values, &values) - dot(&ones, &values).powi(2) / unit,
+            squares: values - both.powi(2) / unit,
             logarithms: 2.0 * logarithms + unit.ln(),
         }
+    }
+
+    /// Number of samples before one that the autoregression sees.
+    fn reach(&self) -> usize {
+        self.predictors.len() - 1
+    }
+
+    /// Inner products of the whitened values with themselves and with a whitened unit level, and of that with itself, without flicker.
+    fn from_moments(&self, stretch: &Stretch) -> [f64; 3] {
+        let (values, order) = (&stretch.values, self.reach());
+        let [mut squares, mut both, mut unit] = [0.0; 3];
+        for k in 0..values.len().min(REACH) {
+            let known = k.min(order);
+            let (predictor, left) = (&self.predictors[known], self.left[known]);
+            let foretold: f64 =
+                predictor.iter().zip(values[..k].iter().rev()).map(|(a, y)| a * y).sum();
+            let value = (values[k] - foretold) / left;
+            let one = (1.0 - predictor.iter().sum::<f64>()) / left;
+            squares += value * value;
+            both += value * one;
+            unit += one * one;
+        }
+        let mut weights = [0.0; REACH + 1];
+        weights[0] = 1.0;
+        for (weight, coefficient) in weights[1..].iter_mut().zip(self.coefficients()) {
+            *weight = -coefficient;
+        }
+        let scale = 1.0 / self.left[order].powi(2);
+        let one: f64 = weights.iter().sum();
+        for (a, products) in weights.iter().zip(&stretch.products) {
+            squares += scale * a * weights.iter().zip(products).map(|(b, p)| b * p).sum::<f64>();
+        }
+        let sum: f64 = weights.iter().zip(&stretch.sums).map(|(a, sum)| a * sum).sum();
+        both += scale * one * sum;
+        unit += scale * one * one * values.len().saturating_sub(REACH) as f64;
+        [squares, both, unit]
+    }
+}
+
+/// Samples whose logarithms are taken together.
+const AT_A_TIME: usize = 16;
+/// Samples before one that moments go back to.
+const REACH: usize = 3;
+
+/// A stretch of noise, with what the likelihood of a short autoregression needs of it.
+#[derive(Clone, Debug)]
+pub struct Stretch {
+    values: Vec<f64>,
+    /// Sums of products of values so many samples before each, from the first on that has them all.
+    products: [[f64; REACH + 1]; REACH + 1],
+    /// Sums of those values.
+    sums: [f64; REACH + 1],
+}
+
+impl Stretch {
+    /// Of these values.
+    #[must_use]
+    pub fn new(values: Vec<f64>) -> Self {
+        let mut products = [[0.0; REACH + 1]; REACH + 1];
+        let mut sums = [0.0; REACH + 1];
+        for window in values.windows(REACH + 1) {
+            for i in 0..=REACH {
+                let value = window[REACH - i];
+                sums[i] += value;
+                for j in 0..=REACH {
+                    products[i][j] += value * window[REACH - j];
+                }
+            }
+        }
+        Self { values, products, sums }
+    }
+
+    /// Number of values.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.values.len()
+    }
+
+    /// Whether there are none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.values.is_empty()
     }
 }
 
@@ -348,6 +523,17 @@ fn pass(values: &mut [f64], coefficients: &[f64]) {
         values[k] = values[k - 1];
     }
     values[0] = next;
+}
+
+/// A state with this value of the autoregression, and these of the flicker.
+fn states_of(own: f64, slow: [f64; TIMES.len()]) -> [f64; STATES] {
+    std::array::from_fn(|k| if k == 0 { own } else { slow[k - 1] })
+}
+
+/// What a sample shows of a state: in pairs, so that no addition waits for all before it.
+fn sum(state: &[f64; STATES]) -> f64 {
+    let [a, b, c, d, e, f, g] = state;
+    ((a + b) + (c + d)) + ((e + f) + g)
 }
 
 fn decays() -> [f64; TIMES.len()] {
@@ -426,12 +612,30 @@ mod tests {
         }
         let sd = 1.0 / (1.0f64 - 0.36).sqrt();
         let at = |sd: f64, a: f64, flicker: f64| {
-            let parts = Whitening::new(sd, &[a], flicker, values.len()).likelihood(&values);
+            let noise = Whitening::new(sd, &[a], flicker, values.len());
+            let parts = noise.likelihood(&Stretch::new(values.clone()));
             parts.squares + parts.logarithms
         };
         let best = at(sd, 0.6, 0.0);
         for other in [at(1.2 * sd, 0.6, 0.0), at(sd, 0.4, 0.0), at(sd, 0.6, 0.3)] {
             assert!(other > best + 5.0);
+        }
+    }
+
+    #[test]
+    fn the_moments_of_a_stretch_tell_its_likelihood() {
+        let values = normal(300, 8);
+        for partial in [&[][..], &[0.6], &[0.6, -0.3], &[0.6, -0.3, 0.2]] {
+            let noise = Whitening::new(1.3, partial, 0.0, 0);
+            let (mut white, mut ones) = (values.clone(), vec![1.0; values.len()]);
+            noise.apply(&mut white);
+            noise.apply(&mut ones);
+            let found = noise.from_moments(&Stretch::new(values.clone()));
+            let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+            let expected = [dot(&white, &white), dot(&ones, &white), dot(&ones, &ones)];
+            for (found, expected) in found.iter().zip(expected) {
+                assert!((found - expected).abs() < 1e-10 * (1.0 + expected.abs()), "{partial:?}");
+            }
         }
     }
 

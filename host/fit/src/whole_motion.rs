@@ -9,9 +9,9 @@ use rayon::prelude::*;
 use super::compression::Compressed;
 use super::data::{Data, DataError, Piece};
 use super::least_squares::{
-    LeastSquares, Normal, Solution, Stop, bounded_step, finish, minimise, race,
+    HARDLY, LeastSquares, Normal, Solution, Stop, bounded_step, finish, minimise, race,
 };
-use super::problem::Problem;
+use super::problem::{Problem, Residuals};
 use super::start::starts;
 use super::uncertainty::{Uncertainty, uncertainty};
 use super::watch;
@@ -115,15 +115,17 @@ pub fn fit(law: BaseLaw, data: &Data) -> Result<MotionFit, DataError> {
     let white = Whitening::none();
     let problem = Problem::new(&chain, data, &white, None);
     // Several starts: the sum of squares may have more than one minimum in the exponents and the rates.
-    let compressed = Compressed::of(data);
+    let compressed = Compressed::coarse(data);
     let means = compressed.as_ref().map(|compressed| compressed.data(data));
     let few = compressed.as_ref().zip(means.as_ref());
     let few = few.map(|(compressed, means)| problem.on_means(compressed, means));
-    let starts: Vec<Vec<f64>> = starts(&law, means.as_ref().unwrap_or(data))
+    let roots = compressed.as_ref().map_or(Vec::new(), Compressed::roots);
+    let starts: Vec<Vec<f64>> = starts(&law, means.as_ref().unwrap_or(data), &roots)
         .iter()
         .map(|start| problem.point(start))
         .collect();
-    let kept = race(few.as_ref().unwrap_or(&problem), &starts);
+    let far = few.unwrap_or_else(|| Problem::new(&chain, data, &white, None)).projecting();
+    let kept = race(&far, &starts);
     let best = finish(&problem, &kept).ok_or(DataError::NothingLeft)?;
     tracing::info!(
         "{}, the best of {} starts: {} after {} steps, sum of squares {:.6e}",
@@ -171,8 +173,6 @@ fn not_finite(law: &BaseLaw, data: &Data) -> DataError {
 
 /// Change of the prediction by one Gauss–Newton step, over the residual, up to which the step is the refit.
 const SMALL: f64 = 0.01;
-/// Damping of that step: none but what keeps it defined.
-const HARDLY: f64 = 1e-12;
 
 /// Root mean square error on each trace when it is left out of the fit, the specimen's history kept.
 /// A zero that each trace has of its own is taken from what that trace shows before its touch; what it
@@ -287,10 +287,9 @@ fn describe(problem: &Problem, data: &Data, found: &Solution) -> MotionFit {
     let given = |j: usize| bounds[j].0 >= bounds[j].1;
     let held = &found.at_bound;
     let free = held.iter().filter(|held| !**held).count();
-    let autocorrelation = problem.autocorrelation(&found.point);
+    let Residuals { autocorrelation, trace_rms } = problem.residuals_in_short(&found.point);
     let variance = cost / (samples - free) as f64 / independent_share(autocorrelation);
     let known = uncertainty(&found.normal.curvature, held, variance);
-    let rms = |(sum, count): &(f64, usize)| (sum / (*count as f64).max(1.0)).sqrt();
     let pressed: Vec<bool> = (0..held.len()).map(|j| held[j] && !given(j)).collect();
     let (standard_errors, correlation) = declared_uncertainty(problem, &found.point, &known);
     let mut fit = MotionFit {
@@ -303,7 +302,7 @@ fn describe(problem: &Problem, data: &Data, found: &Solution) -> MotionFit {
         samples,
         r_squared: 1.0 - cost / scatter(data),
         autocorrelation,
-        trace_rms: problem.trace_squares(&found.point).iter().map(rms).collect(),
+        trace_rms,
         stop: found.stop,
         iterations: found.iterations,
     };
@@ -476,7 +475,7 @@ mod tests {
             let chain = Chain::new(law);
             let white = Whitening::none();
             let problem = Problem::new(&chain, &data, &white, None);
-            let all = starts(&law, &data);
+            let all = starts(&law, &data, &[]);
             let alone = all.iter().map(|start| minimise(&problem, &problem.point(start)));
             let best = alone.map(|found| found.normal.cost).fold(f64::INFINITY, f64::min);
             assert!((found.cost / best - 1.0).abs() < 1e-9, "{} for {best}", found.cost);

@@ -2,7 +2,7 @@
 
 use super::hum::{centred, without_hum};
 use palpate_fit::data::Data;
-use palpate_fit::whitening::Whitening;
+use palpate_fit::whitening::{Stretch, Whitening};
 use palpate_trace::{Noise, Source, Trace, pooled_noise};
 
 /// What is known of the noise.
@@ -54,6 +54,9 @@ const MOST_CORRELATED: f64 = 0.9;
 const SHORTEST: usize = 16;
 /// Highest order of the autoregression.
 const ORDER: usize = 3;
+/// Logarithm of the size of each process of the flicker, over the rest of the noise, below which a million samples could not tell it by
+/// the difference that counts.
+const FAINT: f64 = -5.6;
 /// Time after the touch that still counts as recovery, s.
 const RECOVERY: f64 = 0.3;
 /// The noise, from rest off the specimen; none where the recordings have too little of it.
@@ -76,7 +79,7 @@ pub fn noise_model(data: &Data) -> Option<NoiseModel> {
         return None;
     }
     let longest = data.pieces.iter().map(|piece| piece.measured.len()).max().unwrap_or(0);
-    let whitening = estimate(&without_hum(quiet, data.shortest_interval()), longest);
+    let whitening = estimate(without_hum(quiet, data.shortest_interval()), longest);
     let level = whitening.standard_deviation();
     let interval = data.shortest_interval();
     let middles: Vec<f64> = data.middles().into_iter().map(|time| time / interval).collect();
@@ -166,21 +169,24 @@ fn quiet(data: &Data) -> [Vec<Vec<f64>>; 2] {
     found
 }
 
-fn estimate(stretches: &[Vec<f64>], longest: usize) -> Whitening {
-    with_flicker(stretches, longest).unwrap_or_else(|| autoregression(stretches))
+fn estimate(stretches: Vec<Vec<f64>>, longest: usize) -> Whitening {
+    let stretches: Vec<Stretch> = stretches.into_iter().map(Stretch::new).collect();
+    let plain = autoregression(&stretches);
+    with_flicker(&stretches, &plain, longest).unwrap_or(plain)
 }
 
 /// The autoregression of up to third order with the least Bayesian information criterion.
-fn autoregression(stretches: &[Vec<f64>]) -> Whitening {
-    let samples: usize = stretches.iter().map(Vec::len).sum();
+fn autoregression(stretches: &[Stretch]) -> Whitening {
+    let samples: usize = stretches.iter().map(Stretch::len).sum();
     let mut best: Option<(f64, Whitening)> = None;
     let mut point: Vec<f64> = Vec::new();
     for order in 0..=ORDER {
         if order > 0 {
             point.push(0.0);
-            point = search(&point, |point| {
-                deviance(stretches, |s| Whitening::new(s, &partial(point), 0.0, 0)).0
-            });
+            let cost = |point: &[f64]| {
+                Some(deviance(stretches, |s| Whitening::new(s, &partial(point), 0.0, 0)).0)
+            };
+            point = search(&point, cost).unwrap_or(point);
         }
         let (deviance, size) = deviance(stretches, |s| Whitening::new(s, &partial(&point), 0.0, 0));
         let criterion = deviance + order as f64 * (samples as f64).ln();
@@ -191,20 +197,18 @@ fn autoregression(stretches: &[Vec<f64>]) -> Whitening {
     best.map_or_else(Whitening::none, |(_, noise)| noise)
 }
 
-/// Noise with flicker where that is likelier by far.
-fn with_flicker(stretches: &[Vec<f64>], longest: usize) -> Option<Whitening> {
-    let here = stretches.iter().map(Vec::len).max().unwrap_or(0);
+/// Noise with flicker where that is likelier by far than the plain autoregression.
+fn with_flicker(stretches: &[Stretch], plain: &Whitening, longest: usize) -> Option<Whitening> {
+    let here = stretches.iter().map(Stretch::len).max().unwrap_or(0);
     let make = |s: f64, point: &[f64], length| {
         let (flicker, rest) = (point[0].exp(), &point[1..]);
         Whitening::new(s, &partial(rest), s * flicker, length)
     };
-    let cost = |point: &[f64]| deviance(stretches, |s| make(s, point, here)).0;
-    let point = search(&[-1.0, 0.3], cost);
+    let cost =
+        |point: &[f64]| (point[0] > FAINT).then(|| deviance(stretches, |s| make(s, point, here)).0);
+    let point = search(&[-1.0, 0.3], cost)?;
     let (with, size) = deviance(stretches, |s| make(s, &point, here));
-    let plain = deviance(stretches, |s| {
-        let noise = autoregression(stretches);
-        noise.scaled(s / noise.standard_deviation())
-    });
+    let plain = deviance(stretches, |s| plain.scaled(s / plain.standard_deviation()));
     (with + 10.0 < plain.0).then(|| make(size, &point, longest))
 }
 
@@ -214,7 +218,7 @@ fn partial(point: &[f64]) -> Vec<f64> {
 }
 
 /// Minus twice the logarithm of the likelihood at the likeliest size, and that size.
-fn deviance(stretches: &[Vec<f64>], noise: impl Fn(f64) -> Whitening) -> (f64, f64) {
+fn deviance(stretches: &[Stretch], noise: impl Fn(f64) -> Whitening) -> (f64, f64) {
     let unit = noise(1.0);
     let (mut squares, mut logarithms, mut count) = (0.0, 0.0, 0.0);
     for stretch in stretches {
@@ -227,20 +231,23 @@ fn deviance(stretches: &[Vec<f64>], noise: impl Fn(f64) -> Whitening) -> (f64, f
     (count * variance.ln() + logarithms, variance.sqrt())
 }
 
-/// A minimum near `start`, coordinate by coordinate with steps that shrink.
-fn search(start: &[f64], cost: impl Fn(&[f64]) -> f64) -> Vec<f64> {
+/// A minimum near `start`, coordinate by coordinate with steps that shrink, first the way that it went last; none once the cost of a
+/// point on the way down need not be known.
+fn search(start: &[f64], cost: impl Fn(&[f64]) -> Option<f64>) -> Option<Vec<f64>> {
     let mut point = start.to_vec();
-    let mut least = cost(&point);
+    let mut least = cost(&point)?;
+    let mut ways = vec![1.0; point.len()];
     let mut step = 0.4;
     while step > 0.01 {
         let mut moved = false;
         for j in 0..point.len() {
-            for sign in [1.0, -1.0] {
+            for way in [ways[j], -ways[j]] {
                 let mut trial = point.clone();
-                trial[j] += sign * step;
-                let value = cost(&trial);
+                trial[j] += way * step;
+                let value = cost(&trial)?;
                 if value < least {
                     (point, least, moved) = (trial, value, true);
+                    ways[j] = way;
                     break;
                 }
             }
@@ -249,7 +256,7 @@ fn search(start: &[f64], cost: impl Fn(&[f64]) -> f64) -> Vec<f64> {
             step *= 0.5;
         }
     }
-    point
+    Some(point)
 }
 
 #[cfg(test)]
@@ -280,7 +287,7 @@ mod tests {
     #[test]
     fn an_autoregression_is_found_whatever_the_level() {
         for offset in [false, true] {
-            let noise = estimate(&stretches(0.7, 0.02, offset), 1000);
+            let noise = estimate(stretches(0.7, 0.02, offset), 1000);
             assert_eq!(noise.flicker(), 0.0);
             assert!((noise.standard_deviation() / 0.02 - 1.0).abs() < 0.05, "{noise:?}");
             assert!((noise.coefficients()[0] - 0.7).abs() < 0.04, "{noise:?}");
@@ -295,7 +302,7 @@ mod tests {
                 *value += 0.05 * (TAU * 49.9 * 0.005 * k as f64 + number as f64).sin();
             }
         }
-        let noise = estimate(&without_hum(with_hum, 0.005), 1000);
+        let noise = estimate(without_hum(with_hum, 0.005), 1000);
         assert!((noise.standard_deviation() / 0.02 - 1.0).abs() < 0.06, "{noise:?}");
         assert!((noise.coefficients()[0] - 0.5).abs() < 0.06, "{noise:?}");
     }

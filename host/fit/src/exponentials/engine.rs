@@ -3,9 +3,9 @@
 use super::basis::{Basis, Projection, TooNarrow};
 use super::covariance::{Described, describe};
 use super::family::Family;
-use super::fit::{Fit, MOST_PARAMETERS, Normalisation, Note, Options, Parameter};
-use super::grid::Grid;
+use super::fit::{ExponentialSum, Fit, MOST_PARAMETERS, Normalisation, Note, Options, Parameter};
 use super::means::Means;
+use super::nodes::on_nodes;
 use super::point::{Problem, Signs};
 use super::profile::{Interval, interval};
 use super::refine::{Cholesky, Refined, touching};
@@ -37,7 +37,7 @@ pub(super) trait Engine: std::fmt::Debug + Send + Sync {
 pub(super) struct Core<const R: usize> {
     basis: Basis<R>,
     table: Table<R>,
-    grids: [Option<Grids<R>>; MOST_TERMS],
+    grids: [Grids<R>; MOST_TERMS],
     options: Options,
     sampling: Sampling,
 }
@@ -49,6 +49,24 @@ pub(super) struct Sampling {
     pub means: Option<Means>,
     /// Samples with a weight above 0.
     pub samples: usize,
+    /// Times since the first sample, s, and roots of the weights, empty where all are 1, of samples on which the sum of squares is taken
+    /// in the end; none where the coordinates tell it.
+    pub exact: Option<(Vec<f64>, Vec<f64>)>,
+}
+
+impl Sampling {
+    /// Weighted sum of squares that a sum of exponentials leaves of all samples; none where the coordinates tell it.
+    fn left(&self, values: &[f64], sum: &ExponentialSum) -> Option<f64> {
+        if let Some(means) = &self.means {
+            return Some(means.left(values, |time| sum.at(time)));
+        }
+        let (times, roots) = self.exact.as_ref()?;
+        let square = |(k, (time, value)): (usize, (&f64, &f64))| {
+            let root = roots.get(k).copied().unwrap_or(1.0);
+            (root * (value - sum.at(*time))).powi(2)
+        };
+        Some(times.iter().zip(values).enumerate().map(square).sum())
+    }
 }
 
 impl<const R: usize> Core<R> {
@@ -63,15 +81,21 @@ impl<const R: usize> Core<R> {
         let lowest = family.rates[0].ln();
         let highest = lowest + family.spacing * (family.rates.len() - 1) as f64;
         let table = Table::new(coordinates, lowest, highest, family.spacing);
-        let mut grids = [const { None }; MOST_TERMS];
-        let without = signs(options, 1.0).constant != 0.0;
-        for n in 1..=options.terms {
-            grids[n - 1] = Some(Grids {
-                with_constant: Grid::new(&table, n, true),
-                without_constant: without.then(|| Grid::new(&table, n, false)),
-            });
-        }
+        let grids = Default::default();
         Ok(Self { basis, table, grids, options: options.clone(), sampling })
+    }
+
+    /// Prepares a single fit on these times since the first sample, s; none where `R` coordinates are not enough.
+    pub fn for_one(
+        times: &[f64],
+        roots: Vec<f64>,
+        limits: (f64, f64),
+        sampling: Sampling,
+        options: &Options,
+    ) -> Option<Self> {
+        let (basis, table) = on_nodes(times, roots, limits)?;
+        let grids = Default::default();
+        Some(Self { basis, table, grids, options: options.clone(), sampling })
     }
 
     fn fit_terms<const N: usize>(&self, values: &[f64]) -> Result<Fit, Error> {
@@ -89,9 +113,8 @@ impl<const R: usize> Core<R> {
             };
             return Err(Error::ZeroScale { place });
         }
-        if let Some(means) = &self.sampling.means {
-            let sum = described.sum();
-            refined.point.rss = means.left(values, |time| sum.at(time));
+        if let Some(left) = self.sampling.left(values, &described.sum()) {
+            refined.point.rss = left;
         }
         Ok(self.report(&projection, &refined, &described))
     }
@@ -115,7 +138,7 @@ impl<const R: usize> Core<R> {
             2 => Fewer::from(&self.search::<1>(problem)),
             _ => Fewer::default(),
         };
-        let grids = self.grids[N - 1].as_ref().expect("grids of all fewer terms are prepared");
+        let grids = &self.grids[N - 1];
         search(problem, grids, (self.sampling.samples - (2 * N + 1)) as f64, fewer)
     }
 

@@ -2,7 +2,7 @@
 //!
 //! No starting values are asked for, and the minimum found is the global one within the limits of
 //! the rates. [`Prepared::new`] computes once, for given times, what every fit on these times
-//! needs; [`Prepared::fit`] then takes a few microseconds for each trace of one or two terms that
+//! needs; [`Prepared::for_one`] what a single one does; [`Prepared::fit`] then takes a few microseconds for each trace of one or two terms that
 //! stand out of the noise, some 0.1 ms where they do not, and some milliseconds for three or four:
 //!
 //! 1. the trace is projected onto a few orthonormal vectors that span every exponential between
@@ -27,6 +27,8 @@ mod family;
 mod fit;
 mod grid;
 mod means;
+#[allow(clippy::needless_range_loop, reason = "indices as in the formulas")]
+mod nodes;
 pub mod plan;
 #[allow(clippy::needless_range_loop, reason = "indices as in the formulas")]
 mod point;
@@ -58,6 +60,8 @@ use std::sync::Arc;
 const SLOWEST: f64 = 0.02;
 /// Sample whose time is the shortest time constant fitted by default.
 const FASTEST: usize = 5;
+/// Terms up to which the grid of a single fit costs less than a table for many.
+const FEW_TERMS: usize = 2;
 
 /// Everything a fit needs to know of the times, weights and options, computed once. Cheap to
 /// clone, and shared between threads.
@@ -76,7 +80,16 @@ impl Prepared {
     /// # Errors
     /// When the times, the limits of the rates or the number of terms cannot be used.
     pub fn new(times: &[f64], options: &Options) -> Result<Self, Error> {
-        Self::prepare(times, &[], options)
+        Self::prepare(times, &[], options, engine)
+    }
+
+    /// Prepares for a single trace, which is soon done: together with one fit of one or two terms some 0.2 ms. Each further fit
+    /// takes several times as long as after [`Self::new`].
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn for_one(times: &[f64], options: &Options) -> Result<Self, Error> {
+        Self::prepare(times, &[], options, engine_for_one)
     }
 
     /// Prepares fits that weigh the square of each sample's residual; only the proportions of
@@ -93,10 +106,15 @@ impl Prepared {
                 what: "weights",
             });
         }
-        Self::prepare(times, weights, options)
+        Self::prepare(times, weights, options, engine)
     }
 
-    fn prepare(times: &[f64], weights: &[f64], options: &Options) -> Result<Self, Error> {
+    fn prepare(
+        times: &[f64],
+        weights: &[f64],
+        options: &Options,
+        engine: MakeEngine,
+    ) -> Result<Self, Error> {
         let terms = options.terms;
         if !(1..=MOST_TERMS).contains(&terms) {
             return Err(Error::Terms { terms });
@@ -186,6 +204,32 @@ impl Prepared {
     }
 }
 
+/// Makes an engine for times since the first sample, s, of which so many have a weight, by its root, between two rates, 1/s.
+type MakeEngine = fn(Vec<f64>, &[f64], usize, (f64, f64), &Options) -> Option<Arc<dyn Engine>>;
+
+/// An engine for one fit of few terms; where that is not enough, the one for many.
+fn engine_for_one(
+    since: Vec<f64>,
+    roots: &[f64],
+    samples: usize,
+    limits: (f64, f64),
+    options: &Options,
+) -> Option<Arc<dyn Engine>> {
+    if options.terms <= FEW_TERMS {
+        let means = Means::new(&since, roots);
+        let (times, own) = match &means {
+            Some(means) => (means.times(), means.block_roots()),
+            None => (since.clone(), roots.to_vec()),
+        };
+        let exact = means.is_none().then(|| (times.clone(), own.clone()));
+        let sampling = Sampling { means, samples, exact };
+        if let Some(core) = Core::<96>::for_one(&times, own, limits, sampling, options) {
+            return Some(Arc::new(core));
+        }
+    }
+    engine(since, roots, samples, limits, options)
+}
+
 /// The smallest engine that spans the exponentials on these times since the first sample, s; so many
 /// `samples` have a weight.
 fn engine(
@@ -201,7 +245,7 @@ fn engine(
         None => (since, roots.to_vec()),
     };
     let family = Family::new(times, slowest, fastest);
-    let sampling = Sampling { means, samples };
+    let sampling = Sampling { means, samples, exact: None };
     if let Ok(core) = Core::<24>::new(&family, roots.clone(), sampling.clone(), options) {
         return Some(Arc::new(core));
     }

@@ -5,7 +5,9 @@ use super::covariance::significance;
 use super::grid::{Grid, Scores};
 use super::point::{Problem, Signs};
 use super::refine::{Refined, refine};
+use super::table::Table;
 use super::vector::{add_scaled, dot};
+use std::sync::OnceLock;
 
 /// A start is refined when its sum of squares exceeds the least found so far by at most so many
 /// times what refining gained for the best start …
@@ -22,13 +24,24 @@ const CERTAIN: f64 = 100.0;
 const SCANNED_RATES: usize = 48;
 const MOST_EXCHANGES: usize = 4;
 
-/// Grids for the starts.
-#[derive(Clone, Debug)]
+/// Grids for the starts, made when they are asked for.
+#[derive(Clone, Debug, Default)]
 pub(super) struct Grids<const R: usize> {
-    /// Beside a constant of any size.
-    pub with_constant: Grid<R>,
-    /// Without a constant, where its sign can hold it at 0.
-    pub without_constant: Option<Grid<R>>,
+    with_constant: OnceLock<Grid<R>>,
+    without_constant: OnceLock<Grid<R>>,
+}
+
+impl<const R: usize> Grids<R> {
+    /// For sets of `N` rates beside a constant of any size.
+    fn with_constant<const N: usize>(&self, table: &Table<R>) -> &Grid<R> {
+        self.with_constant.get_or_init(|| Grid::new(table, N, true))
+    }
+
+    /// The same without a constant, where its sign can hold it at 0.
+    fn without_constant<const N: usize>(&self, problem: &Problem<R>) -> Option<&Grid<R>> {
+        let held = problem.signs.constant != 0.0;
+        held.then(|| self.without_constant.get_or_init(|| Grid::new(problem.table, N, false)))
+    }
 }
 
 /// Logarithms of the rates at the minimum with one term less, for amplitudes of any sign and of
@@ -67,7 +80,7 @@ pub(super) fn search<const N: usize, const R: usize>(
     let free = Problem { signs: Signs::FREE, ..*problem };
     let mut target = *problem.target;
     target[0] = 0.0;
-    let scores = grids.with_constant.scores(&target, N);
+    let scores = grids.with_constant::<N>(problem.table).scores(&target, N);
     let inside = problem.outside + dot(&target, &target);
 
     let first = scores.best();
@@ -118,8 +131,10 @@ fn signed<const N: usize, const R: usize>(problem: &Problem<R>, grids: &Grids<R>
     let mut best = insert(problem, refine(problem, [middle; N]));
     let mut centred = *problem.target;
     centred[0] = 0.0;
-    let faces =
-        [(Some(&grids.with_constant), centred), (grids.without_constant.as_ref(), *problem.target)];
+    let faces = [
+        (Some(grids.with_constant::<N>(problem.table)), centred),
+        (grids.without_constant::<N>(problem), *problem.target),
+    ];
     for (grid, target) in faces {
         let Some(grid) = grid else { continue };
         for terms in (1..=N).rev() {

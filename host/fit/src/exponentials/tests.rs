@@ -62,6 +62,45 @@ fn a_sum_without_noise_comes_back() {
 }
 
 #[test]
+fn a_single_fit_is_that_after_preparing_for_many() {
+    let uneven: Vec<f64> = uniform(700, 160.0).iter().map(|t| t + 0.1 * t * t).collect();
+    let few = uniform(14, 2.0);
+    for times in [uniform(860, 200.0), uneven, uniform(6_000, 1_000.0), few] {
+        for options in [terms(1), terms(2), Options::relaxation()] {
+            for sd in [1e-4, 0.01] {
+                let values = disturbed(&sushi(), &times, sd);
+                let alone = Prepared::for_one(&times, &options).unwrap().fit(&values).unwrap();
+                let fit = fit(&times, &values, &options);
+                assert_eq!(alone.notes, fit.notes);
+                assert_close(alone.rss, fit.rss, 1e-6);
+                for parameter in fit.parameters() {
+                    let value = fit.value(parameter).unwrap();
+                    let most =
+                        fit.standard_error(parameter).map_or(1e-6 * value.abs(), |e| 1e-3 * e);
+                    let off = (alone.value(parameter).unwrap() - value).abs();
+                    assert!(off <= most, "{parameter} of {} samples: {off:.1e}", times.len());
+                    let errors = [&alone, &fit].map(|fit| fit.standard_error(parameter));
+                    if let [Some(own), Some(error)] = errors {
+                        assert_close(own, error, 1e-4);
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_single_fit_finds_a_sum_without_noise() {
+    let times = uniform(860, 200.0);
+    let alone = Prepared::for_one(&times, &terms(2)).unwrap();
+    let fit = alone.fit(&sampled(&sushi(), &times)).unwrap();
+    for parameter in fit.parameters() {
+        assert_close(fit.value(parameter).unwrap(), sushi().value(parameter).unwrap(), 1e-6);
+    }
+    assert!(fit.residual_rms < 1e-9, "{}", fit.residual_rms);
+}
+
+#[test]
 fn coefficients_add_to_one_and_rates_descend() {
     let times = uniform(860, 200.0);
     for n in 1..=4 {
