@@ -2,14 +2,13 @@
 
 use palpate_survey::population::{Between, Correlations, EffectInAll, InAll, Population, Spread};
 use palpate_survey::results::About;
-use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::{CorrelationAnswer, SurveyQuestion, finite};
 
 /// What the specimens of a survey have in common, and how much they differ.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct PopulationAnswer {
     /// Version of this answer.
     pub palpate_population: u32,
@@ -37,8 +36,8 @@ pub struct PopulationAnswer {
 }
 
 /// One number over the population.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct PopulationParameter {
     /// Its name, with the effect that it is of.
     pub name: String,
@@ -63,8 +62,8 @@ pub struct PopulationParameter {
 }
 
 /// A number with its 95 % interval.
-#[derive(Clone, Copy, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct ValueInterval {
     /// The number.
     pub value: f64,
@@ -73,8 +72,8 @@ pub struct ValueInterval {
 }
 
 /// A standard deviation beyond the errors of the fits.
-#[derive(Clone, Copy, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct SpreadInPopulation {
     /// The standard deviation.
     pub value: f64,
@@ -85,8 +84,8 @@ pub struct SpreadInPopulation {
 }
 
 /// An effect over the population.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct PopulationEffect {
     /// Name of the effect.
     pub effect: String,
@@ -103,8 +102,8 @@ pub struct PopulationEffect {
 }
 
 /// A number that was left out.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct LeftOutOfPopulation {
     /// Its name.
     pub name: String,
