@@ -98,16 +98,34 @@ pub fn all_bundled() -> Vec<PathBuf> {
 /// `to_mm` at `speed` mm/s, and `after` seconds off the specimen at the end.
 #[must_use]
 pub fn press(to_mm: f64, speed: f64, after: f64) -> Motion<'static> {
-    let go = |to_mm| Step::Move(Move { to_mm, speed_mm_per_s: None });
-    let stay = |hold_s| Step::Hold(Hold { hold_s });
+    moved(speed, Some(800.0), vec![stay(0.5), go(to_mm), stay(4.0), go(-0.5), stay(after)])
+}
+
+/// Loads and unloads without a hold, one after the other, with sharp corners, from 1 s of rest 0.5 mm off the specimen on.
+#[must_use]
+pub fn cycles(to_mm: f64, speed: f64, count: usize) -> Motion<'static> {
+    let cycle = [go(to_mm), go(-0.5)];
+    let cycles = (0..count).flat_map(|_| cycle.clone());
+    moved(speed, None, [stay(1.0)].into_iter().chain(cycles).chain([stay(1.0)]).collect())
+}
+
+fn go(to_mm: f64) -> Step {
+    Step::Move(Move { to_mm, speed_mm_per_s: None })
+}
+
+fn stay(hold_s: f64) -> Step {
+    Step::Hold(Hold { hold_s })
+}
+
+fn moved(speed: f64, acceleration: Option<f64>, steps: Vec<Step>) -> Motion<'static> {
     Profile {
         version: 1,
         rate_hz: 200.0,
         start_mm: -0.5,
         speed_mm_per_s: speed,
-        acceleration_mm_per_s2: Some(800.0),
+        acceleration_mm_per_s2: acceleration,
         repeat: 1,
-        steps: vec![stay(0.5), go(to_mm), stay(4.0), go(-0.5), stay(after)],
+        steps,
     }
     .motion()
 }

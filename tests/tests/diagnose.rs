@@ -6,9 +6,9 @@ use std::sync::OnceLock;
 use palpate::effects::find;
 use palpate::fit::data::Data;
 use palpate::fit::whole_motion::predict;
-use palpate::model::{BaseLaw, Chain, Separation};
+use palpate::model::{BaseLaw, Chain, Motion, Separation};
 use palpate::trace::{Column, DISPLACEMENT, FORCE, Trace, write};
-use palpate_tests::{palpate, press};
+use palpate_tests::{cycles, palpate, press};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
@@ -62,14 +62,24 @@ fn place() -> &'static Place {
     })
 }
 
-/// Writes five traces of a specimen with these effects, with correlated noise.
+/// Writes five presses of a specimen with these effects, with correlated noise.
 fn record(folder: &Path, effects: &[(&str, &[f64])], seed: u64) {
-    std::fs::create_dir_all(folder).expect("a folder");
     let steps = [(4.0, 20.0), (8.0, 5.0), (12.0, 60.0), (8.0, 20.0), (12.0, 5.0)];
-    let mut traces: Vec<Trace> = steps
+    let presses = steps.into_iter().map(|(to_mm, speed)| press(to_mm, speed, 1.5)).collect();
+    record_motions(folder, presses, effects, seed);
+}
+
+/// Writes a trace of each motion, of a specimen with these effects in their first law, with correlated noise.
+fn record_motions(
+    folder: &Path,
+    motions: Vec<Motion<'static>>,
+    effects: &[(&str, &[f64])],
+    seed: u64,
+) {
+    std::fs::create_dir_all(folder).expect("a folder");
+    let mut traces: Vec<Trace> = motions
         .into_iter()
-        .map(|(to_mm, speed)| {
-            let motion = press(to_mm, speed, 1.5);
+        .map(|motion| {
             let displacement = motion.displacement.into_owned();
             let columns = vec![Column { name: DISPLACEMENT.into(), values: displacement }];
             Trace { time: motion.time.into_owned(), columns, ..Trace::default() }
@@ -191,6 +201,27 @@ fn where_nothing_is_missing_nothing_is_named() {
     let (status, out, _) = place().call("diagnose --model plain.toml plain");
     assert_eq!(status, 0);
     assert!(out.contains("Nothing is missing") && !out.contains("palpate add"), "{out}");
+}
+
+/// What `diagnose` says of three series of cycles, each at a speed of its own, with an effect of these parameters.
+fn of_cycles(name: &str, effect: &str, parameters: &[f64], seed: u64) -> Value {
+    let place = place();
+    let series = [(10.0, 2.0), (4.0, 5.0), (6.0, 10.0)];
+    let motions = series.map(|(to_mm, speed)| cycles(to_mm, speed, 3)).into();
+    record_motions(&place.path(name), motions, &[(effect, parameters)], seed);
+    let (status, _, err) = place.call(&format!("fit fung {name} -o {name}.toml"));
+    assert_eq!(status, 0, "{err}");
+    place.json(&format!("diagnose --model {name}.toml {name} --json"))
+}
+
+#[test]
+fn a_parameter_that_the_data_leave_open_denies_no_effect() {
+    // Sliding is complete far below every speed of the motion, wherever exactly.
+    for seed in 1..4 {
+        let answer = of_cycles(&format!("rubbed-{seed}"), "load-friction", &[0.03, 0.05], seed);
+        assert_eq!(answer["verdict"], "named", "{seed}: {answer:#}");
+        assert_eq!(answer["steps"][0]["effect"], "load-friction");
+    }
 }
 
 #[test]

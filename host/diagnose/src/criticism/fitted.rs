@@ -1,9 +1,9 @@
 //! A model refitted to whitened data, with what is needed to weigh it against others without fitting
 //! again: the normal equations of every block of the data.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
-use palpate_fit::least_squares::{Effort, LeastSquares, Normal, minimise_with};
+use palpate_fit::least_squares::{Effort, LeastSquares, Normal, Solution, minimise_with};
 use palpate_fit::levels::LevelSums;
 use palpate_fit::problem::{Block, Problem};
 use palpate_fit::uncertainty;
@@ -53,7 +53,9 @@ impl Fitted {
             rows: None,
             independent: independent(&blocks),
             free: (0..found.point.len()).map(|j| !found.at_bound[j] && !given(j)).collect(),
-            at_bound: (0..found.point.len()).map(|j| found.at_bound[j] && !given(j)).collect(),
+            at_bound: (0..found.point.len())
+                .map(|j| found.at_bound[j] && !given(j) && pushed(problem, &found, j))
+                .collect(),
             parameters: (0..found.point.len()).filter(|&j| !given(j)).count(),
             point: found.point,
             blocks,
@@ -167,24 +169,26 @@ impl Fitted {
     /// The Gauss–Newton step of the coordinates that are free, without those that are `fixed`.
     #[must_use]
     pub fn step(&self, normal: &Normal, fixed: &[usize]) -> DVector<f64> {
-        let dimension = self.point.len();
-        let moves =
-            |&j: &usize| self.free[j] && normal.curvature[(j, j)] > 0.0 && !fixed.contains(&j);
-        let free: Vec<usize> = (0..dimension).filter(moves).collect();
-        let mut step = DVector::zeros(dimension);
-        let scale: Vec<f64> = free.iter().map(|&j| normal.curvature[(j, j)].sqrt()).collect();
+        gauss_newton(normal, |j| self.free[j] && !fixed.contains(&j))
+    }
+
+    /// Sum of squares that the uncertainty of the coordinates adds to the error on data to which they were not fitted:
+    /// the trace of those data's `curvature` times the covariance that the `normal` equations of the fit give.
+    #[must_use]
+    pub fn foretold_error(
+        &self,
+        normal: &Normal,
+        curvature: &DMatrix<f64>,
+        fixed: &[usize],
+    ) -> f64 {
+        let Some(known) = Scaled::of(normal, |j| self.free[j] && !fixed.contains(&j)) else {
+            return 0.0;
+        };
+        let (free, scale) = (&known.free, &known.scale);
         let matrix = DMatrix::from_fn(free.len(), free.len(), |a, b| {
-            let value = normal.curvature[(free[a], free[b])] / (scale[a] * scale[b]);
-            if a == b { value + 1e-9 } else { value }
+            curvature[(free[a], free[b])] / (scale[a] * scale[b])
         });
-        let right = DVector::from_fn(free.len(), |a, _| -normal.gradient[free[a]] / scale[a]);
-        if let Some(factor) = matrix.cholesky() {
-            let found = factor.solve(&right);
-            for (a, &j) in free.iter().enumerate() {
-                step[j] = found[a] / scale[a];
-            }
-        }
-        step
+        known.factor.solve(&matrix).trace()
     }
 
     /// Standard errors of the parameters, with the variance that the whitened residuals show; where the
@@ -221,6 +225,61 @@ impl Fitted {
         spread.fold(DMatrix::zeros(self.point.len(), self.point.len()), |sum, off| {
             sum + &off * off.transpose()
         }) * ((count - 1.0) / count)
+    }
+}
+
+/// Part of its range by which a coordinate on its bound is moved inside to see whether the data hold it there.
+const INSIDE: f64 = 0.1;
+/// Fall of the sum of squares, in variances of the noise, that chance gives one parameter in one case of twenty.
+const CHANCE_OF_ONE: f64 = 3.84;
+
+/// Whether the data push a coordinate against the bound on which it was found: with it inside, and the others
+/// following in one step, the error is larger by more than chance explains. Where it is not, they say nothing of
+/// the coordinate there: a sliding speed far below every speed of the motion may as well be half or twice as large.
+fn pushed(problem: &Problem, found: &Solution, j: usize) -> bool {
+    let (lower, upper) = problem.bounds()[j];
+    let inwards = INSIDE * (upper - lower);
+    let below = found.point[j] - lower < upper - found.point[j];
+    let mut inside = found.point.clone();
+    inside[j] = if below { lower + inwards } else { upper - inwards };
+    let normal = problem.normal(&inside);
+    let step = gauss_newton(&normal, |k| k != j && !found.at_bound[k]);
+    let followed = normal.cost + normal.raised_by(&step);
+    let variance = found.normal.cost / (problem.data().samples() as f64).max(1.0);
+    followed.is_nan() || followed > found.normal.cost + CHANCE_OF_ONE * variance
+}
+
+/// The Gauss–Newton step of the coordinates that `moves` names; the others stay.
+fn gauss_newton(normal: &Normal, moves: impl Fn(usize) -> bool) -> DVector<f64> {
+    let mut step = DVector::zeros(normal.gradient.len());
+    if let Some(Scaled { free, scale, factor }) = Scaled::of(normal, moves) {
+        let right = DVector::from_fn(free.len(), |a, _| -normal.gradient[free[a]] / scale[a]);
+        for ((&j, scale), found) in free.iter().zip(&scale).zip(factor.solve(&right).iter()) {
+            step[j] = found / scale;
+        }
+    }
+    step
+}
+
+/// The curvature of some coordinates, each in the unit in which its own is one, factorised.
+struct Scaled {
+    free: Vec<usize>,
+    scale: Vec<f64>,
+    factor: Cholesky<f64, Dyn>,
+}
+
+impl Scaled {
+    /// Of those coordinates that `moves` names and the data depend on; none where they cannot be solved for.
+    fn of(normal: &Normal, moves: impl Fn(usize) -> bool) -> Option<Self> {
+        let known = |&j: &usize| moves(j) && normal.curvature[(j, j)] > 0.0;
+        let free: Vec<usize> = (0..normal.gradient.len()).filter(known).collect();
+        let scale: Vec<f64> = free.iter().map(|&j| normal.curvature[(j, j)].sqrt()).collect();
+        let matrix = DMatrix::from_fn(free.len(), free.len(), |a, b| {
+            let value = normal.curvature[(free[a], free[b])] / (scale[a] * scale[b]);
+            if a == b { value + 1e-9 } else { value }
+        });
+        let factor = matrix.cholesky()?;
+        Some(Self { free, scale, factor })
     }
 }
 

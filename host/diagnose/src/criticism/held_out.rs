@@ -21,6 +21,9 @@ pub struct HeldOut {
     pub squares: Vec<f64>,
     /// Sum of squares of each trace's whitened residual, in variances of the noise.
     pub whitened: Vec<f64>,
+    /// Part of the mean square that the uncertainty of the fits to the other traces explains, in the squared unit of
+    /// the signal: where few traces determine a parameter, each is predicted the worse for it, by a law that is right.
+    pub by_uncertainty: f64,
 }
 
 /// What a model gains over another on traces left out.
@@ -110,6 +113,7 @@ pub fn over_sections(problem: &Problem, fitted: &Fitted) -> HeldOut {
         rms: (total / (fitted.samples as f64).max(1.0)).sqrt(),
         squares: sums.iter().enumerate().map(|(block, (raw, _))| raw / count(block)).collect(),
         whitened: sums.into_iter().map(|(_, white)| white).collect(),
+        by_uncertainty: 0.0,
     }
 }
 
@@ -135,6 +139,8 @@ fn held_out_with(
         rms: (total / samples.max(1.0)).sqrt(),
         squares: errors.iter().map(|error| error.square / error.samples.max(1.0)).collect(),
         whitened: errors.iter().map(|error| error.whitened).collect(),
+        by_uncertainty: errors.iter().map(|error| error.by_uncertainty).sum::<f64>()
+            / samples.max(1.0),
     })
 }
 
@@ -143,6 +149,7 @@ fn held_out_with(
 struct TraceError {
     square: f64,
     whitened: f64,
+    by_uncertainty: f64,
     samples: f64,
 }
 
@@ -177,7 +184,8 @@ fn left_out(
         (cost, residuals) = others.apart(&point, trace);
     }
     if !cost.is_finite() {
-        return TraceError { square: f64::INFINITY, whitened: f64::INFINITY, samples: 1.0 };
+        let (square, whitened) = (f64::INFINITY, f64::INFINITY);
+        return TraceError { square, whitened, by_uncertainty: 0.0, samples: 1.0 };
     }
     if !own.is_empty() {
         own_from_before(&others, &mut point, &own, trace, &residuals);
@@ -186,7 +194,13 @@ fn left_out(
     if let Some(rows) = rows {
         residuals = rows.apart(&rows.point(&others.declared(&point)), trace).1;
     }
-    let mut error = TraceError::default();
+    let left_out = fitted.blocks.iter().filter(|block| block.trace == trace);
+    let curvature = left_out
+        .fold(DMatrix::zeros(point.len(), point.len()), |sum, block| sum + &block.raw.curvature);
+    let mut error = TraceError {
+        by_uncertainty: fitted.foretold_error(&rest, &curvature, &own),
+        ..TraceError::default()
+    };
     let mut residuals: Vec<Vec<f64>> = residuals.into_iter().map(|s| s.residual).collect();
     for residual in &residuals {
         error.samples += residual.len() as f64;

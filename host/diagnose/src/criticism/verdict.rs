@@ -92,17 +92,19 @@ pub(super) fn beyond_noise(fitted: &Fitted, noise: &NoiseModel) -> f64 {
     (fitted.rms().powi(2) - noise.level.powi(2)).max(0.0).sqrt()
 }
 
-/// Part of the misfit on traces left out that the last model leaves there; 0 where it is at the noise.
+/// Part of the misfit on traces left out that the last model leaves there beyond what the uncertainty of its parameters
+/// explains; 0 where it is at the noise.
 fn beyond_held_out(evidence: &[Evidence], noise: f64) -> f64 {
     let held_out = |evidence: Option<&Evidence>| evidence?.held_out.clone();
     let (Some(first), Some(last)) = (held_out(evidence.first()), held_out(evidence.last())) else {
         return 0.0;
     };
-    let excess = |held_out: &HeldOut| held_out.rms.powi(2) - noise * noise;
+    let excess =
+        |held_out: &HeldOut| held_out.rms.powi(2) - noise * noise - held_out.by_uncertainty;
     if last.rms < AT_THE_NOISE * noise || excess(&first) <= 0.0 {
         return 0.0;
     }
-    (excess(&last) / excess(&first)).min(1.0)
+    (excess(&last) / excess(&first)).clamp(0.0, 1.0)
 }
 
 /// The word for what was found.
