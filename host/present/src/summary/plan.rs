@@ -19,7 +19,8 @@ pub fn plan_section(
         Column::number("least standard error", ""),
         Column::number("relative", ""),
     ];
-    let title = format!("What {} would determine, with noise of {}", words(recording), experiment.noise);
+    let title =
+        format!("What {} would determine, with noise of {}", words(recording), experiment.noise);
     let mut table = Table::new(title, columns);
     for parameter in Parameter::all(experiment.sum.terms.len()) {
         let known = |value: Option<f64>, show: fn(f64) -> String| value.map_or("–".into(), show);
