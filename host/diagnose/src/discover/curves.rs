@@ -213,11 +213,11 @@ mod tests {
 
     #[test]
     fn a_curve_is_a_sum_of_hats() {
-        let names = ["a".to_owned(), "b".to_owned(), "c".to_owned()];
+        let names = ["s1".to_owned(), "s2".to_owned(), "s3".to_owned()];
         let even = knots(&[-1.0, 1.0, 3.0]);
         assert_eq!(
             even.text("size * ", &names),
-            "size * F * (a * max(0, 1 - abs(x + 1) / 2) + b * max(0, 1 - abs(x - 1) / 2) + c * max(0, 1 - abs(x - 3) / 2))"
+            "size * F * (s1 * max(0, 1 - abs(x + 1) / 2) + s2 * max(0, 1 - abs(x - 1) / 2) + s3 * max(0, 1 - abs(x - 3) / 2))"
         );
         let uneven = knots(&[-2.0, 0.0, 0.5]);
         assert_eq!(uneven.hat(1), "max(0, 1 - max((0 - x) / 2, (x - 0) / 0.5))");

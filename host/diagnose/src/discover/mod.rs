@@ -20,6 +20,7 @@ use self::formula::{Formula, formulas};
 use self::grammar::{Term, terms};
 use self::reach::{QUANTITIES, Reach};
 use self::surface::{Surface, surfaces};
+use crate::criticism::adequacy::{LEVEL, adequacy};
 use crate::criticism::dependence::{Dependence, dependences};
 use crate::criticism::diagnose::{DiagnoseError, Diagnosis, Verdict, diagnose};
 use crate::criticism::evidence::Refused;
@@ -65,7 +66,7 @@ pub enum Outcome {
     Adequate,
     /// The library explains it.
     Library,
-    /// Formulas, the strongest first.
+    /// Formulas, the strongest first; beside effects of the library where it has a name for most of what is missing.
     Formulas(Vec<Formula>),
     /// No term of the grammar predicts traces left out.
     Nothing,
@@ -105,7 +106,11 @@ pub fn discover(
         beside_library: false,
         diagnosis,
     };
-    if discovery.diagnosis.verdict != Verdict::Unknown {
+    let known = discovery.diagnosis.verdict != Verdict::Unknown;
+    let library = &discovery.diagnosis.found;
+    let last = problem.with_chain(&library.model().chain);
+    let rest = adequacy(&last, &library.model().point, &whitening);
+    if known && (library.steps.is_empty() || rest.p_value >= LEVEL) {
         return Ok(discovery);
     }
     let predicted: Vec<Vec<f64>> = left.iter().map(|stretch| stretch.predicted.clone()).collect();
@@ -122,7 +127,14 @@ pub fn discover(
         options: &discovery.diagnosis.options,
     };
     let climb = Climb { search: &search, terms: &terms };
-    let found = best_climb(&climb, &discovery.diagnosis.found);
+    let found = match known {
+        // The library has the name; what it leaves may have a formula.
+        true => climb.from(library.model().clone()),
+        false => best_climb(&climb, library),
+    };
+    if known && found.steps.is_empty() {
+        return Ok(discovery);
+    }
     discovery.take(&found, &terms, &problem, &data);
     Ok(discovery)
 }
