@@ -100,6 +100,23 @@ fn a_limit_that_no_rig_has_is_refused() {
     assert!(error.contains("`speed_mm_per_s` is -1"), "{error}");
 }
 
+#[test]
+fn after_the_motion_for_a_parameter_it_is_known_better_than_after_any_of_the_menu() {
+    let folder = few("elastic-stiffening", 2);
+    let asked = run(folder.path(), &format!("{NEXT} --for v1"));
+    follows_schema("diagnose", &asked);
+    let told = &asked["next_motion"]["informs"];
+    let error = |name: &str| told[0][name].as_f64().unwrap_or(f64::INFINITY);
+    assert_eq!((&told[0]["name"], told.as_array().map(Vec::len)), (&"v1".into(), Some(1)));
+    assert!(error("standard_error_then") < error("standard_error"), "{told:#}");
+    assert!(error("standard_error_then") <= error("standard_error_of_menu"), "{told:#}");
+    let motion = read(&folder.path().join("motion.csv")).unwrap();
+    assert!(motion.column("predicted_N").is_some());
+    let (status, _, error) = call(folder.path(), &format!("{NEXT} --for speed"));
+    assert_eq!(status, 2);
+    assert!(error.contains("no free parameter `speed`"), "{error}");
+}
+
 /// Prints how often one proposed motion leaves one name, for every effect.
 #[test]
 #[ignore = "minutes; `cargo test -p palpate-tests --test next_motion -- --ignored --nocapture`"]

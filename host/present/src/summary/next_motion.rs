@@ -124,7 +124,9 @@ fn limits(rig: &Rig, unit: &str) -> String {
     let Rig { displacement_mm, off_mm, speed_mm_per_s, signal, time_s, .. } = *rig;
     let [off, deep, speed, signal, time] =
         [off_mm, displacement_mm, speed_mm_per_s, signal, time_s].map(|it| significant(it, 3));
-    format!("from {off} mm off to {deep} mm deep, at most {speed} mm/s, {signal} {unit} and {time} s")
+    format!(
+        "from {off} mm off to {deep} mm deep, at most {speed} mm/s, {signal} {unit} and {time} s"
+    )
 }
 
 /// The motion with what each effect predicts for it.
