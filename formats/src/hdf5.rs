@@ -292,6 +292,15 @@ mod tests {
     }
 
     #[test]
+    fn counts_of_nanosurf_are_not_taken_for_forces() {
+        let mut file = hdf5_pure::FileBuilder::new();
+        file.set_attr("nsf_file_version_major", hdf5_pure::AttrValue::I64(2));
+        file.create_dataset("deflection").with_i32_data(&[1, 2, 3]);
+        let error = tables(&file.finish().unwrap(), false).unwrap_err().to_string();
+        assert!(error.contains("Nanosurf Studio (.nhf)"), "{error}");
+    }
+
+    #[test]
     fn every_cut_is_refused() {
         let whole = written();
         for end in 0..whole.len() {
