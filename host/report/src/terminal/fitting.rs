@@ -273,7 +273,7 @@ mod tests {
         assert!(taken(&wrapped.widths, wrapped.padding) <= 66);
         let short = at(56);
         assert!(short.table.cell(0, 0).contains('…') && short.table.cell(0, 1) == "0.001001");
-        let rounded = at(52);
+        let rounded = at(47);
         assert_eq!(rounded.table.cell(0, 1), "0.00100");
         assert!(fitted(&errors(4, 3), 24).is_none());
     }
