@@ -75,6 +75,8 @@ impl Browser {
                 format!("--window-size={width},{height}"),
             ] },
             "goog:loggingPrefs": { "browser": "ALL" },
+            // A script may wait for something as long as a test does.
+            "timeouts": { "script": PATIENCE.as_millis(), "pageLoad": PATIENCE.as_millis() },
         });
         let Value::Object(capabilities) = options else { unreachable!("it is an object") };
         let runtime =

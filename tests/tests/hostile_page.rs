@@ -8,7 +8,6 @@ use palpate_tests::browser::Browser;
 use palpate_tests::device::Foreign;
 use palpate_tests::server::Server;
 use palpate_tests::{answer, bundled};
-use shared::wire::SCHEMA;
 
 /// What would run, or be an element, if it were taken for markup.
 const SCRIPT: &str = "<script>window.owned=1</script>";
@@ -100,18 +99,15 @@ fn markup_in_the_name_of_a_replayed_trace_is_shown_as_it_is_written() {
 #[test]
 #[ignore = "needs a browser: cargo xtask browser"]
 fn markup_in_what_a_device_says_of_itself_is_shown_as_it_is_written() {
-    // In the messages of this release, and in others.
-    for schema in [SCHEMA, Foreign::SCHEMA] {
-        let device = Foreign::that_says(IMAGE, schema).unwrap();
-        let server = Server::begin(&["--port", &device.port.display().to_string()]);
-        let browser = opened(&server);
-        browser.press('2');
-        browser.says("#room", IMAGE);
-        nothing_ran(&browser);
-        browser.press('1');
-        browser.until("Live is open", "document.querySelector('.gauge') !== null");
-        nothing_ran(&browser);
-    }
+    let device = Foreign::that_says(IMAGE).unwrap();
+    let server = Server::begin(&["--port", &device.port.display().to_string()]);
+    let browser = opened(&server);
+    browser.press('2');
+    browser.says("#room", IMAGE);
+    nothing_ran(&browser);
+    browser.press('1');
+    browser.until("Live is open", "document.querySelector('.gauge') !== null");
+    nothing_ran(&browser);
 }
 
 /// Rows that the page was told of.

@@ -131,7 +131,7 @@ fn modelled_course() -> miette::Result<Course> {
 }
 
 fn all_rounds(rounds: u32, courses: &[Course], folder: &Path) -> miette::Result<Vec<Vec<Outcome>>> {
-    let heads: Vec<String> = courses.iter().map(|course| format!("{:>12}", course.name)).collect();
+    let heads: Vec<String> = courses.iter().map(|course| format!("{:>14}", course.name)).collect();
     println!("round{}", heads.concat());
     let mut outcomes = Vec::new();
     for round in 1..=rounds {
@@ -144,7 +144,8 @@ fn all_rounds(rounds: u32, courses: &[Course], folder: &Path) -> miette::Result<
         println!("{round:>5}{}", cells.concat());
         for (outcome, course) in row.iter().zip(courses) {
             if let Some(failed) = &outcome.failed {
-                println!("      {} failed: {}", course.name, failed.join(", "));
+                let log = folder.join(format!("{round}-{}.log", course.name));
+                println!("      {} failed: {} ({})", course.name, failed.join(", "), log.display());
             }
         }
         outcomes.push(row);
@@ -175,7 +176,7 @@ impl Course {
 impl Outcome {
     fn cell(&self) -> String {
         let seconds = format!("{:.0} s", self.seconds);
-        format!("{:>12}", if self.failed.is_some() { "failed" } else { &seconds })
+        format!("{:>14}", if self.failed.is_some() { "failed" } else { &seconds })
     }
 }
 

@@ -4,7 +4,7 @@ mod fitting;
 
 use comfy_table::{CellAlignment, ColumnConstraint, LineStyle, TableStyle, Width};
 
-use self::fitting::{Fitted, TIE, fitted, stacked, transposed};
+use self::fitting::{DIGITS_DROPPED, Fitted, TIE, fitted, stacked, transposed};
 use super::number::significant;
 use super::table::{Align, Table, split_decimal};
 
@@ -32,7 +32,8 @@ const CYAN: &str = "36";
 
 impl Terminal {
     /// A table: caption, columns with units, notes; numbers on their decimal points, none of them cut: where the terminal is too
-    /// narrow, words wrap and are shortened, then numbers lose a digit, then rows become columns or are stacked. Ends with a line feed.
+    /// narrow, words wrap and are shortened, then rows become columns, then numbers lose a digit or rows are stacked. Ends with a line
+    /// feed.
     #[must_use]
     pub fn table(&self, table: &Table) -> String {
         let mut out = String::new();
@@ -41,8 +42,13 @@ impl Terminal {
                 out += &(self.paint(BOLD, &line) + "\n");
             }
         }
-        let turned = || transposed(table).and_then(|table| fitted(&table, self.width));
-        out += &match fitted(table, self.width).or_else(turned) {
+        // A digit is worth more than the shape of a table, unless many rows are to be compared.
+        let several = table.rows.len() > 1;
+        let as_it_is = |dropped| fitted(table, self.width, dropped);
+        let turned = |dropped| transposed(table).and_then(|t| fitted(&t, self.width, dropped));
+        let rounded = || several.then(|| as_it_is(DIGITS_DROPPED)).flatten();
+        let whole = as_it_is(0).or_else(|| turned(0));
+        out += &match whole.or_else(rounded).or_else(|| turned(DIGITS_DROPPED)) {
             Some(fitted) => self.grid(&fitted),
             None => self.stack(table),
         };

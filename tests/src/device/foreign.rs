@@ -34,25 +34,25 @@ impl Foreign {
     /// Without pseudo-terminals.
     pub fn begin() -> std::io::Result<Self> {
         let words = Words { version: Self::VERSION, board: "of another release", rest: "" };
-        Self::speaking(Self::SCHEMA, words)
+        Self::speaking(words)
     }
 
-    /// Begins one that says these words wherever a device says words, in this schema.
+    /// Begins one that says these words wherever a device says words.
     ///
     /// # Errors
     /// As [`Self::begin`].
-    pub fn that_says(words: &'static str, schema: u64) -> std::io::Result<Self> {
-        Self::speaking(schema, Words { version: words, board: words, rest: words })
+    pub fn that_says(words: &'static str) -> std::io::Result<Self> {
+        Self::speaking(Words { version: words, board: words, rest: words })
     }
 
-    fn speaking(schema: u64, words: Words) -> std::io::Result<Self> {
+    fn speaking(words: Words) -> std::io::Result<Self> {
         let pty = Pty::open()?;
         let ended = Arc::new(AtomicBool::new(false));
         let (port, flag) = (pty.path().to_owned(), ended.clone());
         Ok(Self {
             port,
             ended,
-            thread: Some(std::thread::spawn(move || speak(pty, schema, &words, &flag))),
+            thread: Some(std::thread::spawn(move || speak(pty, &words, &flag))),
         })
     }
 }
@@ -74,10 +74,10 @@ struct Words {
     rest: &'static str,
 }
 
-fn speak(mut pty: Pty, schema: u64, words: &Words, ended: &AtomicBool) -> std::io::Result<()> {
+fn speak(mut pty: Pty, words: &Words, ended: &AtomicBool) -> std::io::Result<()> {
     let mut frame = [0; FRAME_MAX];
     let hello = ToHost::Hello(Hello {
-        schema,
+        schema: Foreign::SCHEMA,
         version: words.version,
         git: words.rest,
         board: words.board,

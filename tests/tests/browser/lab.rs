@@ -58,6 +58,13 @@ fn a_hidden_effect_is_added_from_the_candidates_and_taken_out_again() {
     let friction = ".lab-candidate[data-effect=coulomb-friction]";
     browser.point(friction);
     browser.says(".lab-legend", "with coulomb-friction");
+    let formula =
+        browser.script("return document.querySelector('.lab-model .lab-formula').innerHTML");
+    let formula = formula.as_str().unwrap();
+    assert!(
+        formula.contains("x<sup>q + 1</sup>") && formula.contains("c<sub>0</sub>"),
+        "{formula}"
+    );
     browser.click(&format!("{friction} .lab-add"));
     browser.says(".lab-floor-reached", "nothing but noise");
     assert_eq!(browser.count(".lab-bar-fitted"), 2);

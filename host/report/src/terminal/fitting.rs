@@ -1,5 +1,5 @@
 //! How a table is made to fit a terminal without a number being cut: its words wrap; then its columns move closer, and long words
-//! are shortened; then numbers lose a digit; where even that is too wide, its rows become its columns or are stacked.
+//! are shortened; then its rows become its columns; then numbers lose a digit, where there are several rows; else they are stacked.
 
 use super::super::number::with_a_digit_less;
 use super::super::table::{Align, Column, Table, split_decimal};
@@ -11,7 +11,7 @@ const BETWEEN: usize = 1;
 /// A word is not shortened further than to so many characters.
 const SHORTEST_WORD: usize = 8;
 /// How often a digit is dropped from every number.
-const DIGITS_DROPPED: usize = 2;
+pub(super) const DIGITS_DROPPED: usize = 2;
 /// Keeps two words on one line.
 pub(super) const TIE: char = '\u{a0}';
 
@@ -22,11 +22,11 @@ pub(super) struct Fitted {
     pub(super) padding: usize,
 }
 
-/// The table as it fits into `width`; none where no number of it would stay whole.
-pub(super) fn fitted(table: &Table, width: usize) -> Option<Fitted> {
+/// The table as it fits into `width`, with so many digits less at most; none where no number of it would stay whole.
+pub(super) fn fitted(table: &Table, width: usize, most_dropped: usize) -> Option<Fitted> {
     let rows = table.rows.iter().map(|row| row.iter().map(|cell| tied(cell)).collect()).collect();
     let mut table = Table { rows, ..table.clone() };
-    for dropped in 0..=DIGITS_DROPPED {
+    for dropped in 0..=most_dropped {
         if dropped > 0 {
             table = with_less_digits(&table);
         }
@@ -266,22 +266,24 @@ mod tests {
 
     #[test]
     fn words_wrap_before_they_are_shortened_and_numbers_lose_digits_last() {
-        let at = |width| fitted(&errors(4, 3), width).unwrap();
+        let at = |width| fitted(&errors(4, 3), width, DIGITS_DROPPED).unwrap();
         assert_eq!(at(200).table, errors(4, 3));
         let wrapped = at(66);
         assert_eq!(wrapped.table, errors(4, 3));
         assert!(taken(&wrapped.widths, wrapped.padding) <= 66);
         let short = at(56);
         assert!(short.table.cell(0, 0).contains('…') && short.table.cell(0, 1) == "0.001001");
-        let rounded = at(52);
+        let rounded = at(47);
         assert_eq!(rounded.table.cell(0, 1), "0.00100");
-        assert!(fitted(&errors(4, 3), 24).is_none());
+        assert!(fitted(&errors(4, 3), 24, DIGITS_DROPPED).is_none());
     }
 
     #[test]
     fn shortened_rows_are_still_told_apart() {
         for width in 20..120 {
-            let Some(Fitted { table, .. }) = fitted(&errors(3, 12), width) else { continue };
+            let Some(Fitted { table, .. }) = fitted(&errors(3, 12), width, DIGITS_DROPPED) else {
+                continue;
+            };
             let names: std::collections::BTreeSet<&str> =
                 (0..12).map(|row| table.cell(row, 0)).collect();
             assert_eq!(names.len(), 12, "{width}");
@@ -300,7 +302,7 @@ mod tests {
             let cells = values.iter().map(|value| super::super::super::number::with_error(*value, error));
             let name = std::iter::once("a-file-of-a-long-name.csv".to_owned());
             let table = Table::new("", columns).row(name.chain(cells));
-            if let Some(Fitted { table, widths, padding }) = fitted(&table, width) {
+            if let Some(Fitted { table, widths, padding }) = fitted(&table, width, DIGITS_DROPPED) {
                 prop_assert!(taken(&widths, padding) <= width);
                 for (column, width) in widths.iter().enumerate().skip(1) {
                     prop_assert!(cell_width(&table, 0, column) <= *width);
