@@ -17,7 +17,6 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
 use rayon::{ThreadPoolBuildError, ThreadPoolBuilder};
-use rustix::time::{ClockId, clock_gettime};
 
 /// p, q, c1, c2, v1, v2 of Fung's law, and a start 20 % off.
 const TRUTH: [f64; 6] = [0.08, 0.8, 0.25, 0.24, 4.0, 0.55];
@@ -89,9 +88,19 @@ fn told<T>(what: &str, unit: f64, mut work: impl FnMut() -> T) {
 }
 
 /// Processor time of this thread, s.
+#[cfg(unix)]
 fn cpu_seconds() -> f64 {
-    let time = clock_gettime(ClockId::ThreadCPUTime);
+    let time = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
     time.tv_sec as f64 + 1e-9 * time.tv_nsec as f64
+}
+
+/// Where the system tells no processor time of a thread: the time on the clock, s.
+#[cfg(not(unix))]
+fn cpu_seconds() -> f64 {
+    use std::sync::OnceLock;
+    use std::time::Instant;
+    static BEGUN: OnceLock<Instant> = OnceLock::new();
+    BEGUN.get_or_init(Instant::now).elapsed().as_secs_f64()
 }
 
 fn noise(seed: u64, deviation: f64) -> impl FnMut() -> f64 {

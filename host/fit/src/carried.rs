@@ -153,7 +153,7 @@ impl Carried {
         force.clear();
         force.reserve(stretch.time.len());
         self.blocks::<false>(stretch, memory, |rows| {
-            force.extend_from_slice(&rows.force.0[..rows.len])
+            force.extend_from_slice(&rows.force.0[..rows.len]);
         });
     }
 

@@ -393,7 +393,7 @@ impl Whitening {
     pub fn likelihood(&self, stretch: &Stretch) -> Likelihood {
         let count = stretch.values.len();
         let [values, both, unit] = if self.schedule.numbers.is_empty() && self.reach() <= REACH {
-            self.from_moments(stretch)
+            self.by_moments(stretch)
         } else {
             let mut values = stretch.values.clone();
             let mut ones = vec![1.0; count];
@@ -429,7 +429,7 @@ impl Whitening {
     }
 
     /// Inner products of the whitened values with themselves and with a whitened unit level, and of that with itself, without flicker.
-    fn from_moments(&self, stretch: &Stretch) -> [f64; 3] {
+    fn by_moments(&self, stretch: &Stretch) -> [f64; 3] {
         let (values, order) = (&stretch.values, self.reach());
         let [mut squares, mut both, mut unit] = [0.0; 3];
         for k in 0..values.len().min(REACH) {
@@ -630,7 +630,7 @@ mod tests {
             let (mut white, mut ones) = (values.clone(), vec![1.0; values.len()]);
             noise.apply(&mut white);
             noise.apply(&mut ones);
-            let found = noise.from_moments(&Stretch::new(values.clone()));
+            let found = noise.by_moments(&Stretch::new(values.clone()));
             let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
             let expected = [dot(&white, &white), dot(&ones, &white), dot(&ones, &ones)];
             for (found, expected) in found.iter().zip(expected) {

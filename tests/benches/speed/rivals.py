@@ -1,8 +1,9 @@
-"""One fit of Fung's law to a folder of traces from a given start, with one of the tools of the trade.
+"""One fit from a given start, with one of the tools of the trade.
 
-    python rivals.py lmfit|scipy-lm|scipy-trf|numba FOLDER
+    python rivals.py lmfit|scipy-lm|scipy-trf|numba|jax FOLDER    Fung's law to a folder of traces
+    python rivals.py curve_fit|curve_fit-jacobian                 two exponentials to one hold of 860 samples
 
-Prints the CPU seconds of the fit alone, least of three after a first that is not counted, and the sum of squares.
+Prints the CPU seconds of the fit alone, least of some after a first that is not counted, and the sum of squares.
 """
 
 import sys
@@ -10,7 +11,7 @@ import time
 from pathlib import Path
 
 import numpy as np
-from scipy.optimize import least_squares
+from scipy.optimize import curve_fit, least_squares
 from scipy.signal import lfilter
 
 # p, q, c1, c2, v1, v2: 20 % off the truth.
@@ -81,21 +82,83 @@ def with_numba():
     return lambda traces: 2 * least_squares(all_of, START, args=(traces,), method="lm").cost
 
 
+def with_jax():
+    import jax
+    import jax.numpy as jnp
+
+    jax.config.update("jax_enable_x64", True)
+
+    @jax.jit
+    def of(parameters, step, x, y):
+        p, q, c1, c2, v1, v2 = parameters
+        touching = x > 0
+        elastic = jnp.where(touching, p / (q + 1) * jnp.where(touching, x, 1.0) ** (q + 1), 0.0)
+        shares, rates = jnp.array([c1, c2]), jnp.array([v1, v2])
+        decay = jnp.exp(-rates * step)[:, None]
+        gain = (1 - decay) / (rates * step)[:, None]
+
+        def sample(states, change):
+            states = decay * states + gain * change
+            return states, shares @ states
+
+        change = jnp.diff(elastic, prepend=0.0, axis=1)
+        _, relaxing = jax.lax.scan(sample, jnp.zeros((2, x.shape[0])), change.T)
+        return (jnp.maximum((1 - c1 - c2) * elastic + relaxing.T, 0.0) - y).ravel()
+
+    slopes = jax.jit(jax.jacfwd(of))
+
+    def fit(traces):
+        x, y = (np.stack([trace[k] for trace in traces]) for k in (1, 2))
+        given = (traces[0][0], x, y)
+        residual = lambda at: np.asarray(of(at, *given))
+        return 2 * least_squares(residual, START, jac=lambda at: np.asarray(slopes(at, *given)), method="lm").cost
+
+    return fit
+
+
+def hold(analytic):
+    """Two exponentials fitted to one hold: its amplitudes and rates with their covariance."""
+    times = np.arange(860) / 200.0
+    sum_of = lambda t, a0, a1, a2, v1, v2: a0 + a1 * np.exp(-v1 * t) + a2 * np.exp(-v2 * t)
+    noise = np.random.default_rng(36).normal(0, 0.01, times.size)
+    force = sum_of(times, 0.4852, 0.2472, 0.2676, 3.981, 0.5325) + noise
+
+    def slopes(t, a0, a1, a2, v1, v2):
+        e1, e2 = np.exp(-v1 * t), np.exp(-v2 * t)
+        return np.stack([np.ones_like(t), e1, e2, -a1 * t * e1, -a2 * t * e2], axis=1)
+
+    def fit():
+        found, _ = curve_fit(sum_of, times, force, p0=[0.5, 0.2, 0.3, 3.3, 0.63], jac=slopes if analytic else None)
+        return ((force - sum_of(times, *found)) ** 2).sum()
+
+    return fit
+
+
 def main():
-    tool, folder = sys.argv[1:]
+    tool, *folder = sys.argv[1:]
+    if tool.startswith("curve_fit"):
+        fit, rounds = hold(tool.endswith("jacobian")), 300
+    else:
+        of, traces, rounds = fung(tool), read(folder[0]), 3
+        fit = lambda: of(traces)
+    taken = []
+    for _ in range(rounds + 1):
+        begin = time.process_time()
+        cost = fit()
+        taken.append(time.process_time() - begin)
+    print(min(taken[1:]), f"{cost:.6f}")
+
+
+def fung(tool):
+    """The fit with this tool."""
     fits = {
         "lmfit": lambda: with_lmfit,
         "scipy-lm": lambda: lambda traces: with_scipy(traces, "lm"),
         "scipy-trf": lambda: lambda traces: with_scipy(traces, "trf"),
         "numba": with_numba,
+        "jax": with_jax,
     }
-    fit, traces = fits[tool](), read(folder)
-    taken = []
-    for _ in range(4):
-        begin = time.process_time()
-        cost = fit(traces)
-        taken.append(time.process_time() - begin)
-    print(min(taken[1:]), f"{cost:.6f}")
+    return fits[tool]()
 
 
 if __name__ == "__main__":

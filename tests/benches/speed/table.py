@@ -23,7 +23,9 @@ HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[2]
 TARGET = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
 WORK = TARGET / "speed"
-PACKAGES = ["numpy", "scipy", "lmfit", "numba"]
+PACKAGES = ["numpy", "scipy", "lmfit", "numba", "jax"]
+# Rivals that fit Fung's law.
+FUNG = ["lmfit", "scipy-lm", "scipy-trf", "numba", "jax"]
 # p, q, c1, c2, v1, v2 of Fung's law.
 LAW = (0.08, 0.8, 0.25, 0.24, 4.0, 0.55)
 # Longest run of a command that is waited for, s of CPU.
@@ -205,7 +207,7 @@ def main():
     print("|-|-|-|-|")
     whole = cpu([given.palpate, "fit", "fung", folder, "--json"])
     print(f"| palpate: no start given, covariance, ten traces left out | | {shown(whole)} | |")
-    for rival in ["lmfit", "scipy-lm", "scipy-trf", "numba"]:
+    for rival in FUNG:
         found = cpu([python, HERE / "rivals.py", rival, folder])
         seconds, cost = found[2].decode().split()
         print(f"| {rival}: one start given | {float(seconds):.3g} s | {shown(found)} | {cost} |", flush=True)

@@ -27,7 +27,6 @@ mod family;
 mod fit;
 mod grid;
 mod means;
-#[allow(clippy::needless_range_loop, reason = "indices as in the formulas")]
 mod nodes;
 pub mod plan;
 #[allow(clippy::needless_range_loop, reason = "indices as in the formulas")]

@@ -118,11 +118,12 @@ impl Polynomials {
         // Of those that a block with few weights lacks, the nodes stand out of the way and count for nothing.
         let mut jacobi = SMatrix::<f64, WIDTH, WIDTH>::zeros();
         (0..WIDTH).for_each(|k| jacobi[(k, k)] = 2.0 + k as f64);
-        let mut length = norm;
+        let (mut length, mut least) = (norm, 0.0);
         for degree in 0..WIDTH {
-            if length <= NONE * if degree == 0 { 0.0 } else { 1.0 } {
+            if length <= least {
                 break;
             }
+            least = NONE;
             next.iter_mut().for_each(|value| *value /= length);
             if degree > 0 {
                 jacobi[(degree, degree - 1)] = length;

@@ -64,8 +64,7 @@ fn a_sum_without_noise_comes_back() {
 #[test]
 fn a_single_fit_is_that_after_preparing_for_many() {
     let uneven: Vec<f64> = uniform(700, 160.0).iter().map(|t| t + 0.1 * t * t).collect();
-    let few = uniform(14, 2.0);
-    for times in [uniform(860, 200.0), uneven, uniform(6_000, 1_000.0), few] {
+    for times in [uniform(860, 200.0), uneven, uniform(6_000, 1_000.0)] {
         for options in [terms(1), terms(2), Options::relaxation()] {
             for sd in [1e-4, 0.01] {
                 let values = disturbed(&sushi(), &times, sd);
