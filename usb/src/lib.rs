@@ -27,7 +27,7 @@ use usb_device::bus::{UsbBus, UsbBusAllocator};
 use usb_device::device::{
     StringDescriptors, UsbDevice, UsbDeviceBuilder, UsbDeviceState, UsbRev, UsbVidPid,
 };
-use usbd_serial::{CdcAcmClass};
+use usbd_serial::CdcAcmClass;
 
 /// Most bytes of a packet, the most that full speed has for bulk transfers (USB 2.0, §5.8.3).
 pub const PACKET: usize = 64;
