@@ -27,6 +27,18 @@ pub trait Board {
     fn can_restart(&self, into: Restart) -> bool;
 }
 
+/// The line to a host: bytes in, frames out.
+pub trait Link {
+    /// The next byte of the host.
+    fn receive(&mut self) -> Option<u8>;
+
+    /// Whether a frame would find room.
+    fn has_room(&self) -> bool;
+
+    /// Takes a frame for the host; only with room for it.
+    fn send(&mut self, frame: &[u8]);
+}
+
 /// How to begin again.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Restart {

@@ -9,6 +9,8 @@ use shared::wire::{
 };
 
 use crate::board::{Board, Log, Restart};
+use crate::front_end::Found;
+use crate::lamp::Lamp;
 use crate::outgoing::{Due, Outgoing};
 use crate::room::Room;
 use crate::self_test::SelfTest;
@@ -177,10 +179,32 @@ impl<'a> Device<'a> {
         self.converter = fault;
     }
 
+    /// Notes what a look at the front end found, which listens to the converter or does not; whether that is news of a fault.
+    pub fn look(&mut self, found: Found, listens: bool) -> bool {
+        if found.lost != Lost::NONE {
+            self.count_lost(found.lost);
+        }
+        let is_news = listens && self.converter != found.fault;
+        if is_news {
+            self.converter = found.fault;
+        }
+        is_news && found.fault.is_some()
+    }
+
     /// What is known to be wrong with the converter.
     #[must_use]
     pub const fn converter(&self) -> Option<ConverterFault> {
         self.converter
+    }
+
+    /// How it shows how it is.
+    #[must_use]
+    pub fn lamp(&self) -> Lamp {
+        match (self.converter, self.stream.source()) {
+            (Some(_), _) => Lamp::Faulty,
+            (None, Some(_)) => Lamp::Streaming,
+            (None, None) => Lamp::Waiting,
+        }
     }
 
     /// Notes the most bytes of stack that were used.
@@ -266,11 +290,18 @@ impl<'a> Device<'a> {
         self.outgoing.has_room()
     }
 
-    /// Takes a frame of the host, as [`wire::Accumulator`] cuts it; it is decoded in place.
-    pub fn receive(&mut self, frame: &mut [u8], now_us: u64, board: &mut impl Board) {
+    /// Takes a frame of the host, as [`wire::Accumulator`] cuts it; it is decoded in place. Whether it was one: what comes over a
+    /// line without a host is none.
+    pub fn receive(&mut self, frame: &mut [u8], now_us: u64, board: &mut impl Board) -> bool {
         let Ok((head, message)) = wire::open(frame) else {
-            return self.count_damaged();
+            self.count_damaged();
+            return false;
         };
+        self.hear(head, message, now_us, board);
+        true
+    }
+
+    fn hear(&mut self, head: Head, message: &[u8], now_us: u64, board: &mut impl Board) {
         if let Some(who) = wire::introduction(message) {
             return self.hello(head.sequence, who.schema);
         }

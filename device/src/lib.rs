@@ -13,8 +13,9 @@
 //! go on, so that the host sees every loss: [`shared::wire::Counters`] says at which stage.
 //!
 //! - [`Device`]: the conversation, and what the parts below do in it.
-//! - [`Board`], [`Log`]: what a device asks of its hardware.
+//! - [`Board`], [`Link`], [`Log`]: what a device asks of its hardware, and [`Runner`], which turns all of it where nothing else does.
 //! - [`FrontEnd`], [`Converter`]: how a converter is read, and what is done when it fails; [`converters`] has those there are.
+//! - [`Lamp`]: how a device shows how it is.
 //! - [`Sample`], [`Room`]: what comes in, and where it waits on its way out.
 #![cfg_attr(not(test), no_std)]
 #![forbid(unsafe_code)]
@@ -38,15 +39,19 @@ mod conversation;
 pub mod converters;
 mod felt;
 mod front_end;
+mod lamp;
 mod outgoing;
 mod room;
+mod runner;
 mod self_test;
 mod stream;
 mod temperature;
 
-pub use board::{Board, Log, Restart};
+pub use board::{Board, Link, Log, Restart};
 pub use conversation::{Beginning, Device, Identity, begin_with};
 pub use front_end::{Converter, Found, FrontEnd, ReadError, Setting};
+pub use lamp::Lamp;
 pub use room::Room;
+pub use runner::Runner;
 pub use stream::{INJECTED_ROWS, Lost, Sample};
 pub use temperature::Smoothed;

@@ -157,7 +157,7 @@ impl Board {
 
     /// Hears what came since the last call.
     pub fn listen(&mut self) {
-        let new = self.wire().sent[self.heard.bytes..].to_vec();
+        let new = self.came(self.heard.bytes);
         self.heard.bytes += new.len();
         let mut accumulator = std::mem::take(&mut self.heard.accumulator);
         for byte in new {
@@ -175,6 +175,11 @@ impl Board {
 }
 
 impl Heard {
+    /// Listens to a line from one of its bytes on.
+    pub(crate) fn begin_at(&mut self, bytes: usize) {
+        (self.accumulator, self.bytes) = (Accumulator::new(), bytes);
+    }
+
     /// Forgets rows and answers.
     pub fn clear(&mut self) {
         self.rows.clear();

@@ -3,13 +3,16 @@
 //!
 //! Time is the model's own, so every run gives the same bytes; nothing waits for the clock on the wall.
 
+mod cable;
 mod conversation;
 mod converter;
 mod part;
 mod small_parts;
 mod usart;
+mod usb;
 mod widened;
 
+pub use cable::{Cable, Over};
 pub use conversation::{Asked, BOOT_MS, Heard, sheet};
 pub use converter::{CLOCK_HZ as CONVERTER_CLOCK_HZ, Chip, Converter, Fault};
 pub use small_parts::{Adc, FACTORY_READINGS, Power};
@@ -27,9 +30,11 @@ use rsemu::cpu::arm::v7m::ArmV7m;
 use rsemu::dev::stm32::iwdg::Iwdg;
 use rsemu::machine::{Instance, Machine, build, catalog};
 
+use cable::ROUND_NS;
 use part::{Model, Part};
 use small_parts::{Capture, Kept, Supervisor};
 use usart::{Line, Usart};
+use usb::Usb;
 
 /// A thousandth of a second, ns.
 pub const MS: u64 = 1_000_000;
@@ -51,6 +56,8 @@ pub struct Setup {
     pub crystal_mhz: u32,
     /// True frequency of its internal oscillator, which should be 16 MHz, Hz: it sets what the crystal seems to be.
     pub internal_hz: u64,
+    /// Whether its USB core works.
+    pub has_usb: bool,
     /// Frequency of the watchdog's oscillator, which should be 32 kHz, Hz: a faster one makes the watchdog less patient.
     pub watchdog_hz: u32,
 }
@@ -66,7 +73,7 @@ impl Setup {
         let flash = std::fs::read(&path).unwrap_or_else(|error| {
             panic!("{}: {error}; cargo xtask firmware makes it", path.display())
         });
-        Self { flash, crystal_mhz: 12, internal_hz: 16_000_000, watchdog_hz: 32_000 }
+        Self { flash, crystal_mhz: 12, internal_hz: 16_000_000, has_usb: true, watchdog_hz: 32_000 }
     }
 }
 
@@ -89,11 +96,15 @@ pub struct Board {
     converter: Arc<Converter>,
     usart: Arc<Usart>,
     line: Arc<Line>,
+    usb: Arc<Usb>,
     supervisor: Arc<Supervisor>,
     /// The converter on the chip.
     pub thermometer: Arc<Adc>,
     /// The supply.
     pub power: Arc<Power>,
+    /// The cable in its socket.
+    pub cable: Cable,
+    over: Over,
     /// The talk with it.
     pub heard: Heard,
     resets: u32,
@@ -111,13 +122,14 @@ impl Board {
         let converter = Converter::new(buses::open(&options.realize.hosts, "spi2").unwrap());
         let usart = Usart::new();
         let line = Line::new(usart.clone());
+        let usb = Usb::new(setup.has_usb);
         let supervisor = Supervisor::new();
         let thermometer = Adc::new();
         let power = Power::new();
         let capture = Capture::new(u64::from(setup.crystal_mhz) * 1_000_000, setup.internal_hz);
 
         let schemas = usart::schemas().into_iter().chain(small_parts::schemas());
-        for schema in schemas.chain([converter::schema()]) {
+        for schema in schemas.chain([converter::schema(), usb::schema()]) {
             options.classes.insert(schema);
         }
         let mut add = |class, make: Box<dyn Fn() -> Arc<dyn Instance> + Send + Sync>| {
@@ -127,6 +139,7 @@ impl Board {
         add(Usart::class(), one(&usart));
         add(Line::class(), one(&line));
         add(Converter::class(), one(&converter));
+        add(Usb::class(), one(&usb));
         add(Supervisor::class(), one(&supervisor));
         add(Adc::class(), one(&thermometer));
         add(Power::class(), one(&power));
@@ -160,9 +173,12 @@ impl Board {
             converter,
             usart,
             line,
+            usb,
             supervisor,
             thermometer,
             power,
+            cable: Cable::default(),
+            over: Over::Serial,
             heard,
             resets: 0,
         }
@@ -175,8 +191,10 @@ impl Board {
     pub fn run_ns(&mut self, ns: u64) {
         let until = self.now_ns() + ns;
         while self.now_ns() < until {
-            let step = (until - self.now_ns()).min(RESET_NS);
+            let most = if self.usb.is_connected() { ROUND_NS } else { RESET_NS };
+            let step = (until - self.now_ns()).min(most);
             self.machine.run_for(GlobalTime::from_nanos(step)).unwrap();
+            self.move_packets();
             let bitten = self.supervisor.has_bitten();
             if bitten || self.cpu.reset_requested() {
                 self.cpu.clear_reset_request();
@@ -212,8 +230,32 @@ impl Board {
     }
 
     /// Bytes from the host.
-    pub fn send(&self, bytes: &[u8]) {
-        self.line.send(bytes);
+    pub fn send(&mut self, bytes: &[u8]) {
+        match self.over {
+            Over::Serial => self.line.send(bytes),
+            Over::Usb => self.cable.queue.extend(bytes),
+        }
+    }
+
+    /// Bytes that came over the line that the host speaks over, from one of them on.
+    pub(crate) fn came(&self, from: usize) -> Vec<u8> {
+        match self.over {
+            Over::Serial => self.wire().sent[from..].to_vec(),
+            Over::Usb => self.cable.sent[from..].to_vec(),
+        }
+    }
+
+    /// The host speaks over this line from now on, and hears what comes there from now on.
+    pub fn speak_over(&mut self, over: Over) {
+        self.over = over;
+        let passed = self.came(0).len();
+        self.heard.begin_at(passed);
+    }
+
+    /// Whether the device shows itself on USB.
+    #[must_use]
+    pub fn is_on_usb(&self) -> bool {
+        self.usb.is_connected()
     }
 
     /// The processor.
@@ -257,9 +299,13 @@ fn one<P: Part>(part: &Arc<P>) -> Box<dyn Fn() -> Arc<dyn Instance> + Send + Syn
     Box::new(move || Arc::new(Model::new(part.clone())))
 }
 
-/// What the factory wrote: serial number, size of the flash, readings of the temperature sensor.
+/// What the factory wrote: a loader that does nothing, serial number, size of the flash, readings of the temperature sensor.
 fn system_memory() -> Vec<u8> {
     let mut memory = vec![0; 32 * 1024];
+    let [stack, entry] = [0x2000_1000_u32, 0x1fff_0009].map(u32::to_le_bytes);
+    memory[..8].copy_from_slice(&[stack, entry].concat());
+    // A branch to itself.
+    memory[8..10].copy_from_slice(&[0xfe, 0xe7]);
     memory[0x7a10..0x7a1c].copy_from_slice(b"a model only");
     memory[0x7a22..0x7a24].copy_from_slice(&1_024_u16.to_le_bytes());
     let [cold, warm] = FACTORY_READINGS.map(u16::to_le_bytes);

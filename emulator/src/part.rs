@@ -11,8 +11,6 @@ use rsemu::core::value::{Endian, Width};
 use rsemu::core::wire::{Level, WireId, WireSink, WireSource};
 use rsemu::machine::{BindCtx, Instance};
 
-/// Bytes of address space that a part's registers take.
-const WINDOW: u64 = 0x400;
 /// No event is due.
 const NEVER: u64 = u64::MAX;
 
@@ -22,6 +20,14 @@ pub trait Part: Debug + Send + Sync + 'static {
     fn class() -> &'static DeviceClass
     where
         Self: Sized;
+
+    /// Bytes of address space that its registers take.
+    fn window() -> u64
+    where
+        Self: Sized,
+    {
+        0x400
+    }
 
     /// A register as it reads, without effect.
     fn peek(&self, _at: u64) -> u32 {
@@ -151,7 +157,7 @@ impl<P: Part> Model<P> {
     /// The model of a part.
     pub fn new(part: Arc<P>) -> Self {
         let registers: Arc<dyn MemOps> = Arc::new(Registers(part.clone()));
-        let region = Arc::new(Region::io(P::class().name, WINDOW, registers));
+        let region = Arc::new(Region::io(P::class().name, P::window(), registers));
         Self { part, region, pins: Mutex::default() }
     }
 }

@@ -168,3 +168,20 @@ fn with_a_supply_too_low_to_write_the_flash_nothing_is_saved_and_that_is_said() 
     board.power.supply_mv.store(3_000, Relaxed);
     board.ask(&ToDevice::Save, 200).outcome.unwrap();
 }
+
+#[test]
+fn behind_a_loader_that_shows_a_disk_it_runs_as_well() {
+    let path = emulator::firmware().with_extension("uf2");
+    let file = std::fs::read(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    let mut flash = vec![0xff; 1 << 20];
+    for block in file.chunks(512) {
+        let at = u32::from_le_bytes(block[12..16].try_into().unwrap()) as usize - 0x0800_0000;
+        flash[at..at + 256].copy_from_slice(&block[32..288]);
+    }
+    // The loader begins the program with its stack pointer and entry.
+    flash.copy_within(0x1_0000..0x1_0008, 0);
+    let mut board = Board::started(&Setup { flash, ..Setup::new() });
+    board.stream(Oversampling::X4096);
+    board.listen_ms(100);
+    assert!(board.heard.rows.len() > 80, "{}", board.heard.rows.len());
+}

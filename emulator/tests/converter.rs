@@ -195,3 +195,20 @@ fn at_the_fastest_rate_a_command_delays_no_answer_to_the_converter_by_an_interva
     assert!(slowest_us <= 20, "{slowest_us} µs");
     assert_eq!(board.heard.left_out, 0);
 }
+
+#[test]
+fn rows_carry_the_time_of_their_edge_however_late_its_interrupt_comes() {
+    let mut board = Board::started(&Setup::new());
+    board.stream(Oversampling::X1024);
+    board.listen_ms(20);
+    board.heard.clear();
+    for _ in 0..20 {
+        // Bytes of the host come before the converter, and commands lock its driver.
+        board.ask(&ToDevice::Status, 10);
+        board.listen_ms(5);
+    }
+    let times: Vec<u64> = board.heard.rows.iter().map(|row| row.time_us).collect();
+    let apart: Vec<u64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    // 2 × 1024 periods of 8 MHz.
+    assert!(apart.len() > 380 && apart.iter().all(|it| *it == 256), "{apart:?}");
+}

@@ -7,7 +7,8 @@
 //! priority 4   SysTick    every 1 ms: wakes what sleeps                                                │
 //! priority 3   read       DRDY interrupt: stamps the time, reads the converter     ── queue of samples ┼─┐
 //! priority 2   command    cuts frames, carries out commands                        ◄───────────────────┘ │
-//! priority 2   send       asks the device for frames                               ── queue of frames ─► line
+//! priority 2   send       asks the device for frames                               ── queue of frames ─► line or cable
+//! priority 2   cable      on the bus: packets of the host, packets for it          ── queue of bytes ──► command
 //! priority 2   tick       every 10 ms: status, watchdog, temperature                                     │
 //! priority 1   filter     calibrates and decomposes                                ◄─────────────────────┘
 //! ```
@@ -16,6 +17,9 @@
 //! longer; so does the timer's interrupt at 16 MHz, which after a reset would come before all others. The converter keeps two
 //! samples. Its driver is locked only while it is spoken to.
 //!
+//! USB waits for us: what finds no room stays with the host. Frames go to the line over which a host last said something, and
+//! each line has queues of its own.
+//!
 //! Interrupts do the least; nothing waits for the host; what finds a queue full is counted. The device's state is shared by
 //! the lower priorities, one row or one command at a time, so settings change between two rows.
 #![no_std]
@@ -23,6 +27,7 @@
 
 mod board;
 mod hardware;
+mod lines;
 mod log;
 mod memory;
 mod wake;
@@ -36,9 +41,6 @@ const BYTES: usize = 513;
 /// Frames that may wait for the line, plus one.
 const FRAMES: usize = 4;
 
-/// Bytes on their way to the line.
-type Frame = heapless::Vec<u8, { shared::wire::FRAME_MAX }>;
-
 #[rtic::app(device = stm32f4xx_hal::pac, peripherals = true, dispatchers = [EXTI0, EXTI1])]
 mod app {
     use core::mem::MaybeUninit;
@@ -46,26 +48,32 @@ mod app {
     use cortex_m::peripheral::scb::SystemHandler;
     use defmt::{Debug2Format, info, warn};
     use device::converters::FourChannels;
-    use device::{Device, FrontEnd, Identity, Lost, Room, Sample, begin_with};
+    use device::{Device, FrontEnd, Identity, Restart, Room, Sample, begin_with};
     use embedded_hal_bus::spi::{ExclusiveDevice, NoDelay};
     use embedded_hal_nb::serial::Write;
     use heapless::spsc::{Consumer, Producer, Queue};
     use rtic_monotonics::{Timebase, fugit, systick_monotonic};
     use rtic_sync::signal::SignalReader;
-    use shared::wire::{Accumulated, Accumulator, BAUD, FRAME_MAX, Hello, Settings};
-    use stm32f4xx_hal::gpio::{Edge, Input, Output, PB8, PB9, PC7, Speed};
-    use stm32f4xx_hal::pac::{Interrupt, SPI2, USART3};
+    use shared::wire::{Accumulated, BAUD, FRAME_MAX, Hello, Settings};
+    use stm32f4xx_hal::gpio::{Alternate, Edge, Output, PB8, PB9, PC1, PC7, Speed};
+    use stm32f4xx_hal::otg_fs::UsbBusType;
+    use stm32f4xx_hal::pac::{Interrupt, NVIC, SPI2, USART3};
     use stm32f4xx_hal::prelude::*;
     use stm32f4xx_hal::serial::{self, RxListen, Serial, Tx, TxISR, TxListen};
     use stm32f4xx_hal::spi::Spi;
+    use usb::{Frame, SerialNumber, UsbLine};
+    use usb_device::bus::UsbBusAllocator;
 
     use crate::board::temperature::Thermometer;
     use crate::board::watchdog::{Stage, Watchdog, progress};
-    use crate::board::{self, clocks, fingerprint, receiver, reset, stack, supply, time};
+    use crate::board::{
+        self, clocks, edge, fingerprint, receiver, reset, socket, stack, supply, time,
+    };
     use crate::hardware::{Hardware, Locked};
+    use crate::lines::{self, Inlet, Line, Outlets};
     use crate::memory::Memory;
     use crate::wake::{self, give_way, wake};
-    use crate::{BYTES, FRAMES, Frame, SAMPLES, log};
+    use crate::{BYTES, FRAMES, SAMPLES, log};
 
     systick_monotonic!(Mono, 1_000);
 
@@ -84,14 +92,19 @@ mod app {
 
     #[local]
     struct Local {
-        drdy: PC7<Input>,
+        drdy: PC7<Alternate<{ edge::FUNCTION }>>,
+        lamp: PC1<Output>,
         samples_in: Producer<'static, Sample>,
         samples: Consumer<'static, Sample>,
         tx: Tx<USART3>,
         bytes_in: Producer<'static, u8>,
-        bytes: Consumer<'static, u8>,
-        frames_in: Producer<'static, Frame>,
+        inlets: [Inlet; 2],
+        outlets: Outlets,
         frames: Consumer<'static, Frame>,
+        usb: Option<UsbLine<'static, UsbBusType>>,
+        usb_bytes_in: Producer<'static, u8>,
+        usb_frames: Consumer<'static, Frame>,
+        usb_wakes: SignalReader<'static, ()>,
         filter_wakes: SignalReader<'static, ()>,
         command_wakes: SignalReader<'static, ()>,
         send_wakes: SignalReader<'static, ()>,
@@ -103,6 +116,11 @@ mod app {
         sample_queue: Queue<Sample, SAMPLES> = Queue::new(),
         byte_queue: Queue<u8, BYTES> = Queue::new(),
         frame_queue: Queue<Frame, FRAMES> = Queue::new(),
+        usb_byte_queue: Queue<u8, BYTES> = Queue::new(),
+        usb_frame_queue: Queue<Frame, FRAMES> = Queue::new(),
+        usb_memory: [u32; socket::WORDS] = [0; socket::WORDS],
+        usb_bus: Option<UsbBusAllocator<UsbBusType>> = None,
+        usb_serial: Option<SerialNumber> = None,
         room: Room = Room::new(),
         device_place: MaybeUninit<Device<'static>> = MaybeUninit::uninit(),
         panic: [u8; Hello::PANIC] = [0; Hello::PANIC],
@@ -115,12 +133,13 @@ mod app {
         supply::watch(&p.PWR, &p.RCC);
         let (mut rcc, clock) = clocks::start(p.RCC, p.TIM11);
         let sysclk = rcc.clocks.sysclk();
-        time::start(p.TIM2, &mut rcc);
+        time::start(p.TIM2, p.TIM3, &mut rcc);
         let beat = rtic::export::cortex_logical2hw(4, stm32f4xx_hal::pac::NVIC_PRIO_BITS);
         // SAFETY: no lock rests on its priority; its queue is locked by critical sections.
         unsafe { cx.core.SCB.set_priority(SystemHandler::SysTick, beat) };
         Mono::start(cx.core.SYST, sysclk.raw());
 
+        let a = p.GPIOA.split(&mut rcc);
         let (b, c) = (p.GPIOB.split(&mut rcc), p.GPIOC.split(&mut rcc));
         // Its clock must run before the converter is spoken to.
         let (_, (clkin, ..)) = p.TIM8.pwm_hz(board::CONVERTER_CLOCK_HZ.Hz(), &mut rcc);
@@ -145,19 +164,30 @@ mod app {
         let Ok(bus) = ExclusiveDevice::new_no_delay(spi, select);
         let converter = FourChannels::new(bus, reset_line, board::CONVERTER_CLOCK_HZ);
         let front_end = FrontEnd::new(converter, time::Delay);
-        let mut drdy = c.pc7.into_pull_up_input();
+        let mut drdy = c.pc7.into_alternate::<{ edge::FUNCTION }>().internal_pull_up(true);
         drdy.make_interrupt_source(&mut p.SYSCFG.constrain(&mut rcc));
         let mut exti = p.EXTI;
         drdy.trigger_on_edge(&mut exti, Edge::Falling);
         drdy.enable_interrupt(&mut exti);
 
         let config = serial::Config::default().baudrate(BAUD.bps());
-        let link: Serial<USART3> = match Serial::new(p.USART3, (b.pb10, b.pb11), config, &mut rcc) {
+        // Nothing may be plugged in there, and what floats would be taken for bytes.
+        let received = b.pb11.into_alternate().internal_pull_up(true);
+        let link: Serial<USART3> = match Serial::new(p.USART3, (b.pb10, received), config, &mut rcc)
+        {
             Ok(link) => link,
             Err(_) => reset::die("the link's clock does not divide to its baud rate"),
         };
         let (tx, mut rx) = link.split();
         rx.listen();
+
+        let core = (p.OTG_FS_GLOBAL, p.OTG_FS_DEVICE, p.OTG_FS_PWRCLK);
+        let bus = socket::start(core, (a.pa11, a.pa12), cx.local.usb_memory, &mut rcc);
+        let serial = fingerprint.map_or([0; 3], |known| known.serial);
+        let usb = bus.and_then(|bus| {
+            let serial = cx.local.usb_serial.insert(SerialNumber::new(serial));
+            UsbLine::new(cx.local.usb_bus.insert(bus), serial)
+        });
 
         let mut memory = Memory::new(p.FLASH, fingerprint.is_some());
         let mut record = [0; Settings::RECORD];
@@ -169,7 +199,7 @@ mod app {
             version: env!("CARGO_PKG_VERSION"),
             git: env!("PALPATE_GIT"),
             board: board::NAME,
-            serial: fingerprint.map_or([0; 3], |known| known.serial),
+            serial,
             converter_clock_hz: board::CONVERTER_CLOCK_HZ,
             clock,
             reset: why,
@@ -182,21 +212,28 @@ mod app {
         let (samples_in, samples) = cx.local.sample_queue.split();
         let (bytes_in, bytes) = cx.local.byte_queue.split();
         let (frames_in, frames) = cx.local.frame_queue.split();
+        let (usb_bytes_in, usb_bytes) = cx.local.usb_byte_queue.split();
+        let (usb_frames_in, usb_frames) = cx.local.usb_frame_queue.split();
         let thermometer =
             fingerprint.map(|known| Thermometer::new(p.ADC1, &mut rcc, known.temperature));
         // Each of these runs for ever and is spawned once.
-        let _ = (filter::spawn(), command::spawn(), send::spawn(), tick::spawn());
+        let _ = (filter::spawn(), command::spawn(), send::spawn(), tick::spawn(), cable::spawn());
         (
             Shared { device, hardware: Hardware { front_end, memory } },
             Local {
                 drdy,
+                lamp: c.pc1.into_push_pull_output(),
                 samples_in,
                 samples,
                 tx,
                 bytes_in,
-                bytes,
-                frames_in,
+                inlets: [Inlet::new(Line::Serial, bytes), Inlet::new(Line::Usb, usb_bytes)],
+                outlets: Outlets { serial: frames_in, usb: usb_frames_in },
                 frames,
+                usb,
+                usb_bytes_in,
+                usb_frames,
+                usb_wakes: wake::USB.take_reader(),
                 filter_wakes: wake::FILTER.take_reader(),
                 command_wakes: wake::COMMAND.take_reader(),
                 send_wakes: wake::SEND.take_reader(),
@@ -210,6 +247,7 @@ mod app {
     #[task(binds = EXTI9_5, priority = 3, local = [drdy, samples_in], shared = [hardware])]
     fn read(mut cx: read::Context) {
         let now_us = time::now_us();
+        let now_us = edge::caught(now_us).unwrap_or(now_us);
         cx.local.drdy.clear_interrupt_pending_bit();
         cx.shared.hardware.lock(|Hardware { front_end, .. }| {
             let Some(sample) = front_end.ready(now_us) else { return };
@@ -260,43 +298,88 @@ mod app {
     }
 
     /// Cuts frames out of the bytes of the host and carries out its commands.
-    #[task(priority = 2, local = [bytes, command_wakes, line: Accumulator = Accumulator::new()],
-        shared = [device, hardware])]
+    #[task(priority = 2, local = [inlets, command_wakes], shared = [device, hardware])]
     async fn command(mut cx: command::Context) {
-        let command::LocalResources { bytes, command_wakes, line, .. } = cx.local;
+        let command::LocalResources { inlets, command_wakes, .. } = cx.local;
         loop {
             command_wakes.wait().await;
             progress(Stage::Command);
-            while let Some(byte) = bytes.dequeue() {
-                let frame = match line.push(byte) {
-                    Accumulated::Nothing => continue,
-                    Accumulated::TooLong => {
-                        cx.shared.device.lock(|device| device.count_damaged());
-                        continue;
+            for Inlet { line, bytes, cut } in inlets.iter_mut() {
+                while let Some(byte) = bytes.dequeue() {
+                    let frame = match cut.push(byte) {
+                        Accumulated::Nothing => continue,
+                        Accumulated::TooLong => {
+                            cx.shared.device.lock(|device| device.count_damaged());
+                            continue;
+                        }
+                        Accumulated::Frame(frame) => frame,
+                    };
+                    while !cx.shared.device.lock(|device| device.can_receive()) {
+                        wake(&wake::SEND);
+                        sleep_ms(1).await;
                     }
-                    Accumulated::Frame(frame) => frame,
-                };
-                while !cx.shared.device.lock(|device| device.can_receive()) {
+                    let mut board = Locked(&mut cx.shared.hardware);
+                    let is_host = cx
+                        .shared
+                        .device
+                        .lock(|device| device.receive(frame, time::now_us(), &mut board));
+                    if is_host {
+                        lines::speak_over(*line);
+                    }
+                    wake(&wake::FILTER);
                     wake(&wake::SEND);
-                    sleep_ms(1).await;
+                    give_way().await;
                 }
-                let mut board = Locked(&mut cx.shared.hardware);
-                cx.shared.device.lock(|device| device.receive(frame, time::now_us(), &mut board));
-                wake(&wake::FILTER);
-                wake(&wake::SEND);
-                give_way().await;
+                if *line == Line::Usb {
+                    // The host may be held back.
+                    wake(&wake::USB);
+                }
             }
         }
     }
 
+    /// Something happened on the USB bus. Its interrupt stays on until that was seen to, for which there may be no room yet.
+    #[task(binds = OTG_FS, priority = 2)]
+    fn on_usb(_: on_usb::Context) {
+        NVIC::mask(Interrupt::OTG_FS);
+        wake(&wake::USB);
+    }
+
+    /// Packets of the host into the queue of bytes, frames out of their queue into packets for the host.
+    #[task(priority = 2, local = [usb, usb_bytes_in, usb_frames, usb_wakes])]
+    async fn cable(cx: cable::Context) {
+        let cable::LocalResources { usb, usb_bytes_in, usb_frames, usb_wakes, .. } = cx.local;
+        let Some(usb) = usb else { return };
+        loop {
+            usb_wakes.wait().await;
+            let polled = usb.poll(usb_bytes_in, usb_frames);
+            if polled.received {
+                wake(&wake::COMMAND);
+            }
+            if polled.sent {
+                wake(&wake::SEND);
+            }
+            if polled.touched {
+                // The host hears that its request was taken.
+                sleep_ms(20).await;
+                reset::restart(Restart::Bootloader);
+            }
+            if !polled.held_back {
+                // SAFETY: no lock rests on this mask; the interrupt comes again for what is not seen to.
+                unsafe { NVIC::unmask(Interrupt::OTG_FS) };
+            }
+            give_way().await;
+        }
+    }
+
     /// Asks the device for frames while the line has room for them.
-    #[task(priority = 2, local = [frames_in, send_wakes], shared = [device])]
+    #[task(priority = 2, local = [outlets, send_wakes], shared = [device])]
     async fn send(mut cx: send::Context) {
-        let send::LocalResources { frames_in, send_wakes, .. } = cx.local;
+        let send::LocalResources { outlets, send_wakes, .. } = cx.local;
         loop {
             send_wakes.wait().await;
             progress(Stage::Send);
-            while frames_in.ready() {
+            while outlets.now().ready() {
                 let mut room = [0; FRAME_MAX];
                 let (frame, restart) = cx.shared.device.lock(|device| {
                     let bytes = device.next_frame(time::now_us(), &mut log::Waiting, &mut room);
@@ -315,15 +398,18 @@ mod app {
                     }
                     break;
                 };
-                let _ = frames_in.enqueue(frame);
-                rtic::pend(Interrupt::USART3);
+                let _ = outlets.now().enqueue(frame);
+                match lines::spoken_over() {
+                    Line::Serial => rtic::pend(Interrupt::USART3),
+                    Line::Usb => wake(&wake::USB),
+                }
                 give_way().await;
             }
         }
     }
 
     /// Looks after everything that has no event of its own.
-    #[task(priority = 2, local = [thermometer, watchdog], shared = [device, hardware])]
+    #[task(priority = 2, local = [lamp, thermometer, watchdog], shared = [device, hardware])]
     async fn tick(mut cx: tick::Context) {
         for count in (0_u32..).cycle() {
             sleep_ms(10).await;
@@ -338,17 +424,11 @@ mod app {
             let temperature = cx.local.thermometer.as_mut().and_then(Thermometer::read);
             let stack_used = count.is_multiple_of(100).then(stack::used);
             let mut board = Locked(&mut cx.shared.hardware);
-            cx.shared.device.lock(|device| {
+            let is_lit = cx.shared.device.lock(|device| {
                 device.count_bytes_lost(BYTES_LOST.swap(0, Ordering::Relaxed));
                 device.count_log_lost(log::lost());
-                if found.lost != Lost::NONE {
-                    device.count_lost(found.lost);
-                }
-                if listens && device.converter() != found.fault {
-                    if let Some(fault) = found.fault {
-                        warn!("converter: {}", Debug2Format(&fault));
-                    }
-                    device.set_converter(found.fault);
+                if device.look(found, listens) {
+                    warn!("converter: {}", Debug2Format(&found.fault));
                 }
                 if count.is_multiple_of(10) {
                     device.set_temperature(temperature);
@@ -357,8 +437,10 @@ mod app {
                     device.set_stack_used(bytes);
                 }
                 device.tick(time::now_us(), &mut board);
+                device.lamp().is_lit(time::now_us())
             });
-            for sleeper in [&wake::FILTER, &wake::COMMAND, &wake::SEND] {
+            cx.local.lamp.set_state(is_lit.into());
+            for sleeper in [&wake::FILTER, &wake::COMMAND, &wake::SEND, &wake::USB] {
                 wake(sleeper);
             }
             if count.is_multiple_of(100) {

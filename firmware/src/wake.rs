@@ -14,6 +14,8 @@ pub static FILTER: Sleeper = Signal::new();
 pub static COMMAND: Sleeper = Signal::new();
 /// There is something to send, or room to send it.
 pub static SEND: Sleeper = Signal::new();
+/// Something happened on the USB bus, or there is something for it.
+pub static USB: Sleeper = Signal::new();
 
 /// Wakes it.
 pub fn wake(sleeper: &Sleeper) {

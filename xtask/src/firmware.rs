@@ -10,14 +10,17 @@ use object::read::elf::{ElfFile32, ProgramHeader, SectionHeader};
 
 use crate::check::{rust, rustup, workspace};
 use crate::golden::Golden;
+use crate::uf2::{self, Family};
 
 /// The processor's target.
 const TARGET: &str = "thumbv7em-none-eabihf";
 /// Where the flash begins and where the RAM does.
 const FLASH: u32 = 0x0800_0000;
 const RAM: u32 = 0x2000_0000;
+/// Where the flash begins behind the loader TinyUF2.
+const BEHIND_LOADER: u32 = 0x0801_0000;
 /// Most bytes of flash and of RAM, the stack included.
-const MOST: [(&str, u64); 2] = [("flash", 96 * 1024), ("RAM", 24 * 1024)];
+const MOST: [(&str, u64); 2] = [("flash", 128 * 1024), ("RAM", 32 * 1024)];
 
 /// Bytes of flash and of RAM.
 #[derive(Clone, Copy, Debug)]
@@ -43,8 +46,14 @@ pub fn target() -> PathBuf {
 
 /// Runs cargo in the workspace of the firmware.
 pub fn cargo(name: &str, arguments: &[&str]) -> miette::Result<()> {
+    cargo_with(name, arguments, &[])
+}
+
+fn cargo_with(name: &str, arguments: &[&str], more: &[(&str, &str)]) -> miette::Result<()> {
     let target = target();
-    rust(name, &folder(), arguments, &[("CARGO_TARGET_DIR", &target.to_string_lossy())])
+    let target = target.to_string_lossy();
+    let environment = [&[("CARGO_TARGET_DIR", &*target)], more].concat();
+    rust(name, &folder(), arguments, &environment)
 }
 
 /// Installs the target where it is missing.
@@ -67,16 +76,32 @@ pub fn build() -> miette::Result<Sizes> {
     let sizes = sizes(&elf)?;
     let text = format!("flash {} B\nRAM {} B, the stack included\n", sizes.flash, sizes.ram);
     write(&out.join("palpate.elf"), &elf)?;
-    write(&out.join("palpate.bin"), &image(&elf)?)?;
+    write(&out.join("palpate.bin"), &image(&elf, FLASH)?)?;
     write(&out.join("sizes.txt"), text.as_bytes())?;
     print!("{text}");
-    println!("palpate.elf, palpate.bin and sizes.txt in {}", out.display());
+    println!("palpate.elf, palpate.bin, palpate.uf2 and sizes.txt in {}", out.display());
     Ok(sizes)
+}
+
+/// Builds everything that is given to users: what [`build`] leaves, and files for loaders that show a disk.
+pub fn release() -> miette::Result<Sizes> {
+    set_up()?;
+    let origin = format!("{BEHIND_LOADER:#010x}");
+    let build_it = ["build", "--release", "--bin", "palpate"];
+    cargo_with("firmware behind a loader", &build_it, &[("PALPATE_ORIGIN", &origin)])?;
+    let elf = executable("palpate");
+    let elf = fs::read(&elf).into_diagnostic().wrap_err_with(|| elf.display().to_string())?;
+    let file = uf2::file(&image(&elf, BEHIND_LOADER)?, BEHIND_LOADER, Family::Stm32F4);
+    let out = workspace().join("target/firmware");
+    fs::create_dir_all(&out).into_diagnostic()?;
+    write(&out.join("palpate.uf2"), &file)?;
+    // Last, so that the executables that stay are those of the image at the beginning of the flash.
+    build()
 }
 
 /// Builds the firmware and holds its sizes to their limits and to the golden file.
 pub fn check(golden: &mut Golden) -> miette::Result<()> {
-    let Sizes { flash, ram } = build()?;
+    let Sizes { flash, ram } = release()?;
     for ((name, most), bytes) in MOST.iter().zip([flash, ram]) {
         if bytes > *most {
             bail!("the firmware takes {bytes} B of {name}; there are {most} B");
@@ -118,18 +143,18 @@ fn stack(file: &ElfFile32<'_>) -> miette::Result<u32> {
     Ok((symbol("_stack_start")? - symbol("_stack_end")?) as u32)
 }
 
-/// The bytes to be written to the flash from its beginning on.
-fn image(elf: &[u8]) -> miette::Result<Vec<u8>> {
+/// The bytes to be written to the flash from this address on.
+fn image(elf: &[u8], from: u32) -> miette::Result<Vec<u8>> {
     let file = ElfFile32::<object::Endianness>::parse(elf).into_diagnostic()?;
     let endian = file.endian();
     let mut image = Vec::new();
     for header in file.elf_program_headers() {
         let at = header.p_paddr(endian);
-        if header.p_type(endian) != PT_LOAD || !(FLASH..RAM).contains(&at) {
+        if header.p_type(endian) != PT_LOAD || !(from..RAM).contains(&at) {
             continue;
         }
         let bytes = header.data(endian, elf).map_err(|()| miette!("a segment is cut off"))?;
-        let at = (at - FLASH) as usize;
+        let at = (at - from) as usize;
         if image.len() < at + bytes.len() {
             image.resize(at + bytes.len(), 0xff);
         }

@@ -11,6 +11,7 @@ mod packages;
 mod python;
 mod steady;
 mod supply;
+mod uf2;
 
 use std::process::ExitCode;
 
@@ -30,7 +31,7 @@ struct Arguments {
 enum Task {
     /// Set up what the tests need, then run format, lints, all tests and the documentation.
     Test,
-    /// Build the firmware and leave palpate.elf, palpate.bin and their sizes in target/firmware/.
+    /// Build the firmware and leave palpate.elf, palpate.bin, palpate.uf2 and their sizes in target/firmware/.
     Firmware,
     /// Run the firmware on two emulated boards and hold it to everything it promises; ten minutes of stream, a thousand killed
     /// hosts.
@@ -112,7 +113,7 @@ fn generate(what: &str) -> miette::Result<()> {
 fn main() -> ExitCode {
     let outcome = match Arguments::parse().task {
         Task::Test => check::run(),
-        Task::Firmware => firmware::build().map(drop),
+        Task::Firmware => firmware::release().map(drop),
         Task::Emulate { steady, update } => {
             emulate::run(steady, update).and_then(|()| modelled::run(1_000))
         }

@@ -1,4 +1,4 @@
-//! The processor's clock: 168 MHz from the crystal, whichever it is, or 16 MHz from the oscillator on the chip.
+//! The processor's clock: 168 MHz from the crystal, whichever it is, with 48 MHz for USB, or 16 MHz from the oscillator on the chip.
 
 use shared::wire::ClockSource;
 use stm32f4xx_hal::pac::{RCC, TIM11};
@@ -16,7 +16,7 @@ pub fn start(rcc: RCC, timer: TIM11) -> (Rcc, ClockSource) {
     match crystal_mhz {
         Some(mhz) if pll_starts(&rcc) => {
             let config = Config::hse(mhz.MHz()).sysclk(168.MHz()).pclk1(42.MHz()).pclk2(84.MHz());
-            (rcc.freeze(config), ClockSource::Crystal)
+            (rcc.freeze(config.require_pll48clk()), ClockSource::Crystal)
         }
         _ => (rcc.freeze(Config::hsi()), ClockSource::Internal),
     }

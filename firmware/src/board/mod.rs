@@ -5,16 +5,20 @@
 //! | converter SCK, MISO, MOSI | PB13, PB14, PB15 | SCK, MI, MO | SPI2 |
 //! | converter CS | PB9 | 10 | |
 //! | converter SYNC/RESET | PB8 | 9 | |
-//! | converter DRDY | PC7 | 5 | EXTI7, falling |
+//! | converter DRDY | PC7 | 5 | EXTI7, falling; TIM3 channel 2 catches its time |
 //! | converter CLKIN | PC6 | 6 | TIM8 channel 1, 8 MHz |
+//! | USB D−, D+ | PA11, PA12 | the socket | OTG_FS |
+//! | lamp | PC1 | on the board | |
 //! | link TX, RX | PB10, PB11 | TX, RX | USART3, 1,000,000 baud, 8N1 |
 
 pub mod clocks;
 mod crystal;
+pub mod edge;
 pub mod fingerprint;
 pub mod flash;
 pub mod receiver;
 pub mod reset;
+pub mod socket;
 pub mod stack;
 pub mod supply;
 pub mod temperature;

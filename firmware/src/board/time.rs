@@ -4,21 +4,28 @@ use core::cell::Cell;
 
 use critical_section::Mutex;
 use embedded_hal::delay::DelayNs;
-use stm32f4xx_hal::pac::TIM2;
+use stm32f4xx_hal::pac::{TIM2, TIM3};
 use stm32f4xx_hal::rcc::{BusTimerClock, Enable, Rcc, Reset};
+
+use super::edge;
 
 /// The last reading; its upper half counts how often the timer began anew.
 static LAST: Mutex<Cell<u64>> = Mutex::new(Cell::new(0));
 
-/// Starts the clock.
-pub fn start(timer: TIM2, rcc: &mut Rcc) {
+/// Starts the clock, and the timer that catches edges with it.
+pub fn start(timer: TIM2, edges: TIM3, rcc: &mut Rcc) {
     TIM2::enable(rcc);
     TIM2::reset(rcc);
     let megahertz = TIM2::timer_clock(&rcc.clocks).to_MHz() as u16;
     timer.psc().write(|w| w.psc().set(megahertz.saturating_sub(1)));
     timer.arr().write(|w| w.arr().set(u32::MAX));
     timer.egr().write(|w| w.ug().set_bit());
-    timer.cr1().modify(|_, w| w.cen().set_bit());
+    edge::prepare(&edges, rcc);
+    // A few cycles apart, always the same, far less than a count.
+    critical_section::with(|_| {
+        timer.cr1().modify(|_, w| w.cen().set_bit());
+        edges.cr1().modify(|_, w| w.cen().set_bit());
+    });
 }
 
 /// Microseconds since reset. To be read at least once in 71 minutes, or it loses as much.

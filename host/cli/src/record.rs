@@ -11,6 +11,7 @@ use super::output::{Force, print};
 use super::{Failure, interrupt};
 use palpate_link::device::answers::{EventAnswer, RecordedAnswer, SecondAnswer};
 use palpate_link::device::describe::{felt_in_words, live_line};
+use palpate_link::device::discover::is_own_socket;
 use palpate_link::device::record::{Beside, Plan, RecordError, View, overload, record};
 use palpate_link::robots::McapFile;
 use palpate_present::answers;
@@ -126,7 +127,9 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let (port, session) = args.at.open()?;
     let columns = if args.all { Columns::All } else { Columns::Parts };
     let start = Start { source: Source::Converter, columns };
-    if let Some(warning) = overload(session.identity(), session.interval_s(), columns) {
+    if !is_own_socket(&port)
+        && let Some(warning) = overload(session.identity(), session.interval_s(), columns)
+    {
         eprintln!("warning: {warning}");
     }
     let plan = Plan { port, start, duration: args.duration };

@@ -54,6 +54,16 @@ pub use settings::{Oversampling, Settings, SettingsError};
 /// Speed of a serial line, bits per second, 8N1: exact with either clock of the device.
 pub const BAUD: u32 = 1_000_000;
 
+/// How the device introduces itself on USB: the identity that makers of serial ports without one of their own share, told apart by
+/// the two texts below (`USB-IDs-FREE.txt` of V-USB).
+pub const USB_VENDOR: u16 = 0x16c0;
+/// Serial ports (CDC-ACM) of that vendor.
+pub const USB_PRODUCT: u16 = 0x27dd;
+/// Who made it, as it says on USB.
+pub const USB_MAKER: &str = "palpate";
+/// What it is, as it says on USB.
+pub const USB_NAME: &str = "palpate fingertip";
+
 /// Version of the frame; a frame of another version is refused.
 pub const VERSION: u8 = 1;
 

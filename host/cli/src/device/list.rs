@@ -12,8 +12,8 @@ use palpate_present::answers;
 /// Say which ports have a device.
 #[derive(clap::Args)]
 #[command(after_help = "\
-Every serial port of this computer is asked who is there. Pseudo-terminals are none of them: name
-them.
+Every serial port of this computer is asked who is there, first those that say on USB that they are a
+fingertip's. Pseudo-terminals are none of them: name them.
 
 Examples:
   palpate device list

@@ -1,0 +1,33 @@
+//! When the converter's data-ready line fell: a timer catches the instant, so that an interrupt that comes late makes no error in
+//! time, and intervals are what the converter's clock makes them.
+//!
+//! TIM3 counts as TIM2 does, from the same instant on, so that what it catches are the lower 16 bits of the device's time.
+
+use stm32f4xx_hal::pac::TIM3;
+use stm32f4xx_hal::rcc::{BusTimerClock, Enable, Rcc, Reset};
+
+/// Alternate function of PC7 that is TIM3_CH2 (data sheet, table 9).
+pub const FUNCTION: u8 = 2;
+
+/// Sets the timer up; it does not count yet.
+pub fn prepare(timer: &TIM3, rcc: &mut Rcc) {
+    TIM3::enable(rcc);
+    TIM3::reset(rcc);
+    let megahertz = TIM3::timer_clock(&rcc.clocks).to_MHz() as u16;
+    timer.psc().write(|w| w.psc().set(megahertz.saturating_sub(1)));
+    timer.arr().write(|w| w.arr().set(u16::MAX));
+    timer.egr().write(|w| w.ug().set_bit());
+    timer.ccmr1_input().write(|w| w.cc2s().ti2());
+    timer.ccer().write(|w| w.cc2p().set_bit().cc2e().set_bit());
+}
+
+/// When the last edge was, µs, if there was one since the last call; `now_us` must be less than 65 ms later.
+pub fn caught(now_us: u64) -> Option<u64> {
+    // SAFETY: the interrupt of the edge alone reads these registers.
+    let timer = unsafe { &*TIM3::ptr() };
+    timer.sr().read().cc2if().bit_is_set().then(|| {
+        // Reading the capture clears its flag.
+        let caught = timer.ccr2().read().ccr().bits();
+        now_us.saturating_sub((now_us as u16).wrapping_sub(caught).into())
+    })
+}
