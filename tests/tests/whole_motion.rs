@@ -231,14 +231,6 @@ fn coverage_of_an_inexact_law(traces: usize, sets: u64) -> [[f64; 4]; 2] {
     [0, 1].map(|basis| std::array::from_fn(|k| share(basis, k)))
 }
 
-#[test]
-fn intervals_by_trace_hold_what_more_traces_would_show_where_the_law_is_inexact() {
-    let [_, by_trace] = coverage_of_an_inexact_law(8, 100);
-    // Four standard deviations of a share of 95 % among so many sets.
-    let off = 4.0 * (0.95 * 0.05 / 100.0f64).sqrt();
-    assert!(by_trace.iter().all(|share| (share - 0.95).abs() < off), "{by_trace:?}");
-}
-
 /// The figures of docs/measured.md.
 #[test]
 #[ignore = "minutes: the figures of docs/measured.md"]

@@ -33,8 +33,8 @@ impl MotionFit {
 
     /// Takes standard errors and correlations from the scatter of refits without each trace, where the fit leaves more
     /// than the noise and there are at least five traces; else they stay those of the noise. With few traces
-    /// the errors are larger by as much as Student's distribution is wider than the normal one, so that 1.96 of them
-    /// are a 95 % interval.
+    /// the errors are larger by as much as Student's distribution is wider than the normal one. A refit in one step
+    /// sees less than a whole one does: docs/measured.md tells how often the intervals hold.
     #[must_use]
     pub fn allowing_for_misfit(mut self, data: &Data, noise: Option<f64>) -> Self {
         let traces = data.labels.len();

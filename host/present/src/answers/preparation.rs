@@ -65,8 +65,7 @@ pub struct WithoutOutliers {
     pub residual_rms: f64,
 }
 
-/// A refit in which no sample has more than a bounded say (Huber's weights): far off the fit where the
-/// impossible samples matter.
+/// A refit in which no sample has more than a bounded say (Huber's weights): far off the fit where the impossible samples matter.
 #[derive(Clone, Debug, Serialize, JsonSchema)]
 #[schemars(deny_unknown_fields)]
 pub struct RobustAnswer {
@@ -88,8 +87,7 @@ pub struct RobustParameter {
     pub standard_error: Option<f64>,
     /// Unit, empty for a pure number.
     pub unit: String,
-    /// By how many of these standard errors the fit to all samples alike lies off the value; null where the data do
-    /// not determine it.
+    /// By how many of these standard errors the fit lies off the value; null where the data do not determine it.
     pub fit_is_off: Option<f64>,
 }
 
