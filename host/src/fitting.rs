@@ -67,6 +67,7 @@ impl Question for Fitting {
         let held_out = if single { Vec::new() } else { whole_motion::held_out(&fitted, &data) };
         let noise = noise_of(&data, set.traces());
         let deviation = noise.map(|noise| noise.standard_deviation);
+        let fitted = fitted.allowing_for_misfit(&data, deviation);
         Ok(Fit {
             set: set.clone(),
             model: fitted.model(&data, deviation, &held_out),

@@ -224,10 +224,33 @@ fn a_parameter_that_the_data_leave_open_denies_no_effect() {
     }
 }
 
+/// One model on one data set has one error and one noise.
+#[test]
+fn every_command_tells_the_same_error_and_the_same_noise() {
+    let told = [
+        ("fit fung hidden --json", "residual_rms"),
+        ("compare hidden.toml hidden --json", "rms"),
+        ("diagnose --model hidden.toml hidden --json", "given_rms"),
+        ("add mullins hidden.toml hidden -o added.toml --json", "rms_before"),
+    ];
+    let answers = told.map(|(line, key)| {
+        let answer = place().json(line);
+        [key, "noise_rms"].map(|key| answer[key].as_f64().expect("a number"))
+    });
+    for (found, (line, _)) in answers.iter().zip(told) {
+        for (found, expected) in found.iter().zip(&answers[0]) {
+            assert!((found / expected - 1.0).abs() < 1e-6, "{line}: {found} for {expected}");
+        }
+    }
+}
+
 #[test]
 fn one_trace_has_no_held_out_error() {
     let answer = place().json("diagnose --model hidden.toml hidden/5.csv --json");
     check_format(&answer);
+    // It has rest off the specimen, in which its noise is seen.
+    assert_eq!(answer["noise"]["seen_off_the_specimen"], true, "{answer:#}");
+    assert!(!answer["notes"].to_string().contains("does not show its noise"), "{answer:#}");
     for step in answer["steps"].as_array().expect("steps") {
         assert!(step["heldout_rms_before_N"].is_null() && step["heldout_rms_after_N"].is_null());
     }

@@ -2,6 +2,8 @@
 //! generator in `src/hidden`, which shares no physics with the library.
 
 use palpate::criticism::diagnose::{Diagnosis, Verdict, diagnose};
+use palpate::criticism::incident::Change;
+use palpate::criticism::outside::Outside;
 use palpate::fit::data::Data;
 use palpate::fit::whole_motion::fit;
 use palpate::model::{BaseLaw, Model, Separation};
@@ -76,6 +78,37 @@ fn two_hidden_effects_are_both_named() {
 fn what_no_effect_explains_is_said_to_be_unknown() {
     let set = generate(&scenario(41, &[("cogging", LawKind::Outside)], 1.0));
     assert_eq!(ask(&set).verdict, Verdict::Unknown);
+}
+
+/// Several effects imitate what happened once; none is bound to an instant.
+#[test]
+fn what_happened_once_is_unknown_and_told_by_its_trace_and_instant() {
+    for (seed, what, change) in [(42, "zero-step", Change::Zero), (43, "burst", Change::Gain)] {
+        let set = generate(&scenario(seed, &[(what, LawKind::OutsideMore)], 1.0));
+        let diagnosis = ask(&set);
+        assert_eq!(diagnosis.verdict, Verdict::Unknown, "{what}: {:?}", names(&diagnosis));
+        assert_eq!(names(&diagnosis), [""; 0], "{what}");
+        let Some(Outside::Incident(incident)) = &diagnosis.outside else {
+            panic!("{what}: {:?}", diagnosis.outside);
+        };
+        let inner = |name: &str| {
+            let mut parameters = set.truth.hidden[0].parameters.iter();
+            parameters.find(|(known, _)| *known == name).expect("a parameter").1
+        };
+        assert_eq!(incident.trace, inner("trace") as usize, "{what}: {incident:?}");
+        assert!((incident.time_s - inner("time_s")).abs() < 0.3, "{what}: {incident:?}");
+        assert_eq!(incident.change, change);
+    }
+}
+
+#[test]
+fn a_slow_swing_through_all_traces_is_unknown_and_told_by_its_frequency() {
+    let set = generate(&scenario(44, &[("sway", LawKind::OutsideMore)], 1.0));
+    let diagnosis = ask(&set);
+    assert_eq!(diagnosis.verdict, Verdict::Unknown, "{:?}", names(&diagnosis));
+    let Some(Outside::Swing(swing)) = &diagnosis.outside else { panic!("{:?}", diagnosis.outside) };
+    let truth = set.truth.hidden[0].parameters[0].1;
+    assert!((swing.frequency_hz / truth - 1.0).abs() < 0.02, "{} for {truth}", swing.frequency_hz);
 }
 
 #[test]

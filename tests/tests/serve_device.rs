@@ -608,7 +608,10 @@ fn a_model_that_relaxes_too_little_fails_while_the_press_is_held_and_says_where_
     let told = told_of_the_model(&bench, "The model fails now, in region CD, since ");
     assert_eq!(told["law"]["file"], json!(model));
     let words = told["words"].as_str().unwrap();
-    assert!(words.contains("changes more than the model predicts") && words.contains("µε"), "{words}");
+    assert!(
+        words.contains("changes more than the model predicts") && words.contains("µε"),
+        "{words}"
+    );
     let failed = told["holds"].as_array().unwrap().iter().find(|hold| !hold["failure"].is_null());
     assert_eq!(failed.unwrap()["failure"]["changes_less"], false);
 }

@@ -1,7 +1,7 @@
 //! The fit of whole motions finds what was put in, and its standard errors are true.
 
 use palpate::fit::data::Data;
-use palpate::fit::whole_motion::fit;
+use palpate::fit::whole_motion::{Basis, fit};
 use palpate::model::{BaseLaw, Motion, Separation};
 use palpate::trace::{Column, DISPLACEMENT, FORCE, Trace};
 use palpate_tests::press;
@@ -189,5 +189,58 @@ fn coverage_of_intervals() {
             .map(|(name, share)| format!("{name} {:.1} %", 100.0 * share))
             .collect();
         println!("{sensor:?}: {}", shares.join(", "));
+    }
+}
+
+/// Presses of the specimen to depths and at speeds by chance, 50 samples a second.
+fn presses_by_chance(count: usize, seed: u64) -> Vec<Trace> {
+    let mut random = ChaCha8Rng::seed_from_u64(seed ^ (1 << 41));
+    let motions = (0..count).map(|_| {
+        let (to_mm, speed) =
+            (random.random_range(4.0..12.0), random.random_range(1.6f64..4.1).exp());
+        let motion = press(to_mm, speed, 1.5);
+        let thinned = |values: &[f64]| values.iter().step_by(4).copied().collect::<Vec<_>>().into();
+        let (time, displacement) = (thinned(&motion.time), thinned(&motion.displacement));
+        Motion { time, displacement, ..motion }
+    });
+    record_of(motions.collect(), BaseLaw::fung(2, Separation::Clamp), 0.01, 0.0, seed)
+}
+
+/// Share of so many sets of presses in which the 95 % interval of each parameter of a law with one exponential too few
+/// holds what it is over many presses: with errors of the samples, and of the traces.
+fn coverage_of_an_inexact_law(traces: usize, sets: u64) -> [[f64; 4]; 2] {
+    let law = BaseLaw::fung(1, Separation::Clamp);
+    let many = presses_by_chance(400, 1 << 20);
+    let truth = fit(law, &Data::of(&many, FORCE).unwrap()).unwrap().values;
+    let holds = |seed: u64| {
+        let traces = presses_by_chance(traces, seed);
+        let data = Data::of(&traces, FORCE).unwrap();
+        let plain = fit(law, &data).unwrap();
+        let by_trace = plain.clone().allowing_for_misfit(&data, Some(0.01));
+        assert_eq!(by_trace.basis, Basis::Traces);
+        [plain, by_trace].map(|fit| {
+            std::array::from_fn(|k| {
+                let error = fit.standard_errors[k].expect("determined");
+                f64::from((fit.values[k] - truth[k]).abs() < 1.96 * error)
+            })
+        })
+    };
+    let all: Vec<[[f64; 4]; 2]> = (0..sets).into_par_iter().map(holds).collect();
+    let share =
+        |basis: usize, k: usize| all.iter().map(|set| set[basis][k]).sum::<f64>() / sets as f64;
+    [0, 1].map(|basis| std::array::from_fn(|k| share(basis, k)))
+}
+
+/// The figures of docs/measured.md.
+#[test]
+#[ignore = "minutes: the figures of docs/measured.md"]
+fn coverage_of_intervals_of_an_inexact_law() {
+    for traces in [5, 8, 20] {
+        let shares = coverage_of_an_inexact_law(traces, 1_000);
+        let told = shares.map(|of| of.map(|share| format!("{:.1} %", 100.0 * share)).join(", "));
+        println!(
+            "{traces} traces, p, q, c1, v1: errors of samples {}; of traces {}",
+            told[0], told[1]
+        );
     }
 }

@@ -271,7 +271,7 @@ fn whole(
 ) -> Result<Box<dyn Answer>, Failure> {
     let signal = &options.signal;
     let data = Data::of(&traces, signal).map_err(Failure::input)?;
-    let candidates = candidates(laws, &data)?;
+    let mut candidates = candidates(laws, &data)?;
     let (index, best) = candidates
         .iter()
         .enumerate()
@@ -290,6 +290,8 @@ fn whole(
         preparation.refit = Refit::of(best, &traces, signal);
     }
     let noise = noise_of(&data, &traces);
+    let deviation = noise.map(|noise| noise.standard_deviation);
+    candidates[index] = candidates[index].clone().allowing_for_misfit(&data, deviation);
     let signal = signal.clone();
     let traces = traces.clone();
     Ok(Box::new(Fitted { traces, preparation, signal, candidates, best: index, noise, held_out }))

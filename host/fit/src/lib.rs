@@ -5,6 +5,7 @@
 //! - [`relaxation_form`]: sums of exponentials, power law and stretched exponential compared.
 //! - [`consistency`]: whether repeats differ by more than their standard errors.
 //! - [`whole_motion`]: a law over loading, holds and unloading of every trace together.
+//! - [`robust`]: the same with a bound on what a single sample can do.
 //!
 //! ```
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -35,6 +36,7 @@ pub mod elastic_law;
 pub mod exponentials;
 pub mod fourier;
 pub mod hold;
+mod jackknife;
 pub mod least_squares;
 pub mod levels;
 pub mod line;
@@ -45,6 +47,7 @@ pub mod problem;
 pub mod ranking;
 pub mod ranks;
 pub mod relaxation_form;
+pub mod robust;
 pub mod slope;
 mod spare;
 mod start;

@@ -120,6 +120,20 @@ impl<'a> Problem<'a> {
         }
     }
 
+    /// The same with every residual multiplied by the root of its sample's weight, stretch by stretch.
+    #[must_use]
+    pub(super) fn weighted<'b>(&self, roots: &'b [Vec<f64>]) -> Problem<'b>
+    where
+        'a: 'b,
+    {
+        Problem {
+            roots: roots.iter().map(Vec::as_slice).collect(),
+            coordinates: self.coordinates.clone(),
+            bounds: self.bounds.clone(),
+            ..self.with_chain(self.chain)
+        }
+    }
+
     /// The same data with another chain.
     #[must_use]
     pub fn with_chain<'b>(&self, chain: &'b Chain) -> Problem<'b>

@@ -4,7 +4,7 @@ use std::fmt;
 
 use super::data::Data;
 use super::least_squares::Stop;
-use super::whole_motion::MotionFit;
+use super::whole_motion::{Basis, MotionFit};
 use palpate_trace::{Noise, units};
 
 /// A reason to be careful with a fit.
@@ -30,7 +30,7 @@ pub enum Warning {
     /// A time constant within two sampling intervals.
     TooFast { parameter: String, time_constant: f64, interval: f64 },
     /// The residual is more than noise.
-    Misfit { rms: f64, noise: f64 },
+    Misfit { rms: f64, noise: f64, basis: Basis },
     /// The signal does not begin at 0.
     Resting { value: f64, unit: String },
     /// Samples that were left out.
@@ -77,10 +77,16 @@ impl fmt::Display for Warning {
                 f,
                 "1/{parameter} = {time_constant:.3e} s is within two sampling intervals ({interval:.3e} s): record faster"
             ),
-            Self::Misfit { rms, noise } => write!(
+            Self::Misfit { rms, noise, basis } => write!(
                 f,
-                "the model leaves {rms:.3e}, {:.1} times the noise of {noise:.3e}: something is missing from it, so the standard errors describe the fit, not the specimen",
-                rms / noise
+                "the model leaves {rms:.3e}, {:.1} times the noise of {noise:.3e}: something is missing from it, so {}",
+                rms / noise,
+                match basis {
+                    Basis::Samples => "the standard errors describe the fit, not the specimen",
+                    Basis::Traces => {
+                        "the standard errors are those of refits without each trace (jackknife), which allow for it"
+                    }
+                }
             ),
             Self::Resting { value, unit } => {
                 // Five digits.
@@ -96,8 +102,6 @@ impl fmt::Display for Warning {
     }
 }
 
-/// A residual beyond this many times the noise is a misfit.
-const MISFIT: f64 = 1.2;
 const VAGUE: f64 = 0.25;
 const CORRELATED: f64 = 0.99;
 /// Rates closer than this, relatively, have merged.
@@ -123,8 +127,8 @@ pub fn warnings(fit: &MotionFit, data: &Data, noise: Option<&Noise>) -> Vec<Warn
     }
     if let Some(noise) = noise {
         let (rms, noise) = (fit.rms(), noise.standard_deviation);
-        if rms > MISFIT * noise {
-            found.push(Warning::Misfit { rms, noise });
+        if fit.is_misfit(noise) {
+            found.push(Warning::Misfit { rms, noise, basis: fit.basis });
         }
     }
     each_parameter(fit, data, &mut found);

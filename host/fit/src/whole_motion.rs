@@ -19,6 +19,16 @@ use super::whitening::Whitening;
 use palpate_model::{BaseLaw, Chain, Elasticity, FitRecord, History, Model, Parameter, Rung};
 use palpate_trace::units;
 
+/// What standard errors rest on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Basis {
+    /// The residual, with neighbours that correlate counted as often as they are independent: right where the law
+    /// leaves noise.
+    Samples,
+    /// The scatter of refits without each trace: right also where the law is inexact.
+    Traces,
+}
+
 /// The outcome of a fit.
 #[derive(Clone, Debug)]
 pub struct MotionFit {
@@ -30,6 +40,8 @@ pub struct MotionFit {
     pub standard_errors: Vec<Option<f64>>,
     /// Their correlations.
     pub correlation: DMatrix<f64>,
+    /// What standard errors and correlations rest on.
+    pub basis: Basis,
     /// Whether a parameter ended on a bound of what physics or the sampling allows.
     pub at_bound: Vec<bool>,
     /// Sum of squared residuals.
@@ -297,6 +309,7 @@ fn describe(problem: &Problem, data: &Data, found: &Solution) -> MotionFit {
         values: problem.declared(&found.point),
         standard_errors,
         correlation,
+        basis: Basis::Samples,
         at_bound: declared_at_bound(problem, &pressed),
         cost,
         samples,
@@ -360,7 +373,7 @@ fn scatter(data: &Data) -> f64 {
 
 /// Share of the samples that count as independent when neighbours correlate like a first-order
 /// autoregression.
-fn independent_share(autocorrelation: f64) -> f64 {
+pub(super) fn independent_share(autocorrelation: f64) -> f64 {
     let correlation = autocorrelation.clamp(0.0, 0.999);
     (1.0 - correlation) / (1.0 + correlation)
 }

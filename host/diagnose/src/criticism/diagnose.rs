@@ -1,6 +1,6 @@
 //! What a model lacks: the whole procedure from the noise to the verdict.
 
-use super::adequacy::{Adequacy, adequacy};
+use super::adequacy::{Adequacy, LEVEL, adequacy};
 use super::compare::{Cell, cells_of};
 use super::evidence::{Evidence, Refused};
 use super::experiment::{deciding, repeating};
@@ -8,6 +8,8 @@ use super::fitted::Fitted;
 use super::held_out::HeldOut;
 use super::noise::{NoiseModel, Seen, noise_model, residual_noise, samples_at_rest};
 use super::options::Options;
+use super::outside::Outside;
+use super::screen::ABSORBED;
 use super::search::{Found, Search};
 use super::verdict::{Assessed, beyond_noise};
 use palpate_fit::data::DataError;
@@ -54,6 +56,8 @@ pub struct Diagnosis {
     pub discrepancy: f64,
     /// Where what the last model leaves sits.
     pub places: Vec<Cell>,
+    /// What describes the misfit of the model without effects and is no effect itself; none where effects are named.
+    pub outside: Option<Outside>,
     /// Effects that these data cannot show, with the reason.
     pub untestable: Vec<(String, String)>,
     /// What could be tried.
@@ -124,14 +128,19 @@ pub fn diagnose_with(
     };
 
     let mut course = Course::likeliest(&search, &noise, &start);
+    course.name_nothing_for_what_is_no_effect();
     course.keep_what_predicts();
     course.name_nothing_alone_without_noise();
     if means.is_some() {
         course.score_all_rows(&rows, all.samples());
     }
+    course.say_what_hardly_shows();
     let given_rms = rows.rms(&rows.point(&values));
     Ok(course.conclude(&rows, given_rms, searched))
 }
+
+/// Part of an effect's sensitivity that the model's own parameters must leave for it to show well.
+const HARDLY: f64 = 0.1;
 
 /// A diagnosis under way.
 struct Course<'a> {
@@ -142,6 +151,8 @@ struct Course<'a> {
     /// What the model without effects leaves.
     before: Adequacy,
     found: Found,
+    /// What describes what the model without effects leaves and is no effect.
+    outside: Option<Outside>,
     /// What the last model found leaves, and the verdict on it.
     assessed: Assessed,
     /// Whether the steps were chosen by what they predict, because the law is inexact.
@@ -154,12 +165,26 @@ impl<'a> Course<'a> {
     fn likeliest(search: &'a Search<'a>, noise: &'a NoiseModel, start: &[f64]) -> Self {
         let mut notes = Vec::new();
         let (separation, before, found) = likeliest(search, start, &mut notes);
-        let assessed = Assessed::of(search, &found, &before, noise);
-        Self { search, noise, separation, before, found, assessed, inexact: false, notes }
+        let known = noise.seen == Seen::OffTheSpecimen;
+        let outside = known.then(|| Outside::of(search.problem, &found.base, search.whitening));
+        let outside = outside.flatten();
+        let assessed = Assessed::of(search, &found, &before, noise, outside.as_ref());
+        Self { search, noise, separation, before, found, outside, assessed, inexact: false, notes }
     }
 
     fn assess(&mut self) {
-        self.assessed = Assessed::of(self.search, &self.found, &self.before, self.noise);
+        let Self { search, found, before, noise, outside, .. } = self;
+        self.assessed = Assessed::of(search, found, before, noise, outside.as_ref());
+    }
+
+    /// Names no effect where what is none describes the misfit better than all that were found.
+    fn name_nothing_for_what_is_no_effect(&mut self) {
+        let found = &self.found;
+        let explains = |it: &Outside| it.explains(&found.base, found.model());
+        if !found.steps.is_empty() && self.outside.as_ref().is_some_and(explains) {
+            self.found.name_nothing();
+            self.assess();
+        }
     }
 
     fn single_trace(&self) -> bool {
@@ -229,6 +254,28 @@ impl<'a> Course<'a> {
         ));
     }
 
+    /// Says which effects these traces hardly show, where no effect is named: that they are missing from the
+    /// answer says little.
+    fn say_what_hardly_shows(&mut self) {
+        if self.assessed.verdict != Verdict::Unknown || !self.found.steps.is_empty() {
+            return;
+        }
+        let left = |candidate: usize| {
+            let own = self.found.first.directions.iter().filter(|it| it.candidate == candidate);
+            own.map(|direction| direction.left).fold(0.0, f64::max)
+        };
+        let candidates = self.search.candidates.iter().enumerate();
+        let hardly = candidates.filter(|(index, _)| (ABSORBED..HARDLY).contains(&left(*index)));
+        let names: Vec<&str> = hardly.map(|(_, candidate)| &candidate.name[..]).collect();
+        if !names.is_empty() {
+            self.notes.push(format!(
+                "these traces hardly show {}: the model's own parameters do at least {:.0} % of what each of these effects would, so that none of them is named says little",
+                names.join(", "),
+                100.0 * (1.0 - HARDLY),
+            ));
+        }
+    }
+
     /// The experiment that would decide, or show more.
     fn next_experiment(&self, places: &[Cell], traces: &[Trace]) -> Option<String> {
         let Search { data, whitening, .. } = self.search;
@@ -250,6 +297,8 @@ impl<'a> Course<'a> {
         let final_rows = rows.with_chain(&last.chain);
         let places = cells_of(&final_rows, &final_rows.point(&last.values), self.noise.level);
         let evidence = &self.found.evidence;
+        let told = |it: &Outside| it.is_most(&self.found.base) || self.before.p_value >= LEVEL;
+        let outside = self.outside.clone().filter(|_| self.found.steps.is_empty()).filter(told);
         Diagnosis {
             next_experiment: self.next_experiment(&places, traces),
             verdict: self.assessed.verdict,
@@ -265,6 +314,7 @@ impl<'a> Course<'a> {
             discrepancy,
             places,
             untestable: self.found.first.untestable(candidates),
+            outside,
             notes: self.notes,
             noise: self.noise.clone(),
             given_rms,

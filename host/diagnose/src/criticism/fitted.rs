@@ -91,6 +91,14 @@ impl Fitted {
         self.criterion(self.cost, self.samples as f64)
     }
 
+    /// The same if so many more numbers took so much off the sum of squares.
+    #[must_use]
+    pub fn bic_with(&self, numbers: usize, gain: f64) -> f64 {
+        let samples = self.samples as f64;
+        self.criterion((self.cost - gain).max(f64::MIN_POSITIVE), samples)
+            + numbers as f64 * samples.ln()
+    }
+
     /// Whether this model is better than another by so much of the information criterion where
     /// neighbours in the residual agree: samples count as often as they are independent in what this
     /// one leaves.

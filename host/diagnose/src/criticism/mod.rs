@@ -8,10 +8,13 @@
 //! - [`foretold`]: what a candidate would make of the prediction, before anything is refitted.
 //! - [`separation`]: how far a recording would set apart what the present ones do not tell apart.
 //! - [`next_motion`]: the motion, within what a rig can do, that sets it furthest apart.
+//! - [`outside`]: what is no effect and yet describes the misfit: a change at one [instant](incident), a slow
+//!   [swing].
 //! - [`change`]: an effect added or taken out, everything refitted.
 
 pub mod adequacy;
 pub mod agreement;
+mod beside;
 pub mod change;
 pub mod character;
 pub mod compare;
@@ -24,11 +27,13 @@ pub mod fitted;
 pub mod foretold;
 pub mod held_out;
 mod hum;
+pub mod incident;
 pub mod leftover;
 pub mod leftover_curve;
 pub mod next_motion;
 pub mod noise;
 pub mod options;
+pub mod outside;
 pub mod region;
 pub mod residuals;
 pub mod rest;
@@ -36,6 +41,7 @@ pub mod screen;
 pub mod search;
 pub mod separation;
 pub mod signature;
+pub mod swing;
 mod tail;
 mod verdict;
 

@@ -191,6 +191,14 @@ impl Found {
         self.steps.iter().any(|step| step.effect == effect)
     }
 
+    /// Takes back every step: what the base leaves is described better by what is no effect.
+    pub fn name_nothing(&mut self) {
+        self.steps.clear();
+        self.models.clear();
+        self.last = self.first.clone();
+        self.inexact = true;
+    }
+
     /// The model after so many steps, with its evidence.
     fn judged(&self, steps: usize) -> Judged<'_> {
         let fitted = steps.checked_sub(1).map_or(&self.base, |last| &self.models[last]);

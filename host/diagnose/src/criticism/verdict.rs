@@ -6,6 +6,7 @@ use super::fitted::Fitted;
 use super::held_out::HeldOut;
 use super::noise::{NoiseModel, Seen};
 use super::options::Options;
+use super::outside::Outside;
 use super::search::{Found, Search, Step};
 
 /// The answer in one word.
@@ -55,12 +56,14 @@ pub(super) struct Assessed {
 }
 
 impl Assessed {
-    /// Weighs what was found; `before` is what the model without effects leaves.
+    /// Weighs what was found; `before` is what the model without effects leaves, and `outside` what
+    /// describes that and is no effect.
     pub(super) fn of(
         search: &Search,
         found: &Found,
         before: &Adequacy,
         noise: &NoiseModel,
+        outside: Option<&Outside>,
     ) -> Self {
         let problem = search.problem.with_chain(&found.model().chain);
         let after = adequacy(&problem, &found.model().point, search.whitening);
@@ -78,7 +81,7 @@ impl Assessed {
         let unexplained =
             if guessed { unexplained.max((last / first).min(1.0)) } else { unexplained };
         let verdict = match verdict(found, before, unexplained, search.options) {
-            Verdict::Adequate if guessed => Verdict::Unknown,
+            Verdict::Adequate if guessed || outside.is_some() => Verdict::Unknown,
             verdict => verdict,
         };
         let inexact = after.p_value < LEVEL || guessed;

@@ -6,8 +6,11 @@ use palpate_diagnose::criticism::adequacy::Adequacy;
 use palpate_diagnose::criticism::compare::Cell;
 use palpate_diagnose::criticism::diagnose::Verdict;
 use palpate_diagnose::criticism::evidence::Refused;
+use palpate_diagnose::criticism::incident::Change;
 use palpate_diagnose::criticism::noise::{NoiseModel, Seen};
+use palpate_diagnose::criticism::outside::Outside;
 use palpate_diagnose::criticism::search::Rival;
+use palpate_diagnose::criticism::swing::Swing;
 use palpate_diagnose::criticism::{agreement, dependence, screen};
 use serde::Serialize;
 
@@ -49,6 +52,12 @@ pub struct DiagnosisAnswer {
     pub places: Vec<LeftoverPlace>,
     /// What the residual of the last model depends on, strongest first.
     pub depends_on: Vec<DependenceAnswer>,
+    /// A change at one instant, which no effect is; absent where none was found or effects are named.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub incident: Option<IncidentAnswer>,
+    /// A slow sine through all traces, which no effect is; absent where none was found or effects are named.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub swing: Option<SwingAnswer>,
     /// Effects that these traces cannot show.
     pub untestable: Vec<UntestableAnswer>,
     /// The experiment that would decide, or show more; null where there is nothing to decide.
@@ -229,6 +238,91 @@ pub struct LeftoverPlace {
     pub rms_n: Option<f64>,
 }
 
+/// Something that happened once: from an instant on, the zero or the gain of the signal is another.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
+pub struct IncidentAnswer {
+    /// Name of the trace.
+    pub trace: String,
+    /// The instant, in the time of that trace, s.
+    pub time_s: f64,
+    /// What is another after it.
+    pub change: IncidentChange,
+    /// How long: to the end of the trace or of the set.
+    pub until: IncidentUntil,
+    /// The change: of the zero in `unit` of the diagnosis, of the gain as a part of it.
+    pub size: f64,
+    /// Part of what the first model leaves beyond the noise that it describes, 0 to 1.
+    pub share: f64,
+    /// p value of as much at any instant under noise alone.
+    pub p_value: f64,
+}
+
+/// What is another after an incident.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[serde(rename_all = "lowercase")]
+pub enum IncidentChange {
+    /// The zero of the signal.
+    Zero,
+    /// The gain of the signal, or the stiffness of the specimen.
+    Gain,
+}
+
+/// How long an incident lasts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[serde(rename_all = "lowercase")]
+pub enum IncidentUntil {
+    /// To the end of its trace.
+    Trace,
+    /// To the end of the set.
+    Set,
+}
+
+/// A slow swing: one frequency through all traces and the pauses between them.
+#[derive(Clone, Copy, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
+pub struct SwingAnswer {
+    /// Its frequency.
+    #[serde(rename = "frequency_Hz")]
+    pub frequency_hz: f64,
+    /// Its amplitude, in `unit` of the diagnosis.
+    pub amplitude: f64,
+    /// Part of what the first model leaves beyond the noise that it describes, 0 to 1.
+    pub share: f64,
+    /// p value of as much at any frequency, in what else is left around it.
+    pub p_value: f64,
+}
+
+/// What is no effect and describes the misfit: an incident or a swing.
+fn outside(summary: &DiagnosisSummary) -> (Option<IncidentAnswer>, Option<SwingAnswer>) {
+    let diagnosis = summary.diagnosis;
+    let Some(outside) = &diagnosis.outside else { return (None, None) };
+    let (share, p_value) = (outside.share(&diagnosis.found.base), outside.log_chance().exp());
+    match outside {
+        Outside::Incident(incident) => {
+            let incident = IncidentAnswer {
+                trace: diagnosis.labels[incident.trace].clone(),
+                time_s: incident.time_s,
+                change: match incident.change {
+                    Change::Zero => IncidentChange::Zero,
+                    Change::Gain => IncidentChange::Gain,
+                },
+                until: if incident.lasts { IncidentUntil::Set } else { IncidentUntil::Trace },
+                size: incident.size,
+                share,
+                p_value,
+            };
+            (Some(incident), None)
+        }
+        Outside::Swing(swing) => {
+            let Swing { frequency_hz, amplitude, .. } = *swing;
+            (None, Some(SwingAnswer { frequency_hz, amplitude, share, p_value }))
+        }
+    }
+}
+
 /// An effect that the traces cannot show.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
@@ -322,6 +416,7 @@ impl From<&DiagnosisSummary<'_>> for DiagnosisAnswer {
             (PValueBasis::Noise, ErrorBasis::Noise)
         };
         let dependences = &summary.after().dependences;
+        let (incident, swing) = outside(summary);
         Self {
             palpate_diagnosis: 1,
             verdict: diagnosis.verdict.into(),
@@ -338,6 +433,8 @@ impl From<&DiagnosisSummary<'_>> for DiagnosisAnswer {
             refused: found.refused.iter().map(|it| RefusedAnswer::of(summary, it)).collect(),
             places: diagnosis.places.iter().map(|cell| LeftoverPlace::of(summary, cell)).collect(),
             depends_on: dependences.iter().map(DependenceAnswer::from).collect(),
+            incident,
+            swing,
             untestable: diagnosis.untestable.iter().map(untestable).collect(),
             next_experiment: summary.next_experiment(),
             in_words: summary.verdict_in_words().replace('`', ""),

@@ -48,8 +48,8 @@ pub use decomposition::{
 };
 pub use diagnosis::{
     AdequacyAnswer, AdequacyPair, CandidateAnswer, DiagnosisAnswer, ErrorBasis, ExplorationAnswer,
-    LeftoverPlace, NoiseAnswer, PValueBasis, RefusedAnswer, RivalAnswer, Seeds, StepAnswer,
-    UntestableAnswer, VerdictAnswer,
+    IncidentAnswer, IncidentChange, IncidentUntil, LeftoverPlace, NoiseAnswer, PValueBasis,
+    RefusedAnswer, RivalAnswer, Seeds, StepAnswer, SwingAnswer, UntestableAnswer, VerdictAnswer,
 };
 pub use discovery::{
     AlternativeAnswer, DiscoveryAnswer, FormulaAnswer, FormulaRung, FoundLaw, LawParameter,
@@ -77,11 +77,11 @@ pub use holds::{CorrelationAnswer, HoldFitAnswer, HoldParameter, HoldsAnswer, Sp
 pub use markers::{GapAnswer, MarkersAnswer};
 pub use next_motion::{InformedParameter, NextMotionAnswer, RigAnswer};
 pub use population::{
-    LeftOutOfPopulation, PopulationAnswer, PopulationEffect, PopulationParameter, SpreadInPopulation,
-    ValueInterval,
+    LeftOutOfPopulation, PopulationAnswer, PopulationEffect, PopulationParameter,
+    SpreadInPopulation, ValueInterval,
 };
 pub use practice::{HiddenEffect, HiddenValue, PracticeAnswer, PracticeRecording, TruthAnswer};
-pub use preparation::{PreparationAnswer, Prepared};
+pub use preparation::{PreparationAnswer, Prepared, RobustAnswer, RobustParameter};
 pub use pull_off::{PullOffAnswer, PullOffGrowthAnswer, PullOffLaw, PullOffsAtSpeed};
 pub use ranking::{RankedLaw, RankedParameter, RankingAnswer, SetupAnswer};
 pub use rates::{RateGroup, RateRun, RateTrend, RatesAnswer};
@@ -105,7 +105,7 @@ pub use survey::{
 };
 pub use terms::{NumberAnswer, TermsAnswer};
 pub use uncertain::Uncertain;
-pub use whole_motion::{FitAnswer, FittedParameter, TraceError};
+pub use whole_motion::{FitAnswer, FitErrorBasis, FittedParameter, TraceError};
 
 #[cfg(feature = "schemas")]
 use palpate_link::device::answers as device;

@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 use palpate_trace::Outlier;
 use serde::Serialize;
 
-use crate::summary::Preparation;
+use super::finite;
+use crate::summary::{Moved, Preparation, Refit, RobustRefit};
 
 /// An answer with the state of the traces that it rests on.
 #[derive(Clone, Debug, Serialize)]
@@ -32,6 +33,9 @@ pub struct PreparationAnswer {
     /// How good a fit is without the outliers; absent where none was made.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub without_outliers: Option<WithoutOutliers>,
+    /// The fit where no sample has more than a bounded say; absent where none was made.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub robust_refit: Option<RobustAnswer>,
 }
 
 /// One impossible sample.
@@ -62,6 +66,51 @@ pub struct WithoutOutliers {
     pub residual_rms: f64,
 }
 
+/// A refit in which no sample has more than a bounded say (Huber's weights): far off the fit where the impossible samples matter.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
+pub struct RobustAnswer {
+    /// The parameters by name.
+    pub parameters: BTreeMap<String, RobustParameter>,
+    /// Number of impossible samples that it weighs less than half.
+    pub light_outliers: usize,
+    /// Number of other samples that it weighs less than half: where the law is off, or noise has heavy tails.
+    pub light_others: usize,
+}
+
+/// A parameter of a robust refit.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
+pub struct RobustParameter {
+    /// The value, in `unit`.
+    pub value: f64,
+    /// Its standard error, in `unit`; null where the data do not determine it.
+    pub standard_error: Option<f64>,
+    /// Unit, empty for a pure number.
+    pub unit: String,
+    /// By how many of these standard errors the fit lies off the value; null where the data do not determine it.
+    pub fit_is_off: Option<f64>,
+}
+
+impl From<&RobustRefit> for RobustAnswer {
+    fn from(refit: &RobustRefit) -> Self {
+        let parameter = |moved: &Moved| {
+            let parameter = RobustParameter {
+                value: moved.value,
+                standard_error: moved.standard_error.and_then(finite),
+                unit: moved.unit.clone(),
+                fit_is_off: moved.fit_is_off.and_then(finite),
+            };
+            (moved.name.clone(), parameter)
+        };
+        Self {
+            parameters: refit.parameters.iter().map(parameter).collect(),
+            light_outliers: refit.light_outliers,
+            light_others: refit.light_others,
+        }
+    }
+}
+
 impl Preparation {
     /// An answer with the state of the traces that it rests on.
     #[must_use]
@@ -72,7 +121,8 @@ impl Preparation {
 
 impl From<&Preparation> for PreparationAnswer {
     fn from(preparation: &Preparation) -> Self {
-        let without = |refit: crate::summary::Refit| WithoutOutliers {
+        let refit = preparation.refit.as_ref();
+        let without = |refit: &Refit| WithoutOutliers {
             r_squared: refit.r_squared[1],
             residual_rms: refit.residual_rms[1],
         };
@@ -80,7 +130,8 @@ impl From<&Preparation> for PreparationAnswer {
             outliers: preparation.outliers.iter().map(OutlierAnswer::from).collect(),
             outliers_dropped: preparation.dropped,
             tared: preparation.tared.iter().cloned().collect(),
-            without_outliers: preparation.refit.map(without),
+            without_outliers: refit.map(without),
+            robust_refit: refit.and_then(|refit| refit.robust.as_ref()).map(RobustAnswer::from),
         }
     }
 }

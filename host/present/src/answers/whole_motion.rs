@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use palpate_fit::whole_motion::MotionFit;
+use palpate_fit::whole_motion::{Basis, MotionFit};
 use serde::Serialize;
 
 use super::{CorrelationAnswer, finite};
@@ -48,6 +48,8 @@ pub struct FitAnswer {
     pub heldout_rms: Option<f64>,
     /// Correlation between a residual and the next, which the standard errors allow for.
     pub residual_autocorrelation: f64,
+    /// What standard errors and correlations rest on.
+    pub standard_errors: FitErrorBasis,
     /// Whether a minimum was reached.
     pub converged: bool,
     /// Why the search stopped.
@@ -58,6 +60,27 @@ pub struct FitAnswer {
     pub traces: Vec<TraceError>,
     /// What a reader should beware of.
     pub warnings: Vec<String>,
+}
+
+/// What standard errors of a fit rest on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+pub enum FitErrorBasis {
+    /// The residual and how its neighbours correlate.
+    #[serde(rename = "residual")]
+    Residual,
+    /// The scatter of refits without each trace: the law leaves more than noise.
+    #[serde(rename = "jackknife over traces")]
+    Jackknife,
+}
+
+impl From<Basis> for FitErrorBasis {
+    fn from(basis: Basis) -> Self {
+        match basis {
+            Basis::Samples => Self::Residual,
+            Basis::Traces => Self::Jackknife,
+        }
+    }
 }
 
 /// A fitted parameter.
@@ -114,6 +137,7 @@ impl From<&FitSummary<'_>> for FitAnswer {
             noise_rms: summary.noise.map(|noise| noise.standard_deviation),
             heldout_rms: summary.held_out_rms().and_then(finite),
             residual_autocorrelation: fit.autocorrelation,
+            standard_errors: fit.basis.into(),
             converged: fit.stop.converged(),
             stop: fit.stop.to_string(),
             iterations: fit.iterations,

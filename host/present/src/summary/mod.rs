@@ -64,8 +64,10 @@ pub use holds::hold_sections;
 pub(crate) use holds::{NO_BETTER, warnings as hold_warnings};
 pub use ladder::ladder;
 pub use markers::{markers_figure, markers_sections};
-pub use next_motion::{informing_file, informing_section, motion_file, next_motion_section, no_motion};
-pub use outliers::{Preparation, Refit};
+pub use next_motion::{
+    informing_file, informing_section, motion_file, next_motion_section, no_motion,
+};
+pub use outliers::{Moved, Preparation, Refit, RobustRefit};
 pub use plan::plan_section;
 pub use practice::{practice_sections, truth_sections};
 pub use press::press_sections;

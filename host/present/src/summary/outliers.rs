@@ -1,7 +1,9 @@
 //! What was found impossible in traces before anything was fitted to them, and what was done about it.
 
 use palpate_fit::data::Data;
+use palpate_fit::robust::Robust;
 use palpate_fit::whole_motion::{self, MotionFit};
+use palpate_model::Parameter;
 use palpate_report::number::significant;
 use palpate_report::{Callout, Column, Section, Table};
 use palpate_trace::{Outlier, Trace, outliers, without};
@@ -22,36 +24,124 @@ pub struct Preparation {
     pub refit: Option<Refit>,
 }
 
-/// A fit with impossible samples, and without.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// A fit with impossible samples, without them, and with a bound on what they can do.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Refit {
     /// R² with and without.
     pub r_squared: [f64; 2],
     /// Root mean square of the residual with and without, in the unit of the signal.
     pub residual_rms: [f64; 2],
+    /// The refit in which no sample has more than a bounded say; none where most residuals are zero.
+    pub robust: Option<RobustRefit>,
+}
+
+/// A refit in which no sample has more than a bounded say, beside the fit to all samples alike.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RobustRefit {
+    /// The parameters.
+    pub parameters: Vec<Moved>,
+    /// Number of impossible samples that it weighs less than half.
+    pub light_outliers: usize,
+    /// Number of other samples that it weighs less than half.
+    pub light_others: usize,
+}
+
+/// A parameter of a robust refit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Moved {
+    /// Its name.
+    pub name: String,
+    /// Its unit.
+    pub unit: String,
+    /// Its value, in that unit.
+    pub value: f64,
+    /// Its standard error; none where the data do not determine it.
+    pub standard_error: Option<f64>,
+    /// By how many of those the fit lies off it.
+    pub fit_is_off: Option<f64>,
+}
+
+/// Standard errors by which the fit may lie off a robust refit where impossible samples do not matter.
+const MATTERS: f64 = 1.0;
+/// Weight below which a sample counts as weighed down.
+const LIGHT: f64 = 0.5;
+/// Times closer than this part of the shortest interval are of one sample.
+const SAME: f64 = 0.25;
+
+impl RobustRefit {
+    fn of(fit: &MotionFit, data: &Data, outliers: &[Outlier]) -> Option<Self> {
+        let found = Robust::of(fit, data)?;
+        let off = found.off(fit);
+        let parameter = |(k, parameter): (usize, Parameter)| Moved {
+            name: parameter.name.to_string(),
+            unit: parameter.unit.to_string(),
+            value: found.values[k],
+            standard_error: found.standard_errors[k],
+            fit_is_off: off[k],
+        };
+        let parameters = fit.parameters().into_iter().enumerate().map(parameter).collect();
+        let near = SAME * data.shortest_interval();
+        let mut light = [0, 0];
+        for (piece, weights) in data.pieces.iter().zip(&found.weights) {
+            let label = &data.labels[piece.trace];
+            let times = piece.recorded_time();
+            for (time, _) in times.iter().zip(weights).filter(|(_, weight)| **weight < LIGHT) {
+                let same = |out: &Outlier| out.trace == *label && (out.time_s - time).abs() < near;
+                light[usize::from(!outliers.iter().any(same))] += 1;
+            }
+        }
+        Some(Self { parameters, light_outliers: light[0], light_others: light[1] })
+    }
+
+    /// The parameter that the fit is most off.
+    fn most(&self) -> Option<(&str, f64)> {
+        let known = self.parameters.iter().filter_map(|it| Some((&it.name[..], it.fit_is_off?)));
+        known.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))
+    }
+
+    fn in_words(&self) -> String {
+        let Some((name, off)) = self.most() else { return String::new() };
+        let matter = if off.abs() > MATTERS { "so they matter" } else { "so they hardly matter" };
+        let others = match self.light_others {
+            0 => "and no other".to_owned(),
+            1 => "and 1 other".to_owned(),
+            count => format!("and {count} others"),
+        };
+        format!(
+            " A robust refit, which bounds what a single sample can do, weighs {} of them {others} less than half; the fit lies at most {} of its standard errors off it (in {name}), {matter}.",
+            self.light_outliers,
+            significant(off.abs(), 2)
+        )
+    }
 }
 
 impl Refit {
     /// A fit and the same without the impossible samples of the traces; none where nothing is left to fit.
     #[must_use]
     pub fn of(fit: &MotionFit, traces: &[Trace], signal: &str) -> Option<Self> {
-        let left: Vec<Trace> =
-            traces.iter().map(|trace| without(trace, &outliers(trace, signal))).collect();
+        let found = impossible(traces, signal);
+        let left: Vec<Trace> = traces.iter().map(|trace| without(trace, &found)).collect();
         let data = Data::of(&left, signal).ok()?;
         let other = whole_motion::fit(fit.chain.base, &data).ok()?;
+        let all = Data::of(traces, signal).ok()?;
         Some(Self {
             r_squared: [fit.r_squared, other.r_squared],
             residual_rms: [fit.rms(), other.rms()],
+            robust: RobustRefit::of(fit, &all, &found),
         })
     }
+}
+
+/// The impossible samples of all traces.
+fn impossible(traces: &[Trace], signal: &str) -> Vec<Outlier> {
+    traces.iter().flat_map(|trace| outliers(trace, signal)).collect()
 }
 
 impl Preparation {
     /// What is impossible in traces that are taken as they are.
     #[must_use]
     pub fn of(traces: &[Trace], signal: &str) -> Self {
-        let outliers = traces.iter().flat_map(|trace| outliers(trace, signal)).collect();
-        Self { outliers, ..Self::default() }
+        Self { outliers: impossible(traces, signal), ..Self::default() }
     }
 
     /// The sections of an answer with one before them on the traces, where there is something to tell.
@@ -101,9 +191,10 @@ impl Preparation {
         if self.dropped {
             return format!("{what}; left out, as asked.");
         }
-        let matter = self.refit.map_or_else(String::new, |refit| {
+        let matter = self.refit.as_ref().map_or_else(String::new, |refit| {
+            let robust = refit.robust.as_ref().map_or_else(String::new, RobustRefit::in_words);
             format!(
-                " Without them R² would be {:.3} instead of {:.3}.",
+                " Without them R² would be {:.3} instead of {:.3}.{robust}",
                 refit.r_squared[1], refit.r_squared[0]
             )
         });

@@ -3,7 +3,7 @@
 use super::{estimate, name_of, unit_of};
 use palpate_fit::data::Data;
 use palpate_fit::warning::warnings;
-use palpate_fit::whole_motion::{MotionFit, over_traces, predict};
+use palpate_fit::whole_motion::{Basis, MotionFit, over_traces, predict};
 use palpate_model::{Family, Kernel, Model};
 use palpate_report::number::significant;
 use palpate_report::{Axis, Block, Callout, Colour, Column, Panels, Plot, Section, Series, Table};
@@ -109,7 +109,12 @@ impl FitSummary<'_> {
             let rest = significant(1.0 - shares.iter().sum::<f64>(), 4);
             table = table.row(["c0", &rest, "", "share that never relaxes, 1 − Σ ci"]);
         }
-        if fit.autocorrelation > 0.02 {
+        if fit.basis == Basis::Traces {
+            table = table.note(format!(
+                "Standard errors from the scatter of refits without each of the {} traces (jackknife).",
+                self.data.labels.len()
+            ));
+        } else if fit.autocorrelation > 0.02 {
             table = table.note(format!(
                 "Neighbouring residuals correlate by {:.2}; the standard errors allow for it.",
                 fit.autocorrelation

@@ -155,13 +155,16 @@ impl Bench {
             laws.iter().map(|&law| whole_motion::fit(law, &data)).collect::<Result<Vec<_>, _>>()?;
         let best =
             fits.iter().min_by(|a, b| a.bic().total_cmp(&b.bic())).ok_or(LabError::NoModel)?;
+        let noise = noise_of(&data, &self.traces);
+        let deviation = noise.map(|noise| noise.standard_deviation);
+        let best = &best.clone().allowing_for_misfit(&data, deviation);
         let several = self.traces.len() > 1;
         let held_out = if several { whole_motion::held_out(best, &data) } else { Vec::new() };
         let summary = FitSummary {
             fit: best,
             data: &data,
             signal: &self.signal,
-            noise: noise_of(&data, &self.traces),
+            noise,
             held_out: &held_out,
             candidates: &fits,
         };

@@ -3,7 +3,9 @@
 use super::{DiagnosisSummary, listed};
 use palpate_diagnose::criticism::adequacy::LEVEL;
 use palpate_diagnose::criticism::diagnose::Verdict;
+use palpate_diagnose::criticism::incident::Change;
 use palpate_diagnose::criticism::leftover_curve::LeftoverCurve;
+use palpate_diagnose::criticism::outside::Outside;
 use palpate_diagnose::criticism::search::{DECISIVE, Step};
 use palpate_model::covariate::Covariate;
 use palpate_report::number::{percent, significant};
@@ -31,9 +33,11 @@ impl DiagnosisSummary<'_> {
             Verdict::Unknown if self.diagnosis.found.steps.is_empty() => {
                 let unit = self.unit();
                 let base = &self.diagnosis.found.base;
+                let outside = self.diagnosis.outside.as_ref();
+                let looks = outside.map_or_else(String::new, |it| self.outside_in_words(it));
                 format!(
                     "Something is missing that no effect of the library explains. The model leaves \
-                     {} {unit}, {} times the noise. {}",
+                     {} {unit}, {} times the noise. {looks}{}",
                     self.level(base.rms()),
                     significant(base.rms() / self.noise(), 3),
                     self.place_in_words(),
@@ -51,6 +55,43 @@ impl DiagnosisSummary<'_> {
                 )
             }
         }
+    }
+
+    /// What is no effect and describes the misfit, and how much of it.
+    fn outside_in_words(&self, outside: &Outside) -> String {
+        let what = match outside {
+            Outside::Incident(incident) => {
+                let size = match incident.change {
+                    Change::Zero => {
+                        format!(
+                            "the zero is another by {} {}",
+                            significant(incident.size, 2),
+                            self.unit()
+                        )
+                    }
+                    Change::Gain => {
+                        format!(
+                            "the signal is another by {} %",
+                            significant(100.0 * incident.size, 2)
+                        )
+                    }
+                };
+                format!(
+                    "something that happened once: from {:.2} s of {} on, to the end of the {}, {size}",
+                    incident.time_s,
+                    self.diagnosis.labels[incident.trace],
+                    if incident.lasts { "set" } else { "trace" },
+                )
+            }
+            Outside::Swing(swing) => format!(
+                "a slow swing through all traces, of {} Hz and an amplitude of {} {}",
+                significant(swing.frequency_hz, 3),
+                significant(swing.amplitude, 2),
+                self.unit(),
+            ),
+        };
+        let share = percent(outside.share(&self.diagnosis.found.base), 2);
+        format!("It looks like {what}; that describes {share} of the misfit. ")
     }
 
     fn adequate(&self) -> String {

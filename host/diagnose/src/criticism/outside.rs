@@ -1,0 +1,77 @@
+//! What is no effect and yet describes the misfit: a change at one instant, or a slow swing. Where one of them
+//! describes it better than everything named, nothing is named.
+
+use palpate_fit::problem::Problem;
+use palpate_fit::whitening::Whitening;
+
+use super::fitted::Fitted;
+use super::incident::Incident;
+use super::search::DECISIVE;
+use super::swing::Swing;
+
+/// Something that is no effect.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Outside {
+    /// A change at one instant.
+    Incident(Incident),
+    /// A slow sine through all traces.
+    Swing(Swing),
+}
+
+/// Part of the misfit beyond the noise that it describes where it is what is missing.
+const MOST: f64 = 0.5;
+/// Chance under noise alone below which it is there.
+const CHANCE: f64 = 1e-4;
+
+impl Outside {
+    /// What describes the misfit of a model best of all that is no effect; none that noise alone would show.
+    #[must_use]
+    pub fn of(problem: &Problem, fitted: &Fitted, whitening: &Whitening) -> Option<Self> {
+        let incident = Incident::of(problem, fitted, whitening).map(Self::Incident);
+        let swing = Swing::of(problem, fitted, whitening).map(Self::Swing);
+        let sure = |it: &Self| it.log_chance() < CHANCE.ln();
+        let all = incident.into_iter().chain(swing).filter(sure);
+        all.max_by(|a, b| a.gain().total_cmp(&b.gain()))
+    }
+
+    /// Fall of the sum of squares of the whitened residual.
+    #[must_use]
+    pub fn gain(&self) -> f64 {
+        match self {
+            Self::Incident(it) => it.gain,
+            Self::Swing(it) => it.gain,
+        }
+    }
+
+    /// Logarithm of the chance of as large a fall under noise alone.
+    #[must_use]
+    pub fn log_chance(&self) -> f64 {
+        match self {
+            Self::Incident(it) => it.log_chance,
+            Self::Swing(it) => it.log_chance,
+        }
+    }
+
+    /// Part of what a base leaves beyond the noise that it describes, 0 to 1.
+    #[must_use]
+    pub fn share(&self, base: &Fitted) -> f64 {
+        (self.gain() / (base.cost - base.samples as f64).max(self.gain())).min(1.0)
+    }
+
+    /// Whether it describes most of what a base leaves beyond the noise.
+    #[must_use]
+    pub fn is_most(&self, base: &Fitted) -> bool {
+        self.share(base) > MOST
+    }
+
+    /// Whether it is what a base lacks: it describes most of what that leaves beyond the noise, and decisively
+    /// better than a model with effects, by the information criterion.
+    #[must_use]
+    pub fn explains(&self, base: &Fitted, model: &Fitted) -> bool {
+        let numbers = match self {
+            Self::Incident(_) => Incident::NUMBERS,
+            Self::Swing(_) => Swing::NUMBERS,
+        };
+        self.is_most(base) && base.bic_with(numbers, self.gain()) + DECISIVE < model.bic()
+    }
+}
