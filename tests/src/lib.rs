@@ -105,7 +105,7 @@ pub fn press(to_mm: f64, speed: f64, after: f64) -> Motion<'static> {
 #[must_use]
 pub fn cycles(to_mm: f64, speed: f64, count: usize) -> Motion<'static> {
     let cycle = [go(to_mm), go(-0.5)];
-    let cycles = (0..count).flat_map(|_| cycle.clone());
+    let cycles = (0..count).flat_map(|_| cycle);
     moved(speed, None, [stay(1.0)].into_iter().chain(cycles).chain([stay(1.0)]).collect())
 }
 

@@ -50,8 +50,9 @@ impl SerialNumber {
     #[must_use]
     pub fn new(serial: [u32; 3]) -> Self {
         let mut digits = [b'0'; 24];
-        let nibbles =
-            serial.into_iter().flat_map(|word| (0..8).rev().map(move |at| word >> (4 * at)));
+        let nibbles = serial.into_iter().flat_map(|word| {
+            (0..8_u32).rev().map(move |at| word.wrapping_shr(at.saturating_mul(4)))
+        });
         for (place, nibble) in digits.iter_mut().zip(nibbles) {
             *place = char::from_digit(nibble & 15, 16).map_or(b'0', |digit| digit as u8);
         }

@@ -66,7 +66,7 @@ impl MotionFit {
 /// Covariance from refits without each part.
 fn scatter(steps: &[DVector<f64>]) -> DMatrix<f64> {
     let count = steps.len() as f64;
-    let size = steps.first().map_or(0, |step| step.len());
+    let size = steps.first().map_or(0, DVector::len);
     let mean = steps.iter().fold(DVector::zeros(size), |sum, step| sum + step) / count;
     let off = steps.iter().map(|step| step - &mean);
     off.fold(DMatrix::zeros(size, size), |sum, off| sum + &off * off.transpose())

@@ -16,8 +16,8 @@ use palpate_fit::least_squares::Effort;
 /// Sensitivities that are screened at a time: what is counted of every two of them grows with their square.
 const PORTION: usize = 96;
 /// Most starts that are tried, and most of one term.
-const TRIED: usize = 12;
-const OF_A_TERM: usize = 2;
+const TRIED: usize = 20;
+const OF_A_TERM: usize = 4;
 /// A start is tried from this part of the best foretold gain on.
 const WORTH: f64 = 0.1;
 /// Most terms that are refitted, of those that gain this part of the best after a few steps.

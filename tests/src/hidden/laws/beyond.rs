@@ -53,12 +53,15 @@ pub fn beyond(name: &str) -> Option<&'static Beyond> {
 
 type Law = dyn Fn(&Now<'_>, f64) -> f64;
 
+/// What a law makes of a displacement or a force at one instant.
+type Changed = Box<dyn FnMut(&Now<'_>, f64) -> f64>;
+
 /// A law without a memory that adds `s` times something to a displacement or a force.
 fn adds(
     form: &'static str,
     inner: Vec<(&'static str, f64)>,
     (unit, guess, most): (&'static str, f64, f64),
-    act: fn(Box<dyn FnMut(&Now<'_>, f64) -> f64>) -> Act,
+    act: fn(Changed) -> Act,
     shape: impl Fn(&Now<'_>, f64) -> f64 + 'static,
 ) -> Recipe {
     let shape: Rc<Law> = Rc::new(shape);
