@@ -112,7 +112,7 @@ fn after_the_motion_for_a_parameter_it_is_known_better_than_after_any_of_the_men
     assert!(error("standard_error_then") <= error("standard_error_of_menu"), "{told:#}");
     let motion = read(&folder.path().join("motion.csv")).unwrap();
     assert!(motion.column("predicted_N").is_some());
-    let (status, _, error) = call(folder.path(), &format!("{NEXT} --for speed"));
+    let (status, _, error) = call(folder.path(), &format!("{NEXT} --force --for speed"));
     assert_eq!(status, 2);
     assert!(error.contains("no free parameter `speed`"), "{error}");
 }

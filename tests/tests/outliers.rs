@@ -70,23 +70,9 @@ fn drop_outs_are_told_by_file_and_row_and_left_out_when_asked() {
     let told = text(folder, &fit);
     let words = format!("would be {:.3} instead of {:.3}", r_squared(&good), r_squared(&bad));
     assert!(told.split_whitespace().collect::<Vec<_>>().join(" ").contains(&words), "{told}");
-    // Five of 800 samples: the refit that bounds what each can do weighs them down and lies far from the fit.
-    let robust = &bad["robust_refit"];
-    assert_eq!(robust["light_outliers"], rows.len(), "{robust:#}");
-    assert!(good.get("robust_refit").is_none());
-    for (name, truth) in ["p", "q", "c1", "c2", "v1", "v2"].into_iter().zip(TRUTH) {
-        let of = |key: &str| robust["parameters"][name][key].as_f64().expect("a number");
-        let truth = if name == "p" { 100.0 * truth } else { truth };
-        assert!((of("value") - truth).abs() < 5.0 * of("standard_error"), "{name}: {robust:#}");
-    }
-    let off =
-        |name: &str| robust["parameters"][name]["fit_is_off"].as_f64().expect("a number").abs();
-    let most = ["p", "q", "c1", "c2", "v1", "v2"].map(off).into_iter().fold(0.0, f64::max);
-    assert!(most > 3.0, "{robust:#}");
-    assert!(
-        told.split_whitespace().collect::<Vec<_>>().join(" ").contains("so they matter"),
-        "{told}"
-    );
+    // Weights on the samples of the signal say nothing of a motion that never was.
+    assert!(bad.get("robust_refit").is_none_or(Value::is_null), "{bad:#}");
+    assert!(!told.contains("robust refit"), "{told}");
     for command in [&["compare", "model.toml"][..], &["diagnose", "--model", "model.toml"]] {
         let answer = json(folder, &[command, &["takes"]].concat());
         assert_eq!(answer["outliers"].as_array().unwrap().len(), rows.len(), "{command:?}");

@@ -238,11 +238,11 @@ impl Fitted {
 
 /// Part of its range by which a coordinate on its bound is moved inside to see whether the data hold it there.
 const INSIDE: f64 = 0.1;
-/// Fall of the sum of squares, in variances of the noise, that chance gives one parameter in one case of twenty.
-const CHANCE_OF_ONE: f64 = 3.84;
+/// Rise of the sum of squares, in variances of the noise, up to which the data are silent about a parameter.
+const SILENT: f64 = 0.1;
 
 /// Whether the data push a coordinate against the bound on which it was found: with it inside, and the others
-/// following in one step, the error is larger by more than chance explains. Where it is not, they say nothing of
+/// following in one step, the error is larger. Where it is not, they say nothing of
 /// the coordinate there: a sliding speed far below every speed of the motion may as well be half or twice as large.
 fn pushed(problem: &Problem, found: &Solution, j: usize) -> bool {
     let (lower, upper) = problem.bounds()[j];
@@ -254,7 +254,7 @@ fn pushed(problem: &Problem, found: &Solution, j: usize) -> bool {
     let step = gauss_newton(&normal, |k| k != j && !found.at_bound[k]);
     let followed = normal.cost + normal.raised_by(&step);
     let variance = found.normal.cost / (problem.data().samples() as f64).max(1.0);
-    followed.is_nan() || followed > found.normal.cost + CHANCE_OF_ONE * variance
+    followed.is_nan() || followed > found.normal.cost + SILENT * variance
 }
 
 /// The Gauss–Newton step of the coordinates that `moves` names; the others stay.

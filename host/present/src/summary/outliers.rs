@@ -124,10 +124,12 @@ impl Refit {
         let data = Data::of(&left, signal).ok()?;
         let other = whole_motion::fit(fit.chain.base, &data).ok()?;
         let all = Data::of(traces, signal).ok()?;
+        // Weights bound what a sample of the signal can do, not what a law makes of a motion that never was.
+        let in_signal = found.iter().all(|out| out.column == signal);
         Some(Self {
             r_squared: [fit.r_squared, other.r_squared],
             residual_rms: [fit.rms(), other.rms()],
-            robust: RobustRefit::of(fit, &all, &found),
+            robust: in_signal.then(|| RobustRefit::of(fit, &all, &found)).flatten(),
         })
     }
 }
