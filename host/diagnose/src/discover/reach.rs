@@ -87,8 +87,6 @@ pub struct Reach {
     pub force: f64,
     /// Largest compression, mm.
     pub compression: f64,
-    /// Fastest motion, mm/s.
-    pub fastest: f64,
 }
 
 /// Periods that are tried.
@@ -125,7 +123,6 @@ impl Reach {
             times: [0, 1, 2, 3].map(|k| short * ratio.powi(k)),
             force: scales.force,
             compression: scales.compression,
-            fastest: scales.speed,
         })
     }
 
