@@ -129,9 +129,7 @@ impl Fitted {
         let mut total = Normal::zeros(self.point.len());
         let mut sums: Option<LevelSums> = None;
         for (block, &weight) in self.blocks.iter().zip(weights) {
-            total.cost += weight * block.white.cost;
-            total.gradient += &block.white.gradient * weight;
-            total.curvature += &block.white.curvature * weight;
+            block.add_white(&mut total, weight);
             if let Some(own) = &block.levels {
                 let zeros = || LevelSums::zeros(self.point.len(), own.unit.len());
                 sums.get_or_insert_with(zeros).add_weighted(own, weight);

@@ -5,6 +5,7 @@ use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 use super::fitted::Fitted;
 use palpate_fit::data::Data;
+use palpate_fit::least_squares::Normal;
 use palpate_fit::problem::Problem;
 use palpate_fit::whitening::Whitening;
 use palpate_model::Chain;
@@ -148,10 +149,9 @@ impl Refit {
         let white = Whitening::none();
         let problem = Problem::new(&member.chain, all, &white, None);
         let size = member.point.len();
-        let mut curvature = DMatrix::zeros(size, size);
-        for block in &member.blocks {
-            curvature += &block.white.curvature;
-        }
+        let mut known = Normal::zeros(size);
+        member.blocks.iter().for_each(|block| block.add_white(&mut known, 1.0));
+        let mut curvature = known.curvature;
         let mut stretches = Vec::new();
         problem.derivatives(&member.point, |piece, residual, mut columns| {
             if piece.trace != own {

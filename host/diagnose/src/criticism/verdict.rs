@@ -62,7 +62,7 @@ impl Assessed {
         before: &Adequacy,
         noise: &NoiseModel,
     ) -> Self {
-        let problem = search.problem.with_chain(&found.model().chain);
+        let problem = search.samples.with_chain(&found.model().chain);
         let after = adequacy(&problem, &found.model().point, search.whitening);
         let explained = (found.base.cost - found.model().cost).max(0.0);
         let leftover = after.excess.max(0.0);
