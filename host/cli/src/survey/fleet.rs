@@ -15,7 +15,7 @@ use crate::output::{Output, command_of};
 use crate::{Failure, progress};
 use palpate_fit::watch;
 use palpate_model::Model;
-use palpate_survey::results::{Plan, Results, ResultsError};
+use palpate_survey::results::{About, Plan, Results, ResultsError};
 use palpate_survey::run::{Question, run};
 use palpate_survey::{By, Group, Names, Row, Sources, Worked};
 
@@ -163,6 +163,11 @@ impl Fleet {
     fn jobs(&self) -> NonZeroUsize {
         self.jobs.unwrap_or_else(|| thread::available_parallelism().unwrap_or(NonZeroUsize::MIN))
     }
+}
+
+/// What a survey asked, and by which keys: the line below the title of its reports.
+pub fn asked_of(about: &About) -> String {
+    format!("{} by {}", about.asked.word(), about.by.join(", "))
 }
 
 /// What the file system refuses is no fault of the call.

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use serde_json::Value;
 
-use super::fleet::wrong;
+use super::fleet::{asked_of, wrong};
 use crate::Failure;
 use crate::answer::Answer;
 use crate::output::Output;
@@ -63,7 +63,7 @@ impl Answer for Found {
     }
 
     fn subtitle(&self) -> String {
-        format!("{} by {}", self.about.asked.word(), self.about.by.join(", "))
+        asked_of(&self.about)
     }
 
     fn inputs(&self) -> Vec<String> {
