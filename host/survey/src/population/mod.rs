@@ -1,7 +1,7 @@
 //! What the specimens of a survey have in common, and how much they differ: one model over all of them.
 //!
 //! The first stage is the survey: each group fitted by itself. The second is here: restricted maximum likelihood over the estimates
-//! with their standard errors ([`spread`]), and their correlations over the specimens ([`correlations`]). It is the two-stage form of
+//! with their standard errors (`spread.rs`), and their correlations over the specimens (`correlations.rs`). It is the two-stage form of
 //! a mixed model, good where each group determines its own parameters; estimates without a standard error are left out.
 
 mod correlations;

@@ -1,5 +1,5 @@
 //! The next experiment as a motion: within the limits of a rig, the one that sets the members of a credible set furthest apart, or
-//! the one after which wanted parameters are known best ([`precision`]).
+//! the one after which wanted parameters are known best (`precision.rs`).
 //!
 //! Motions of the menu and random ones are weighed; the best few are then changed step by step for as long as that helps.
 
