@@ -86,7 +86,7 @@ pub const SEED: u64 = 11;
 /// Samples whose products are taken at a time.
 const AT_A_TIME: usize = 4096;
 /// Part of a sensitivity below which the model's own parameters have absorbed it.
-pub const ABSORBED: f64 = 0.02;
+pub const ABSORBED: f64 = 0.004;
 
 /// Screens the candidates against what the problem leaves at `point`.
 #[must_use]
