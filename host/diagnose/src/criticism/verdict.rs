@@ -65,7 +65,7 @@ impl Assessed {
         noise: &NoiseModel,
         outside: Option<&Outside>,
     ) -> Self {
-        let problem = search.problem.with_chain(&found.model().chain);
+        let problem = search.samples.with_chain(&found.model().chain);
         let after = adequacy(&problem, &found.model().point, search.whitening);
         let explained = (found.base.cost - found.model().cost).max(0.0);
         let leftover = after.excess.max(0.0);
