@@ -11,7 +11,7 @@ use super::options::Options;
 use super::outside::Outside;
 use super::screen::ABSORBED;
 use super::search::{Found, Search};
-use super::verdict::{Assessed, beyond_noise};
+use super::verdict::{Assessed, FAR_BEYOND_NEIGHBOURS, beyond_noise};
 use palpate_fit::data::{Data, DataError};
 use palpate_fit::least_squares::Effort;
 use palpate_fit::means::Means;
@@ -116,15 +116,19 @@ pub fn diagnose_with(
         noise_of_residual(&plain, &plain.point(&values), seen, means)
     };
     let long = all.samples() > LONG;
-    // Where the noise of a long recording is not seen, what the law lacks is taken for it, in which neighbours agree: there each mean
-    // counts as one sample, and else as its samples.
+    // Where the noise is not seen, what the law lacks is taken for it, in which neighbours agree: there each mean of a long recording
+    // counts as one sample, and motions are thinned only where rests alone are not enough.
     let known = noise_model(&all).or_else(|| (!long).then(|| noise_left(&all, false)));
+    let at_rest = if known.is_none() { block_means(traces) } else { None };
+    let thinned = at_rest.as_deref().map(|traces| options.data(model, traces)).transpose()?;
     let hums = setting.scales.mains.is_some() && !long;
-    let means = Means::of(&all, known.as_ref().map(|noise| noise.level)).filter(|_| !hums);
-    let few = means.as_ref().map(|means| means.data(&all));
+    let stays = thinned.is_some() || hums || known.as_ref().is_some_and(dwarfs);
+    let level = known.as_ref().map(|noise| noise.level);
+    let means = if stays { None } else { Means::of(&all, level) };
+    let few = thinned.or_else(|| means.as_ref().map(|means| means.data(&all)));
     let data = few.as_ref().unwrap_or(&all);
     let weighted = means.as_ref().filter(|_| known.is_some());
-    let noise = known.unwrap_or_else(|| noise_left(data, means.is_some()));
+    let noise = known.unwrap_or_else(|| noise_left(data, few.is_some()));
     let samples = Problem::new(&chain, &all, &noise.whitening, None);
     let rows = Problem::new(&chain, &all, &white, None);
     let problem = match weighted {
@@ -145,12 +149,12 @@ pub fn diagnose_with(
     course.name_nothing_for_what_is_no_effect();
     course.keep_what_predicts();
     course.name_nothing_alone_without_noise();
-    if means.is_some() {
+    if few.is_some() {
         course.score_all_rows(&rows, all.samples());
     }
     course.say_what_hardly_shows();
     let given_rms = rows.rms(&rows.point(&values));
-    let history = means.as_ref().and_then(|_| block_means(traces));
+    let history = few.as_ref().and_then(|_| block_means(traces));
     Ok(course.conclude(&rows, given_rms, history.as_deref().unwrap_or(traces)))
 }
 
@@ -338,6 +342,12 @@ impl<'a> Course<'a> {
             found: self.found,
         }
     }
+}
+
+/// Whether what a law leaves dwarfs the scatter of neighbours, so that it tells nothing of the noise.
+fn dwarfs(noise: &NoiseModel) -> bool {
+    let misfit = noise.whitening.standard_deviation();
+    noise.seen == Seen::Residual && misfit > FAR_BEYOND_NEIGHBOURS * noise.level
 }
 
 /// The noise for want of rest, from what the base leaves.
