@@ -1,4 +1,4 @@
-//! What work costs: as the information in the traces, not as their rows; counted in samples that a model predicts, so that
+//! What a diagnosis costs: as the information in the traces, not as their rows; counted in samples that a model predicts, so that
 //! the machine does not matter.
 
 use std::sync::Arc;
@@ -14,7 +14,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
 
 const LAW: BaseLaw = BaseLaw::fung(2, Separation::Clamp);
-/// Largest exponent of the cost in rows and in traces.
+/// Largest exponent of the cost in rows.
 const EXPONENT: f64 = 1.05;
 
 /// Presses with a hold of ten seconds each at a rate, Hz: a law, a drag that it lacks, and white noise.
@@ -66,11 +66,4 @@ fn a_diagnosis_costs_hardly_more_at_a_higher_rate() {
     assert!(ratio < 16f64.powf(EXPONENT), "{ratio} times the evaluations for 16 times the rows");
     // Most is done on means, whose number follows the motion.
     assert!(ratio < 4.0, "{ratio} times the evaluations for 16 times the rows");
-}
-
-#[test]
-fn a_diagnosis_costs_as_many_traces_as_there_are() {
-    let (few, many) = (presses(6, 200.0), presses(48, 200.0));
-    let ratio = cost_of_diagnosis(&many) / cost_of_diagnosis(&few);
-    assert!(ratio < 8f64.powf(EXPONENT), "{ratio} times the evaluations for 8 times the traces");
 }
