@@ -93,18 +93,7 @@ impl<'a> Problem<'a> {
     where
         'a: 'b,
     {
-        let mut problem = Problem::new(self.chain, means, self.whitening, self.left_out);
-        let reference = self.coordinates.reference();
-        for (kept, piece) in Arc::make_mut(&mut problem.logarithms).iter_mut().zip(&means.pieces) {
-            logarithms(&piece.motion.displacement, reference, kept);
-        }
-        Problem {
-            coordinates: self.coordinates.clone(),
-            bounds: self.bounds.clone(),
-            roots: compressed.roots(),
-            constant: compressed.within,
-            ..problem
-        }
+        Problem { roots: compressed.roots(), constant: compressed.within, ..self.on(means) }
     }
 
     /// The same chain on the means of its data that effects see. Its sums of squares and its normal equations are those of all
@@ -114,17 +103,21 @@ impl<'a> Problem<'a> {
     where
         'a: 'b,
     {
+        let means = Arc::new(Meant::of(means, self.data, self.whitening));
+        Problem { means, ..self.on(data) }
+    }
+
+    /// The same chain on other data of the same motions, in the same coordinates within the same bounds.
+    fn on<'b>(&self, data: &'b Data<'b>) -> Problem<'b>
+    where
+        'a: 'b,
+    {
         let mut problem = Problem::new(self.chain, data, self.whitening, self.left_out);
         let reference = self.coordinates.reference();
         for (kept, piece) in Arc::make_mut(&mut problem.logarithms).iter_mut().zip(&data.pieces) {
             logarithms(&piece.motion.displacement, reference, kept);
         }
-        Problem {
-            coordinates: self.coordinates.clone(),
-            bounds: self.bounds.clone(),
-            means: Arc::new(Meant::of(means, self.data, self.whitening)),
-            ..problem
-        }
+        Problem { coordinates: self.coordinates.clone(), bounds: self.bounds.clone(), ..problem }
     }
 
     /// The same for a search from afar: it goes over shape and rates alone where the law is linear in its forces, and these are always
@@ -430,6 +423,7 @@ impl<'a> Problem<'a> {
             let roots = self.roots.get(index).copied().unwrap_or_default();
             let measured = Measured { signal: piece.measured, roots };
             let own = &mut sums[group(piece).unwrap_or(groups)];
+            watch::evaluated(piece.measured.len());
             carried.add_products(stretch, &mut memory, measured, &wanted, own);
         }
         let normal = |sums: &Products| Normal::of(point.len(), &moving, sums);

@@ -62,22 +62,21 @@ impl Incident {
             // What goes on in the stretches after: to the end of the trace, and of the set.
             let (mut in_trace, mut in_set): (Option<Products>, Option<Products>) = (None, None);
             let mut later = None;
-            for stretch in stretches.iter().rev() {
-                let trace = stretch.trace;
+            for Changed { trace, whole, after } in stretches.iter().rev() {
+                let trace = *trace;
                 if later.replace(trace) != Some(trace) {
                     in_trace = None;
                 }
-                for (time_s, after) in &stretch.after {
+                for &(time_s, ref after) in after {
                     for (lasts, later) in [(false, &in_trace), (true, &in_set)] {
-                        let judged = beside.judge(&after[kind].with(later.as_ref()));
-                        let (size, gain) = judged.unwrap_or_default();
-                        let time_s = *time_s;
-                        trials.push(Self { change, trace, time_s, lasts, size, gain, log_chance: 0.0 });
+                        let products = after[kind].with(later.as_ref());
+                        let (size, gain) = beside.judge(&products).unwrap_or_default();
+                        let log_chance = 0.0;
+                        trials.push(Self { change, trace, time_s, lasts, size, gain, log_chance });
                     }
                 }
-                let whole = &stretch.whole[kind];
-                (in_trace, in_set) =
-                    (Some(whole.with(in_trace.as_ref())), Some(whole.with(in_set.as_ref())));
+                in_trace = Some(whole[kind].with(in_trace.as_ref()));
+                in_set = Some(whole[kind].with(in_set.as_ref()));
             }
         }
         let tried = trials.len() as f64;

@@ -69,8 +69,10 @@ impl Swing {
         }
         let (from, to) = ((frequency / AROUND).max(slowest), (frequency * AROUND).min(fastest));
         let around = ((to - from) / step) as usize;
-        let else_there: f64 =
-            waves(&blocks, from, step, around).into_iter().map(|(_, wave)| power(&blocks, wave)).sum();
+        let else_there: f64 = waves(&blocks, from, step, around)
+            .into_iter()
+            .map(|(_, wave)| power(&blocks, wave))
+            .sum();
         // The power of noise has a mean of one.
         let level = (else_there / around.max(1) as f64).max(1.0);
         let (amplitude, gain) = exactly(&problem, &fitted.point, frequency)?;
@@ -133,16 +135,16 @@ fn power(blocks: &[Block], [cosine, sine]: [f64; 2]) -> f64 {
 
 /// Amplitude and gain of a frequency beside the model's own derivatives.
 fn exactly(problem: &Problem, point: &[f64], frequency: f64) -> Option<(f64, f64)> {
-    let mut waves: Option<[Products; 2]> = None;
+    let mut waves: [Option<Products>; 2] = [None, None];
     let beside = Beside::of(problem, point, |piece, stretch| {
         let turns = set_times(problem.data(), piece).into_iter().map(|time| TAU * frequency * time);
         let (sines, cosines): (Vec<f64>, Vec<f64>) = turns.map(f64::sin_cos).unzip();
-        let [cosine, sine] = [cosines, sines].map(|wave| stretch.products(wave));
-        let before = waves.take();
-        waves = Some([cosine.with(before.as_ref().map(|it| &it[0])), sine.with(before.as_ref().map(|it| &it[1]))]);
+        for (sum, wave) in waves.iter_mut().zip([cosines, sines]) {
+            *sum = Some(stretch.products(wave).with(sum.as_ref()));
+        }
     })?;
     // Over many periods sine and cosine are at right angles.
-    let [cosine, sine] = waves?.map(|products| beside.judge(&products));
+    let [cosine, sine] = waves.map(|products| beside.judge(&products?));
     let ((cosine, first), (sine, second)) = (cosine?, sine?);
     Some((cosine.hypot(sine), first + second))
 }
