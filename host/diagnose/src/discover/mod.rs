@@ -115,6 +115,7 @@ pub fn discover(
         candidates: &candidates,
         whitening: &whitening,
         problem: &problem,
+        samples: &problem,
         options: &discovery.diagnosis.options,
     };
     let found = best_climb(&search, &discovery.diagnosis.found);
