@@ -35,6 +35,8 @@ pub struct Fitted {
     pushed: Option<usize>,
     /// Number of parameters that were fitted.
     parameters: usize,
+    /// Whether the search for them came to its end.
+    converged: bool,
 }
 
 impl Fitted {
@@ -56,9 +58,16 @@ impl Fitted {
             pushed: of_last_effect(&problem.chain)
                 .find(|&j| found.at_bound[j] && !given(j) && pushed(problem, &found, j)),
             parameters: (0..found.point.len()).filter(|&j| !given(j)).count(),
+            converged: found.stop.converged(),
             point: found.point,
             blocks,
         }
+    }
+
+    /// Whether the search for the parameters came to its end.
+    #[must_use]
+    pub fn converged(&self) -> bool {
+        self.converged
     }
 
     /// Takes the error over all rows, where the data that it was fitted to are their means.
@@ -248,25 +257,36 @@ fn of_last_effect(chain: &Chain) -> impl Iterator<Item = usize> {
     })
 }
 
-/// Part of its range by which a coordinate on its bound is moved inside to see whether the data hold it there.
-const INSIDE: f64 = 0.1;
-/// Rise of the sum of squares, in variances of the noise, up to which the data are silent about a parameter.
-const SILENT: f64 = 0.1;
+/// Part of its range by which a coordinate on its bound is moved beyond it to see whether the data ask for that.
+const BEYOND: f64 = 0.1;
+/// Ratio of two bounds of one sign from which on the way beyond one is taken as a factor.
+const DECADE: f64 = 10.0;
+/// Fall of the sum of squares, in variances of the noise, that asks for a value beyond a bound: 95 % of one parameter.
+const ASKS: f64 = 3.84;
 
-/// Whether the data push a coordinate against the bound on which it was found: with it inside, and the others
-/// following in one step, the error is larger. Where it is not, they say nothing of
-/// the coordinate there: a sliding speed far below every speed of the motion may as well be half or twice as large.
+/// Whether the data push a coordinate against the bound on which it was found: beyond it, the others following in
+/// one step, the error is smaller. Where it is not, the bound keeps nothing from the law: with a sliding
+/// speed far below every speed of the motion it is the ideal law already.
 fn pushed(problem: &Problem, found: &Solution, j: usize) -> bool {
-    let (lower, upper) = problem.bounds()[j];
-    let inwards = INSIDE * (upper - lower);
-    let below = found.point[j] - lower < upper - found.point[j];
-    let mut inside = found.point.clone();
-    inside[j] = if below { lower + inwards } else { upper - inwards };
-    let normal = problem.normal(&inside);
+    let mut point = found.point.clone();
+    point[j] = beyond(found.point[j], problem.bounds()[j]);
+    let normal = problem.normal(&point);
     let step = gauss_newton(&normal, |k| k != j && !found.at_bound[k]);
     let followed = normal.cost + normal.raised_by(&step);
     let variance = found.normal.cost / (problem.rows() as f64).max(1.0);
-    followed.is_nan() || followed > found.normal.cost + SILENT * variance
+    followed + ASKS * variance < found.normal.cost
+}
+
+/// A value as far beyond the nearer bound as a tenth of the range is inside it.
+fn beyond(value: f64, (lower, upper): (f64, f64)) -> f64 {
+    let inwards = BEYOND * (upper - lower);
+    let (bound, inside) = if value - lower < upper - value {
+        (lower, lower + inwards)
+    } else {
+        (upper, upper - inwards)
+    };
+    let factor = lower * upper > 0.0 && (upper / lower).max(lower / upper) > DECADE;
+    if factor { bound * bound / inside } else { 2.0 * bound - inside }
 }
 
 /// The Gauss–Newton step of the coordinates that `moves` names; the others stay.

@@ -52,6 +52,8 @@ const BROAD: Breadth = Breadth { refits: 16, laws: 2, worth: 0.1, close: 0.2 };
 /// One effect is tried in the place of several where a few steps with it alone explain this part of what
 /// they do.
 const ALONE: f64 = 0.7;
+/// A law whose search has not come to its end goes on with it where it explains this part of what the best does.
+const CONTENDS: f64 = 0.8;
 /// Effects that are always refitted.
 const FEWEST: usize = 3;
 /// Most replacements of effects already found.
@@ -538,7 +540,8 @@ impl Search<'_> {
         self.refitted(from, tried, Effort::QUICK)
     }
 
-    /// Fits each to its end, from where it was tried; the best law of each effect, best effect first.
+    /// Fits each from where it was tried, and to its end those that may be the best; the best law of each effect, best
+    /// effect first.
     fn refitted(
         &self,
         from: &Fitted,
@@ -546,7 +549,7 @@ impl Search<'_> {
         effort: Effort,
     ) -> Vec<Rival> {
         watch::stage("laws refitted", tried.len());
-        let fits: Vec<(usize, Fitted)> = tried
+        let mut fits: Vec<(usize, Fitted)> = tried
             .into_par_iter()
             .map(|(direction, chain, trial)| {
                 let problem = self.problem.with_chain(&chain);
@@ -555,6 +558,14 @@ impl Search<'_> {
                 (direction.candidate, fitted)
             })
             .collect();
+        let gain = |fitted: &Fitted| from.cost - fitted.cost;
+        let most = fits.iter().map(|(_, fitted)| gain(fitted)).fold(0.0, f64::max);
+        fits.par_iter_mut().for_each(|(_, fitted)| {
+            if !fitted.converged() && gain(fitted) > CONTENDS * most {
+                let problem = self.problem.with_chain(&fitted.chain);
+                *fitted = Fitted::new(&problem, &fitted.point, Effort::LONG);
+            }
+        });
         self.by_effect(fits, from)
     }
 

@@ -2,7 +2,7 @@
 
 use super::shapes::FULL_SPEED;
 use super::{Count, Covariate, Effect, Law, Needs, Role, Shape, Sign, Strength};
-use crate::{Act, Remembered, Scene, Stage};
+use crate::{Act, Stage};
 
 const DRAG: Strength = Strength {
     name: "drag",
@@ -12,6 +12,14 @@ const DRAG: Strength = Strength {
     typical: |scales| 0.005 * scales.force,
     most: |scales| scales.force,
     count: Count::Fixed(&[]),
+};
+
+const EXPONENT: Shape = Shape {
+    name: "exponent",
+    unit: "",
+    meaning: "how it grows with the speed",
+    grid: |_| vec![0.2, 0.4],
+    role: Role::Fitted(|_| (0.1, 0.7)),
 };
 
 /// Part of the full speed below which the power of the speed goes straight through zero, so that what
@@ -33,17 +41,25 @@ pub const EFFECT: Effect = Effect {
             name: "reference",
             formula: "F → F + c sgn(v) |v/V|^m",
             strength: DRAG,
-            shapes: &[
-                Shape {
-                    name: "exponent",
-                    unit: "",
-                    meaning: "how it grows with the speed",
-                    grid: |_| vec![0.2, 0.4],
-                    role: Role::Fitted(|_| (0.1, 0.7)),
-                },
-                FULL_SPEED,
-            ],
-            act: Act::Force(power),
+            shapes: &[EXPONENT, FULL_SPEED],
+            act: Act::Force(|scene, parameters, _, force| {
+                for (force, &velocity) in force.iter_mut().zip(scene.velocity.iter()) {
+                    *force += power(velocity, parameters);
+                }
+            }),
+        },
+        Law {
+            name: "in-contact",
+            formula: "F → F + c sgn(v) |v/V|^m where F > 0",
+            strength: DRAG,
+            shapes: &[EXPONENT, FULL_SPEED],
+            act: Act::Force(|scene, parameters, _, force| {
+                for (force, &velocity) in force.iter_mut().zip(scene.velocity.iter()) {
+                    if *force > 0.0 {
+                        *force += power(velocity, parameters);
+                    }
+                }
+            }),
         },
         Law {
             name: "eyring",
@@ -69,11 +85,9 @@ pub const EFFECT: Effect = Effect {
     ],
 };
 
-fn power(scene: &Scene, parameters: &[f64], _: &mut Remembered, force: &mut [f64]) {
+/// The drag at a velocity.
+fn power(velocity: f64, parameters: &[f64]) -> f64 {
     let (drag, exponent, full) = (parameters[0], parameters[1], parameters[2]);
-    for (force, velocity) in force.iter_mut().zip(scene.velocity.iter()) {
-        let speeds = velocity / full;
-        *force +=
-            drag * speeds * (speeds * speeds + MIN_SPEED * MIN_SPEED).powf(0.5 * (exponent - 1.0));
-    }
+    let speeds = velocity / full;
+    drag * speeds * (speeds * speeds + MIN_SPEED * MIN_SPEED).powf(0.5 * (exponent - 1.0))
 }

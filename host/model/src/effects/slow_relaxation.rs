@@ -35,7 +35,7 @@ pub const EFFECT: Effect = Effect {
                 name: "begin",
                 unit: "s",
                 meaning: "time at which the tail sets in",
-                grid: |_| vec![1.0],
+                grid: |_| vec![0.1, 1.0, 10.0],
                 role: Role::Fitted(|_| (0.01, 100.0)),
             }],
             act: Act::Relaxation(|_, parameters, _, _, relaxation| {
