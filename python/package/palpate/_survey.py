@@ -13,6 +13,7 @@ from palpate._answers import Answer
 from palpate._data import PathLike
 from palpate._options import options
 from palpate._progress import told
+from palpate._remote import is_url
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -53,11 +54,11 @@ def survey(
 ) -> Survey:
     """Puts one question to every group of a large data set: `palpate survey QUESTION`.
 
-    `data` are files and folders, `by` the keys that traces are grouped by, `names` where keys stand in names of files,
-    `out` the folder of the results: one row a group, in the files, with the bytes, that the command makes. A folder of
-    the same survey goes on, whichever way it was begun; `force` begins it anew. `law` is what `fit` fits (`fung`),
-    `model` the model file of `compare` and `diagnose`, and of `decompose` where it is wanted; the other options are
-    those of the single question.
+    `data` are files and folders, or their URLs in an object store (`s3://lab/grasps`), `by` the keys that traces are
+    grouped by, `names` where keys stand in names of files, `out` the folder of the results: one row a group, in the
+    files, with the bytes, that the command makes. A folder of the same survey goes on, whichever way it was begun;
+    `force` begins it anew. `law` is what `fit` fits (`fung`), `model` the model file of `compare` and `diagnose`, and
+    of `decompose` where it is wanted; the other options are those of the single question.
 
     `engine` is who works: without it the processors of this machine, `jobs` groups at a time; the address of a
     scheduler of Dask (`tcp://scheduler:8786`) or a `distributed.Client`, whose workers see the same files by the same
@@ -103,7 +104,7 @@ def survey(
 def fill(native: _palpate.Survey, engine: Engine | None) -> None:
     """Asks every group that has no row yet."""
     with told() as tell:
-        if engine is None:
+        if engine is None and not any(map(is_url, native.data())):
             native.ask(tell)
         else:
             from palpate import _engine

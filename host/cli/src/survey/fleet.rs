@@ -17,7 +17,7 @@ use palpate_fit::watch;
 use palpate_model::Model;
 use palpate_survey::results::{About, Plan, Results, ResultsError};
 use palpate_survey::run::{Question, run};
-use palpate_survey::{By, Group, Names, Row, Sources, Worked};
+use palpate_survey::{By, Contents, Group, Names, Row, SourceError, Sources, Worked};
 
 /// Which traces, grouped by what, and where the results go.
 #[derive(clap::Args)]
@@ -109,6 +109,19 @@ impl<'a> Survey<'a> {
 
     /// Finds the groups, and begins the folder of the results or goes on with it.
     pub fn begin(&self, words: &[String]) -> Result<Results, Failure> {
+        self.begin_with(words, |by| Sources::find(&self.fleet.data, by))
+    }
+
+    /// Begins the folder of the results of files whose contents are known or goes on with it.
+    pub fn begin_of(&self, words: &[String], files: Vec<Contents>) -> Result<Results, Failure> {
+        self.begin_with(words, |by| Sources::of(files.into_iter().map(Ok), by))
+    }
+
+    fn begin_with(
+        &self,
+        words: &[String],
+        find: impl FnOnce(&By) -> Result<Sources, SourceError>,
+    ) -> Result<Results, Failure> {
         let Fleet { data, output, result, .. } = self.fleet;
         let read = data.iter().map(PathBuf::as_path);
         result.files(read.chain(self.given.iter().map(|given| given.path)))?;
@@ -119,9 +132,19 @@ impl<'a> Survey<'a> {
             options: self.options(words)?,
             command: command_of(words),
             seeds: self.seeds.clone(),
-            sources: Sources::find(data, &by).map_err(Failure::input)?,
+            sources: find(&by).map_err(Failure::input)?,
         };
         Results::begin(output, plan, result.over().allowed).map_err(wrong)
+    }
+
+    /// What was given as data.
+    pub fn data(&self) -> &[PathBuf] {
+        &self.fleet.data
+    }
+
+    /// What one file holds.
+    pub fn contents(&self, file: &Path) -> Result<Contents, Failure> {
+        Contents::of(file, &self.fleet.by()).map_err(Failure::input)
     }
 
     /// Every option that rows depend on, with its value.
