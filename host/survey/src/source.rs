@@ -156,8 +156,8 @@ impl Contents {
     /// # Errors
     /// When it cannot be read, or nothing tells a key of a trace.
     pub fn of(file: &Path, by: &By) -> Result<Self, SourceError> {
-        let about = fs::metadata(file)
-            .map_err(|source| SourceError::Open { path: file.into(), source })?;
+        let about =
+            fs::metadata(file).map_err(|source| SourceError::Open { path: file.into(), source })?;
         let modified = about.modified().ok().and_then(|time| time.duration_since(UNIX_EPOCH).ok());
         let modified_ns = modified.map_or(0, |since| since.as_nanos());
         let input = Input { path: file.into(), bytes: about.len(), modified_ns };
