@@ -18,6 +18,7 @@ use palpate_model::Model;
 use palpate_survey::results::{About, Plan, Results, ResultsError};
 use palpate_survey::run::{Question, run};
 use palpate_survey::{By, Contents, Group, Names, Row, SourceError, Sources, Worked};
+use palpate_trace::many;
 
 /// Which traces, grouped by what, and where the results go.
 #[derive(clap::Args)]
@@ -34,6 +35,9 @@ pub struct Fleet {
     /// The column of a Parquet file that says of which trace a row is
     #[arg(long, value_name = "COLUMN", default_value = "trace_id")]
     trace_id: String,
+    /// What columns of a Parquet file with many traces are called in a trace; a list has a column for each of its places
+    #[arg(long, value_name = "COLUMN=NAME,...", value_delimiter = ',', value_parser = called)]
+    columns: Vec<(String, String)>,
     /// Folder of the results: a new one, or one of the same survey, which goes on
     #[arg(short, long, required = true, value_name = "DIR")]
     output: PathBuf,
@@ -164,7 +168,9 @@ impl<'a> Survey<'a> {
         done: impl FnMut(Row, Worked) -> io::Result<()> + Send,
     ) -> io::Result<()> {
         let By { keys, id, .. } = self.fleet.by();
-        run(groups, keys.into_iter().chain([id]).collect(), &self.question, jobs, done)
+        let beside = keys.into_iter().chain([id]).collect();
+        let names = many::Names { beside, called: self.fleet.columns.clone() };
+        run(groups, names, &self.question, jobs, done)
     }
 
     /// What all rows say.
@@ -186,6 +192,12 @@ impl Fleet {
     fn jobs(&self) -> NonZeroUsize {
         self.jobs.unwrap_or_else(|| thread::available_parallelism().unwrap_or(NonZeroUsize::MIN))
     }
+}
+
+/// The name of a column in a file and in a trace.
+fn called(pair: &str) -> Result<(String, String), String> {
+    let (from, to) = pair.split_once('=').ok_or("say COLUMN=NAME, as in timestamp=time_s")?;
+    Ok((from.into(), to.into()))
 }
 
 /// What a survey asked, and by which keys: the line below the title of its reports.
