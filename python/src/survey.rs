@@ -29,7 +29,7 @@ impl Survey {
         &self,
         py: Python<'_>,
         tell: Option<&Bound<'_, PyAny>>,
-        job: fn(&Call) -> Result<T, Failure>,
+        job: impl FnOnce(&Call) -> Result<T, Failure> + Send + 'static,
     ) -> PyResult<T> {
         let call = self.call.clone();
         work(py, tell, move || job(&call))?.map_err(|failure| failed(&failure))
@@ -50,9 +50,24 @@ impl Survey {
         self.done(py, tell.as_ref(), Call::ask)
     }
 
-    /// Opens the folder of the results, and gives the number of groups that have no row yet.
-    fn open(&self, py: Python<'_>) -> PyResult<usize> {
-        let open = self.done(py, None, Call::open)?;
+    /// What was given as data.
+    fn data(&self) -> PyResult<Vec<String>> {
+        self.call.data().map_err(|failure| failed(&failure))
+    }
+
+    /// A task that says what each of these files holds.
+    fn look(&self, files: Vec<PathBuf>) -> PyResult<String> {
+        self.call.look(files).map_err(|failure| failed(&failure))
+    }
+
+    /// Opens the folder of the results, and gives the number of groups that have no row yet. `files` is what the tasks of
+    /// `look` gave, where the files are seen elsewhere alone.
+    #[pyo3(signature = (files=None))]
+    fn open(&self, py: Python<'_>, files: Option<Vec<String>>) -> PyResult<usize> {
+        let open = self.done(py, None, move |call| match files {
+            Some(files) => call.open_of(&files),
+            None => call.open(),
+        })?;
         let left = open.left();
         *self.folder() = Some(open);
         Ok(left)
@@ -70,13 +85,19 @@ impl Survey {
         next.transpose().map(Option::flatten).map_err(|failure| failed(&failure))
     }
 
-    /// Keeps rows that were made elsewhere, and gives the number of those that were not there yet.
-    fn keep(&self, py: Python<'_>, rows: Vec<String>) -> PyResult<usize> {
+    /// Keeps rows that were made elsewhere, and gives the number of those that were not there yet, and the processor time
+    /// that all of them took.
+    fn keep(&self, py: Python<'_>, rows: Vec<String>) -> PyResult<(usize, f64)> {
         py.detach(|| {
             let mut open = self.folder();
             let open = open.as_mut().ok_or_else(|| broken("the folder is closed"))?;
-            let kept = rows.iter().map(|row| open.keep(row).map(usize::from));
-            kept.sum::<Result<_, _>>().map_err(|failure| failed(&failure))
+            let (mut kept, mut seconds) = (0, 0.0);
+            for row in &rows {
+                let (is_new, worked) = open.keep(row).map_err(|failure| failed(&failure))?;
+                kept += usize::from(is_new);
+                seconds += worked.seconds;
+            }
+            Ok((kept, seconds))
         })
     }
 
@@ -91,7 +112,7 @@ impl Survey {
     }
 }
 
-/// Works off a task, and prints a row of each group.
+/// Works off a task, and prints a row of each group, or what each file holds.
 #[pyfunction]
 pub fn survey_work(py: Python<'_>, task: String) -> PyResult<()> {
     let done = work(py, None, move || apart::work(&task, std::io::stdout()))?;

@@ -8,7 +8,10 @@
 
 use std::sync::Arc;
 
+pub mod decays;
+
 use super::levels::Levels;
+use decays::{Filter, Gains};
 
 /// A model of noise, as a filter.
 #[derive(Clone, Debug)]
@@ -73,10 +76,15 @@ impl Schedule {
         if self.numbers.is_empty() {
             return false;
         }
-        let (own, slow, before) = self.at(self.len() - 1);
-        let moved = own.iter().chain(slow).zip(gain).map(|(a, b)| (a - b).abs());
-        (left - before).abs() < 1e-9 * left && moved.fold(0.0, f64::max) < 1e-7
+        let last = &self.numbers[self.numbers.len() - self.stride()..];
+        last.split_last().is_some_and(|(before, known)| is_near((known, *before), (gain, left)))
     }
+}
+
+/// Whether the numbers of a sample, gains and what is left, are those of the one before, as far as it matters.
+fn is_near((known, before): (&[f64], f64), (gain, left): (&[f64], f64)) -> bool {
+    let moved = known.iter().zip(gain).map(|(a, b)| (a - b).abs());
+    (left - before).abs() < 1e-9 * left && moved.fold(0.0, f64::max) < 1e-7
 }
 
 /// Time constants of the processes that together are flicker, in samples.
@@ -251,14 +259,9 @@ impl Whitening {
     /// Where the autoregression remembers one value, which decays like the flicker.
     fn apply_decays(&self, own: f64, values: &mut [f64]) {
         let decays = states_of(own, decays());
-        let mut state = [0.0; STATES];
+        let mut filter = Filter::default();
         for (k, value) in values.iter_mut().enumerate() {
-            let (gain, left) = self.schedule.all_at(k);
-            let innovation = *value - sum(&state);
-            for ((state, gain), decay) in state.iter_mut().zip(gain).zip(&decays) {
-                *state = (*state + gain * innovation) * decay;
-            }
-            *value = innovation / left;
+            *value = filter.pass(*value, self.schedule.all_at(k), &decays);
         }
     }
 
@@ -344,35 +347,20 @@ impl Whitening {
 
     /// Where the autoregression remembers one value, which decays like the flicker: the same with a state of fixed size.
     fn gains_of_decays(&self, own: f64, longest: usize) -> Schedule {
-        let (flicker, decays) = (self.flicker.powi(2), states_of(own, decays()));
-        let mut towards = states_of(self.left[0].powi(2), [flicker; TIMES.len()]);
-        let mut variance = sum(&towards);
-        let chance = decays[1..].iter().map(|decay| flicker * (1.0 - decay * decay)).sum::<f64>();
-        let least = chance + self.left[self.left.len() - 1].powi(2);
-        let mut gain = towards.map(|towards| towards / variance);
-        let mut change: [f64; STATES] = std::array::from_fn(|k| gain[k] * decays[k]);
-        let mut weight = -variance;
+        let deviations = (self.left[0], self.left[self.left.len() - 1]);
+        let mut gains = Gains::new(own, deviations, self.flicker);
         let mut found = Schedule { order: 1, numbers: Vec::new() };
         let most = longest.clamp(1, SETTLED);
         found.numbers.reserve(most.min(USUAL) * (STATES + 1));
         loop {
-            let left = variance.sqrt();
-            let settled = found.is_near(&gain, left);
-            found.numbers.extend_from_slice(&gain);
+            let left = gains.left();
+            let settled = found.is_near(&gains.gain, left);
+            found.numbers.extend_from_slice(&gains.gain);
             found.numbers.push(left);
             if settled || found.len() >= most {
                 return found;
             }
-            let told = sum(&change);
-            let next = (variance + weight * told * told).max(least);
-            let (along, inverse) = (weight * told, 1.0 / next);
-            for k in 0..STATES {
-                towards[k] += along * change[k];
-                change[k] = (change[k] - told * gain[k]) * decays[k];
-                gain[k] = towards[k] * inverse;
-            }
-            weight *= variance * inverse;
-            variance = next;
+            gains.advance();
         }
     }
 
@@ -455,17 +443,9 @@ impl Whitening {
         };
         // From where it has settled, what is left is the same at each sample.
         let settled = self.schedule.len().max(own.len());
-        // Few logarithms of products instead of many.
-        let mut changing = 0.0;
-        for begin in (0..count.min(settled)).step_by(AT_A_TIME) {
-            let end = (begin + AT_A_TIME).min(count).min(settled);
-            changing += (begin..end).map(left).product::<f64>().ln();
-        }
-        let rest = count.saturating_sub(settled) as f64 * left(settled - 1).ln();
-        let logarithms = changing + rest;
         Likelihood {
             squares: values - both.powi(2) / unit,
-            logarithms: 2.0 * logarithms + unit.ln(),
+            logarithms: 2.0 * logarithms(count, settled, left) + unit.ln(),
         }
     }
 
@@ -504,6 +484,17 @@ impl Whitening {
         unit += scale * one * one * values.len().saturating_sub(REACH) as f64;
         [squares, both, unit]
     }
+}
+
+/// Sum of the logarithms of what is left at so many samples, which is the same from `settled` on.
+fn logarithms(count: usize, settled: usize, left: impl Fn(usize) -> f64) -> f64 {
+    // Few logarithms of products instead of many.
+    let mut changing = 0.0;
+    for begin in (0..count.min(settled)).step_by(AT_A_TIME) {
+        let end = (begin + AT_A_TIME).min(count).min(settled);
+        changing += (begin..end).map(&left).product::<f64>().ln();
+    }
+    changing + count.saturating_sub(settled) as f64 * left(settled - 1).ln()
 }
 
 /// Samples whose logarithms are taken together.

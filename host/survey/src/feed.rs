@@ -5,7 +5,7 @@ use std::sync::Mutex;
 
 use super::group::{Group, Place};
 use super::results::About;
-use palpate_trace::many::Rows;
+use palpate_trace::many::{Names, Rows};
 use palpate_trace::{self as trace, Trace, order, read_set};
 
 /// Most files with many traces that are held open at a time.
@@ -14,8 +14,8 @@ const OPEN: usize = 16;
 /// Reads groups. Files with many traces are read by one thread at a time and forward, so that no page is read twice while
 /// the groups come in their order; files of one trace are read by as many as ask.
 pub(super) struct Feed {
-    /// Columns that are no part of a trace: those of names.
-    names: Vec<String>,
+    /// What the columns of files with many traces are.
+    names: Names,
     open: Mutex<Vec<(PathBuf, Rows)>>,
 }
 
@@ -24,9 +24,13 @@ pub(super) struct Feed {
 /// # Errors
 /// When they cannot be read.
 pub fn apart(about: &About, group: &Group) -> Result<Vec<(String, Trace)>, trace::Error> {
-    let id = about.options.get("--trace-id").and_then(|id| id.as_str()).map(str::to_owned);
+    let option = |name| about.options.get(name).and_then(|value| value.as_str());
+    let id = option("--trace-id").map(str::to_owned);
+    let pair = |pair: &str| pair.split_once('=').map(|(from, to)| (from.into(), to.into()));
+    let called =
+        option("--columns").map_or(Vec::new(), |all| all.split(',').filter_map(pair).collect());
     // Where many lie in one file, names are columns and no part of a trace.
-    let feed = Feed::new(about.by.iter().cloned().chain(id).collect());
+    let feed = Feed::new(Names { beside: about.by.iter().cloned().chain(id).collect(), called });
     let traces = Feed::whole(group, feed.rows(group)?)?;
     // One of many in a file has no name of its own yet.
     let name = |trace: &Trace| match trace.path {
@@ -37,8 +41,8 @@ pub fn apart(about: &About, group: &Group) -> Result<Vec<(String, Trace)>, trace
 }
 
 impl Feed {
-    /// A feed of traces without the columns `names`.
-    pub(super) fn new(names: Vec<String>) -> Self {
+    /// A feed of traces, those in files with many of them with columns of these names.
+    pub(super) fn new(names: Names) -> Self {
         Self { names, open: Mutex::default() }
     }
 
@@ -78,11 +82,10 @@ impl Feed {
         let entry = match open.iter().position(|(known, _)| known == path) {
             Some(at) => open.remove(at),
             None => {
-                let names: Vec<&str> = self.names.iter().map(String::as_str).collect();
                 if open.len() == OPEN {
                     open.remove(0);
                 }
-                (path.to_path_buf(), Rows::open(path, &names)?)
+                (path.to_path_buf(), Rows::open(path, &self.names)?)
             }
         };
         open.push(entry);

@@ -44,4 +44,4 @@ pub use group::{Group, Place};
 pub use names::Names;
 pub use results::{Plan, Results, ResultsError};
 pub use row::{Asked, Estimate, Row, Status, Worked};
-pub use source::{By, SourceError, Sources};
+pub use source::{By, Contents, SourceError, Sources};

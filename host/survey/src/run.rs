@@ -14,6 +14,7 @@ use super::group::Group;
 use super::row::{Asked, Row, Said, Status, Worked};
 use palpate_fit::watch::{Watch, alone, ended};
 use palpate_trace::caught::caught;
+use palpate_trace::many::Names;
 use palpate_trace::{self as trace, Trace};
 
 /// How often a group is tried that gives up in the middle.
@@ -47,13 +48,13 @@ pub trait Question: Sync {
 }
 
 /// Asks the groups in their order, `jobs` of them at a time, and gives each row to `done` as soon as it is there, in any order.
-/// Columns `names` are no part of traces that lie in one file.
+/// `names` are those of the columns of traces that lie in one file.
 ///
 /// # Errors
 /// What `done` or the system that gives no threads answers, and when the work is asked to end; then no further group is begun.
 pub fn run(
     groups: impl Iterator<Item = Group> + Send,
-    names: Vec<String>,
+    names: Names,
     question: &impl Question,
     jobs: NonZeroUsize,
     done: impl FnMut(Row, Worked) -> io::Result<()> + Send,
@@ -242,7 +243,7 @@ mod tests {
             assert!(rows.insert(row.group, (row, worked.attempts)).is_none());
             Ok(())
         };
-        run(groups, Vec::new(), &moody, NonZeroUsize::new(jobs).unwrap(), done).unwrap();
+        run(groups, Names::default(), &moody, NonZeroUsize::new(jobs).unwrap(), done).unwrap();
         rows
     }
 
@@ -276,7 +277,7 @@ mod tests {
         });
         let moody = Moody { tried: Default::default() };
         let full = |_, _| Err(io::Error::other("disk full"));
-        let error = run(groups, Vec::new(), &moody, NonZeroUsize::MIN, full).unwrap_err();
+        let error = run(groups, Names::default(), &moody, NonZeroUsize::MIN, full).unwrap_err();
         assert_eq!(error.to_string(), "disk full");
         assert_eq!(begun.load(Ordering::Relaxed), 1);
     }

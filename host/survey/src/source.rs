@@ -1,10 +1,12 @@
 //! Which traces there are, and which belong together.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::time::UNIX_EPOCH;
+
+use serde::{Deserialize, Serialize};
 
 use super::group::{Group, Place};
 use super::manifest;
@@ -33,7 +35,7 @@ pub struct By {
 }
 
 /// A file that is read.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Input {
     /// The file, as it was named.
     pub path: PathBuf,
@@ -42,6 +44,18 @@ pub struct Input {
     /// When it was last changed, ns since 1970.
     pub modified_ns: u128,
 }
+
+/// What a file holds.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Contents {
+    /// The file.
+    pub input: Input,
+    /// Its traces, each with the value of each key; none of them where the file does not say where it belongs.
+    pub traces: Vec<(Option<Key>, Place)>,
+}
+
+/// The value of each key that traces are grouped by.
+type Key = Vec<Option<String>>;
 
 /// All files of a survey, and their traces in groups.
 #[derive(Clone, Debug, Default)]
@@ -87,112 +101,38 @@ impl Sources {
                 return Err(SourceError::Empty(path.into()));
             }
         }
+        Self::of(files.iter().map(|file| Contents::of(file, by)), by)
+    }
+
+    /// The groups of files whose contents are known, in their order.
+    ///
+    /// # Errors
+    /// When the contents of a file are not known, or it is named twice.
+    pub fn of(
+        files: impl Iterator<Item = Result<Contents, SourceError>>,
+        by: &By,
+    ) -> Result<Self, SourceError> {
         let mut sources = Self::default();
-        let mut seen = HashMap::new();
+        let mut seen = HashSet::new();
         let mut known = HashMap::new();
-        for file in files {
-            let about = fs::metadata(&file)
-                .map_err(|source| SourceError::Open { path: file.clone(), source })?;
-            let modified =
-                about.modified().ok().and_then(|time| time.duration_since(UNIX_EPOCH).ok());
-            let real = file.canonicalize().unwrap_or_else(|_| file.clone());
-            if seen.insert(real, ()).is_some() {
-                return Err(SourceError::Twice(file));
+        for contents in files {
+            let Contents { input, traces } = contents?;
+            let file = &input.path;
+            if !seen.insert(file.canonicalize().unwrap_or_else(|_| file.clone())) {
+                return Err(SourceError::Twice(input.path));
             }
-            sources.take(&file, by, &mut known)?;
-            let modified_ns = modified.map_or(0, |since| since.as_nanos());
-            sources.inputs.push(Input { path: file, bytes: about.len(), modified_ns });
+            for (key, place) in traces {
+                match key {
+                    Some(key) => sources.add(key, place, &mut known),
+                    None => sources.alone(&input.path, place, by),
+                }
+            }
+            sources.inputs.push(input);
         }
         Ok(sources)
     }
 
-    /// Adds the traces of one file.
-    fn take(
-        &mut self,
-        file: &Path,
-        by: &By,
-        known: &mut HashMap<Vec<Option<String>>, usize>,
-    ) -> Result<(), SourceError> {
-        if trace::has_extension(file, "parquet") {
-            match many::columns(file) {
-                Ok(columns) if columns.contains(&by.id) => {
-                    return self.take_many(file, &columns, by, known);
-                }
-                Ok(_) => {}
-                // What is no Parquet is a row with its reason.
-                Err(_) => {
-                    self.alone(file, by);
-                    return Ok(());
-                }
-            }
-        }
-        let mut head = None;
-        let mut key = Vec::new();
-        for name in &by.keys {
-            if let Some(value) = from_path(file, name, by.names.as_ref()) {
-                key.push(Some(value));
-                continue;
-            }
-            let head = match &mut head {
-                Some(head) => head,
-                none => match head_of(file) {
-                    Ok(read) => none.insert(read),
-                    Err(_) => {
-                        self.alone(file, by);
-                        return Ok(());
-                    }
-                },
-            };
-            let value = from_head(head, name);
-            let missing = || SourceError::NoKey { path: file.into(), key: name.clone() };
-            key.push(Some(value.ok_or_else(missing)?));
-        }
-        self.add(key, Place::File(file.into()), known);
-        Ok(())
-    }
-
-    /// Adds the traces of a file that holds many.
-    fn take_many(
-        &mut self,
-        file: &Path,
-        columns: &[String],
-        by: &By,
-        known: &mut HashMap<Vec<Option<String>>, usize>,
-    ) -> Result<(), SourceError> {
-        let inside: Vec<&str> = by
-            .keys
-            .iter()
-            .map(String::as_str)
-            .filter(|key| columns.iter().any(|column| column == key))
-            .collect();
-        let head = head_of(file)?;
-        let mut outside = HashMap::new();
-        for key in by.keys.iter().filter(|key| !inside.contains(&key.as_str()) && *key != TRACE) {
-            let value = from_path(file, key, by.names.as_ref()).or_else(|| from_head(&head, key));
-            let missing = || SourceError::NoKey { path: file.into(), key: key.clone() };
-            outside.insert(key.as_str(), value.ok_or_else(missing)?);
-        }
-        for run in many::runs(file, &by.id, &inside)? {
-            let value = |key: &String| {
-                let column = inside.iter().position(|name| name == key);
-                let column = column.map(|column| run.keys[column].to_string());
-                let own = || outside.get(key.as_str()).cloned();
-                column.or_else(own).or_else(|| Some(run.id.to_string()))
-            };
-            let key = by.keys.iter().map(value).collect();
-            let (first, rows) = (run.first, run.rows);
-            let place = Place::Rows { path: file.into(), id: run.id.to_string(), first, rows };
-            self.add(key, place, known);
-        }
-        Ok(())
-    }
-
-    fn add(
-        &mut self,
-        key: Vec<Option<String>>,
-        place: Place,
-        known: &mut HashMap<Vec<Option<String>>, usize>,
-    ) {
+    fn add(&mut self, key: Key, place: Place, known: &mut HashMap<Key, usize>) {
         let next = self.groups.len();
         let at = *known.entry(key.clone()).or_insert(next);
         if at == next {
@@ -202,12 +142,92 @@ impl Sources {
     }
 
     /// A file that does not say where it belongs.
-    fn alone(&mut self, file: &Path, by: &By) {
+    fn alone(&mut self, file: &Path, place: Place, by: &By) {
         let number = self.groups.len() as u64;
         let value = |key: &String| from_path(file, key, by.names.as_ref());
         let key = by.keys.iter().map(value).collect();
-        self.groups.push(Group { number, key, places: vec![Place::File(file.into())] });
+        self.groups.push(Group { number, key, places: vec![place] });
     }
+}
+
+impl Contents {
+    /// What one file holds.
+    ///
+    /// # Errors
+    /// When it cannot be read, or nothing tells a key of a trace.
+    pub fn of(file: &Path, by: &By) -> Result<Self, SourceError> {
+        let about =
+            fs::metadata(file).map_err(|source| SourceError::Open { path: file.into(), source })?;
+        let modified = about.modified().ok().and_then(|time| time.duration_since(UNIX_EPOCH).ok());
+        let modified_ns = modified.map_or(0, |since| since.as_nanos());
+        let input = Input { path: file.into(), bytes: about.len(), modified_ns };
+        Ok(Self { input, traces: traces(file, by)? })
+    }
+}
+
+/// The traces of one file with their keys.
+fn traces(file: &Path, by: &By) -> Result<Vec<(Option<Key>, Place)>, SourceError> {
+    let alone = || Ok(vec![(None, Place::File(file.into()))]);
+    if trace::has_extension(file, "parquet") {
+        match many::columns(file) {
+            Ok(columns) if columns.contains(&by.id) => return many_traces(file, &columns, by),
+            Ok(_) => {}
+            // What is no Parquet is a row with its reason.
+            Err(_) => return alone(),
+        }
+    }
+    let mut head = None;
+    let mut key = Vec::new();
+    for name in &by.keys {
+        if let Some(value) = from_path(file, name, by.names.as_ref()) {
+            key.push(Some(value));
+            continue;
+        }
+        let head = match &mut head {
+            Some(head) => head,
+            none => match head_of(file) {
+                Ok(read) => none.insert(read),
+                Err(_) => return alone(),
+            },
+        };
+        let value = from_head(head, name);
+        let missing = || SourceError::NoKey { path: file.into(), key: name.clone() };
+        key.push(Some(value.ok_or_else(missing)?));
+    }
+    Ok(vec![(Some(key), Place::File(file.into()))])
+}
+
+/// The traces of a file that holds many.
+fn many_traces(
+    file: &Path,
+    columns: &[String],
+    by: &By,
+) -> Result<Vec<(Option<Key>, Place)>, SourceError> {
+    let inside: Vec<&str> = by
+        .keys
+        .iter()
+        .map(String::as_str)
+        .filter(|key| columns.iter().any(|column| column == key))
+        .collect();
+    let head = head_of(file)?;
+    let mut outside = HashMap::new();
+    for key in by.keys.iter().filter(|key| !inside.contains(&key.as_str()) && *key != TRACE) {
+        let value = from_path(file, key, by.names.as_ref()).or_else(|| from_head(&head, key));
+        let missing = || SourceError::NoKey { path: file.into(), key: key.clone() };
+        outside.insert(key.as_str(), value.ok_or_else(missing)?);
+    }
+    let of_run = |run: many::Run| {
+        let value = |key: &String| {
+            let column = inside.iter().position(|name| name == key);
+            let column = column.map(|column| run.keys[column].to_string());
+            let own = || outside.get(key.as_str()).cloned();
+            column.or_else(own).or_else(|| Some(run.id.to_string()))
+        };
+        let key = by.keys.iter().map(value).collect();
+        let (first, rows) = (run.first, run.rows);
+        (Some(key), Place::Rows { path: file.into(), id: run.id.to_string(), first, rows })
+    };
+    Ok(many::runs(file, &by.id, &inside)?.into_iter().map(of_run).collect())
 }
 
 /// The files of a folder and of the folders in it, by name; what is hidden or the result of a survey is passed over.

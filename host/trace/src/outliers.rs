@@ -86,27 +86,23 @@ fn between(time: &[f64], values: &[f64], range: &Range<usize>, k: usize) -> f64 
     values[from] + part * (values[to] - values[from])
 }
 
-/// Ranges of a few samples that stand off the line between their neighbours by more than `most` allows,
+/// Ranges of a few samples that stand off the line between their neighbours so far that `is_far` says so of the nearest of them,
 /// all to one side, where the samples around them agree.
 fn excursions(
     time: &[f64],
     values: &[f64],
-    most: impl Fn(&Range<usize>) -> f64,
+    is_far: impl Fn(&Range<usize>, f64) -> bool,
 ) -> Vec<Range<usize>> {
     let mut found = Vec::new();
     let mut k = 1;
     while k + 1 < values.len() {
         let away = |length: &usize| {
             let range = k..k + length;
-            if range.end >= values.len() {
-                return false;
-            }
-            let off: Vec<f64> =
-                range.clone().map(|k| values[k] - between(time, values, &range, k)).collect();
-            let one_side = off.iter().all(|other| other.signum() == off[0].signum());
-            let least = off.iter().fold(f64::INFINITY, |least: f64, off| least.min(off.abs()));
-            let back = (values[range.end] - values[k - 1]).abs();
-            one_side && back <= RETURN_SHARE * least && least > most(&range)
+            range.end < values.len()
+                && least_off(time, values, &range).is_some_and(|least| {
+                    let back = (values[range.end] - values[k - 1]).abs();
+                    back <= RETURN_SHARE * least && is_far(&range, least)
+                })
         };
         match (1..=MAX_SAMPLES_AWAY).find(away) {
             Some(length) => {
@@ -119,6 +115,21 @@ fn excursions(
     found
 }
 
+/// How far the nearest of some samples is off the line between their neighbours; none where they are on both sides of it.
+fn least_off(time: &[f64], values: &[f64], range: &Range<usize>) -> Option<f64> {
+    let off = |k: usize| values[k] - between(time, values, range, k);
+    let first = off(range.start);
+    let mut least = first.abs();
+    for k in range.start + 1..range.end {
+        let other = off(k);
+        if other.signum() != first.signum() {
+            return None;
+        }
+        least = least.min(other.abs());
+    }
+    Some(least)
+}
+
 /// Excursions of a motion that only a speed beyond the machine's could make.
 fn jumps_of_motion(time: &[f64], x: &[f64]) -> Vec<Range<usize>> {
     let speeds: Vec<f64> = (1..x.len())
@@ -127,27 +138,49 @@ fn jumps_of_motion(time: &[f64], x: &[f64]) -> Vec<Range<usize>> {
     if speeds.len() < KEPT_UP {
         return Vec::new();
     }
-    let fastest = speeds.windows(KEPT_UP).map(|kept| median(kept.to_vec())).fold(0.0, f64::max);
+    let fastest = fastest_kept_up(&speeds);
     // The scatter of a motion that stands still, and the last digit that it is written with.
-    let steps: Vec<f64> = x.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
-    let scatter = median(steps.iter().copied().filter(|step| *step > 0.0).collect());
-    excursions(time, x, |range| {
+    let scatter = median(steps(x).filter(|step| *step > 0.0).collect());
+    excursions(time, x, |range, least| {
         let lasts =
             (time[range.start] - time[range.start - 1]).max(time[range.end] - time[range.end - 1]);
-        JUMP_STEPS * (fastest * lasts).max(scatter)
+        least > JUMP_STEPS * (fastest * lasts).max(scatter)
     })
+}
+
+/// The largest of the middle speeds of neighbours.
+fn fastest_kept_up(speeds: &[f64]) -> f64 {
+    speeds.windows(KEPT_UP).fold(0.0, |fastest, kept| {
+        // Only where more than half are faster is their middle.
+        if kept.iter().filter(|speed| **speed > fastest).count() <= KEPT_UP / 2 {
+            return fastest;
+        }
+        let mut sorted = [0.0; KEPT_UP];
+        sorted.copy_from_slice(kept);
+        sorted.sort_unstable_by(f64::total_cmp);
+        sorted[KEPT_UP / 2]
+    })
+}
+
+/// By how much each sample differs from the one before.
+fn steps(values: &[f64]) -> impl Iterator<Item = f64> {
+    values.windows(2).map(|pair| (pair[1] - pair[0]).abs())
 }
 
 /// Excursions of a signal far beyond its usual step around them.
 fn jumps_of_signal(time: &[f64], values: &[f64]) -> Vec<Range<usize>> {
-    let steps: Vec<f64> = values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
+    let steps: Vec<f64> = steps(values).collect();
     let overall = median(steps.iter().copied().filter(|step| *step > 0.0).collect());
-    excursions(time, values, |range| {
+    excursions(time, values, |range, least| {
+        // What costs least first: nearly no sample comes to the median.
+        if least <= JUMP_STEPS * overall {
+            return false;
+        }
         let before = range.start.saturating_sub(NEIGHBOURS)..range.start - 1;
         let after = range.end..(range.end + NEIGHBOURS).min(steps.len());
-        let around: Vec<f64> = [&steps[before], &steps[after]].concat();
-        let largest = around.iter().copied().fold(0.0, f64::max);
-        (JUMP_STEPS * median(around).max(overall)).max(2.0 * largest)
+        let around = [&steps[before], &steps[after]];
+        let largest = around.iter().copied().flatten().copied().fold(0.0, f64::max);
+        least > 2.0 * largest && least > JUMP_STEPS * median(around.concat())
     })
 }
 

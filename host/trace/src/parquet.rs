@@ -143,10 +143,19 @@ fn columns_of(reader: &SerializedFileReader<File>) -> Result<Vec<Column>, String
 
 /// One number in each row that means itself: no date, no decimal fraction, no list.
 pub(super) fn is_number(column: &ColumnDescriptor) -> bool {
+    column.max_rep_level() == 0 && is_plain(column)
+}
+
+/// A list of such numbers in each row.
+pub(super) fn is_list(column: &ColumnDescriptor) -> bool {
+    column.max_rep_level() == 1 && column.path().parts().len() == 3 && is_plain(column)
+}
+
+fn is_plain(column: &ColumnDescriptor) -> bool {
     use ConvertedType::{INT_8, INT_16, INT_32, INT_64, NONE};
     let plain = matches!(column.converted_type(), NONE | INT_8 | INT_16 | INT_32 | INT_64);
     let whole = column.converted_type() != NONE;
-    plain && column.max_rep_level() == 0 && (whole || column.logical_type_ref().is_none())
+    plain && (whole || column.logical_type_ref().is_none())
 }
 
 fn append(reader: ColumnReader, values: &mut Vec<f64>) -> Result<(), String> {

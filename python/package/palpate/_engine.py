@@ -1,19 +1,19 @@
-"""Surveys whose rows are made by other processes, on any machine that sees the same files by the same names.
+"""Surveys whose rows are made by other processes, on any machine that sees the same files by the same names, or the same URLs.
 
-A task is some groups, as text. An engine hands tasks to workers; a worker has each worked off by a process of its own, so
-that a group that ends its process ends nothing else; this process alone writes into the folder of the results.
+A task is some groups, as text. An engine hands tasks to workers (`_worker.py`); this process alone writes into the folder of the
+results.
 """
 
 from __future__ import annotations
 
 import json
-import signal
-import subprocess
-import sys
+import os
 from collections.abc import Callable, Iterable, Iterator
+from multiprocessing.pool import ThreadPool
 from typing import TYPE_CHECKING, Any
 
-from palpate import _palpate
+from palpate import _palpate, _remote
+from palpate._worker import end_all, failed, work
 
 if TYPE_CHECKING:
     from palpate._progress import Tell
@@ -23,14 +23,14 @@ Work = Callable[[str], list[str]]
 #: Gives what `work` gives for each task, in any order.
 Function = Callable[[Work, Iterator[str]], Iterable[list[str]]]
 
-#: How often a group is tried at which the process ends.
-ATTEMPTS = 2
-#: How long a task should take, s: long beside the start of a process, short beside a survey.
+#: How long a task should take, s: long beside handing it out, short beside a survey.
 A_TASK_SECONDS = 4.0
-#: How long the last ones should take, s: a process starts in some 0.06 s, and no worker waits longer for another.
-LAST_SECONDS = 1.0
+#: How long the last ones should take, s: no worker waits longer for another.
+LAST_SECONDS = 0.5
 #: Groups of a task before it is known how long one takes.
 FIRST = 5
+#: Objects of a store that are looked into at a time.
+OBJECTS = 16
 #: Tasks that a thread of the cluster has before it, so that it never waits.
 AHEAD = 2
 #: How often an engine tries a task whose worker was lost or failed.
@@ -38,23 +38,47 @@ RETRIES = 3
 GOES_ON = "what is done is kept, and the same call goes on with the others"
 
 
-def fill(native: _palpate.Survey, engine: Engine, tell: Tell | None) -> None:
-    """Has every group that has no row yet asked by an engine."""
+def fill(native: _palpate.Survey, engine: Engine | None, tell: Tell | None) -> None:
+    """Has every group that has no row yet asked by an engine; without one by this machine."""
+    if engine is None:
+        with ThreadPool(os.cpu_count()) as pool:
+            return fill(native, pool.imap_unordered, tell)
     if isinstance(engine, str):
         with _client(engine) as client:
             return fill(native, client, tell)
-    of = native.open()
+    of = native.open(_contents(native, engine))
     try:
         share = _Share(of)
-        tasks = _tasks(native, share)
-        for rows in engine(work, tasks) if callable(engine) else _dask(engine, tasks, share):
-            share.count(rows, native.keep(rows))
+        for rows in _worked_off(engine, _tasks(native, share), share):
+            share.count(len(rows), *native.keep(rows))
             if tell is not None:
                 tell("groups", share.done, of)
         if share.done < of:
-            raise _failed(f"the engine gave {share.done} of {of} rows; {GOES_ON}")
+            raise failed(f"the engine gave {share.done} of {of} rows; {GOES_ON}")
     finally:
         native.close()
+        end_all()
+
+
+def _contents(native: _palpate.Survey, engine: Engine) -> list[str] | None:
+    """What objects of a store hold, as those say who work on them; none where the data are files."""
+    data = native.data()
+    if not any(map(_remote.is_url, data)):
+        return None
+    if not all(map(_remote.is_url, data)):
+        raise _palpate.Error("a survey is of files or of URLs, not of both")
+    urls = _remote.listed(data)
+    looks = (native.look(urls[first : first + OBJECTS]) for first in range(0, len(urls), OBJECTS))
+    found: dict[str, str] = {}
+    for some in _worked_off(engine, looks, _Share(len(urls))):
+        found.update((json.loads(one)["input"]["path"], one) for one in some)
+    if len(found) < len(set(urls)):
+        raise failed(f"the engine looked into {len(found)} of {len(urls)} objects")
+    return [found[url] for url in urls]
+
+
+def _worked_off(engine: Engine, tasks: Iterator[str], share: _Share) -> Iterable[list[str]]:
+    return engine(work, tasks) if callable(engine) else _dask(engine, tasks, share)
 
 
 class _Share:
@@ -73,11 +97,11 @@ class _Share:
         fair = min(max(left, LAST_SECONDS * a_second), self.of / self.threads)
         return max(1, int(min(A_TASK_SECONDS * a_second, fair)))
 
-    def count(self, rows: list[str], kept: int) -> None:
+    def count(self, came: int, kept: int, seconds: float) -> None:
         """Counts rows that came, of which so many were kept, with the processor time that they took."""
-        self.came += len(rows)
+        self.came += came
         self.done += kept
-        self.seconds += sum(json.loads(row)[1]["seconds"] for row in rows)
+        self.seconds += seconds
 
 
 def _tasks(native: _palpate.Survey, share: _Share) -> Iterator[str]:
@@ -100,7 +124,7 @@ def _client(address: str) -> Any:
     try:
         return Client(address, set_as_default=False)
     except (OSError, ValueError) as what:
-        raise _failed(f"{address}: no scheduler of Dask answers there\n  because {what}") from None
+        raise failed(f"{address}: no scheduler of Dask answers there\n  because {what}") from None
 
 
 def _dask(client: Any, tasks: Iterator[str], share: _Share) -> Iterator[list[str]]:
@@ -125,7 +149,7 @@ def _dask(client: Any, tasks: Iterator[str], share: _Share) -> Iterator[list[str
                 rows = future.result()
             except KilledWorker as what:
                 lost = "the cluster lost every worker that tried one task"
-                raise _failed(f"{lost}; {GOES_ON}\n  because {what}") from None
+                raise failed(f"{lost}; {GOES_ON}\n  because {what}") from None
             waiting.discard(future)
             yield rows
             hand_out()
@@ -137,55 +161,3 @@ def _threads(client: Any) -> int:
     """Threads of the cluster; one where it has none yet, for some clusters grow as work comes."""
     threads: dict[str, int] = client.nthreads()
     return max(1, sum(threads.values()))
-
-
-def work(task: str) -> list[str]:
-    """Works off a task on this machine, in a process of its own, and gives its rows."""
-    rows: list[str] = []
-    left: str | None = task
-    tried = 0
-    while left is not None:
-        done = _process(left)
-        # A line that was cut off is no row.
-        whole = done.stdout.split("\n")[:-1]
-        rows += whole
-        if done.returncode == 0:
-            return rows
-        if done.returncode in (1, 2):
-            raise _failed(done.stderr.strip(), done.returncode)
-        tried = 1 if whole else tried + 1
-        left = _palpate.survey_rest(left, len(whole), tried)
-        if left is not None and tried == ATTEMPTS:
-            rows.append(_palpate.survey_gave_up(left, tried, _end(done.returncode)))
-            left, tried = _palpate.survey_rest(left, 1, 0), 0
-    return rows
-
-
-def _process(task: str) -> subprocess.CompletedProcess[str]:
-    folder = json.loads(task)["folder"]
-    call = [sys.executable, "-m", "palpate._rows"]
-    try:
-        return subprocess.run(
-            call, input=task, cwd=folder, capture_output=True, encoding="utf-8", check=False
-        )
-    except (FileNotFoundError, NotADirectoryError):
-        raise _palpate.Error(
-            f"a worker has no folder {folder}: workers must see the files of a survey by the same names"
-        ) from None
-
-
-def _failed(words: str, status: int = 1) -> _palpate.Error:
-    error = _palpate.Error(words)
-    error.status = status
-    return error
-
-
-def _end(status: int) -> str:
-    """How a process ended, in words."""
-    if status >= 0:
-        return f"the process that worked on it ended with status {status}"
-    try:
-        name = signal.Signals(-status).name
-    except ValueError:
-        name = f"signal {-status}"
-    return f"the process that worked on it was ended by {name}"

@@ -1,4 +1,4 @@
-"""The process that works off one task of a survey: the task on standard input, its rows on standard output."""
+"""The process that works off tasks of a survey: one a line on standard input, its rows and an empty line on standard output."""
 
 import sys
 
@@ -6,12 +6,14 @@ from palpate import _palpate
 
 
 def main() -> int:
-    """Prints a row of each group of the task."""
-    try:
-        _palpate.survey_work(sys.stdin.buffer.read().decode())
-    except _palpate.Error as error:
-        print(error, file=sys.stderr)
-        return error.status
+    """Prints a row of each group of each task, until there are no more."""
+    for task in sys.stdin.buffer:
+        try:
+            _palpate.survey_work(task.decode())
+        except _palpate.Error as error:
+            print(error, file=sys.stderr)
+            return error.status
+        print(flush=True)
     return 0
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, Union
 
@@ -13,6 +13,7 @@ from palpate._answers import Answer
 from palpate._data import PathLike
 from palpate._options import options
 from palpate._progress import told
+from palpate._remote import is_url
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -37,6 +38,7 @@ def survey(
     model: PathLike | None = None,
     names: str | None = None,
     trace_id: str | None = None,
+    columns: Mapping[str, str] | None = None,
     jobs: int | None = None,
     engine: Engine | None = None,
     force: bool = False,
@@ -53,11 +55,12 @@ def survey(
 ) -> Survey:
     """Puts one question to every group of a large data set: `palpate survey QUESTION`.
 
-    `data` are files and folders, `by` the keys that traces are grouped by, `names` where keys stand in names of files,
-    `out` the folder of the results: one row a group, in the files, with the bytes, that the command makes. A folder of
-    the same survey goes on, whichever way it was begun; `force` begins it anew. `law` is what `fit` fits (`fung`),
-    `model` the model file of `compare` and `diagnose`, and of `decompose` where it is wanted; the other options are
-    those of the single question.
+    `data` are files and folders, or their URLs in an object store (`s3://lab/grasps`), `by` the keys that traces are
+    grouped by, `names` where keys stand in names of files, `columns` what a trace calls the columns of Parquet files
+    with many traces (`{"timestamp": "time_s"}`), `out` the folder of the results: one row a group, in the files, with
+    the bytes, that the command makes. A folder of the same survey goes on, whichever way it was begun; `force` begins
+    it anew. `law` is what `fit` fits (`fung`), `model` the model file of `compare` and `diagnose`, and of `decompose`
+    where it is wanted; the other options are those of the single question.
 
     `engine` is who works: without it the processors of this machine, `jobs` groups at a time; the address of a
     scheduler of Dask (`tcp://scheduler:8786`) or a `distributed.Client`, whose workers see the same files by the same
@@ -80,6 +83,7 @@ def survey(
         by=keys,
         names=names,
         trace_id=trace_id,
+        columns=None if columns is None else ",".join(f"{name}={to}" for name, to in columns.items()),
         output=os.fspath(out),
         model=None if model is None else os.fspath(model),
         jobs=jobs,
@@ -103,7 +107,7 @@ def survey(
 def fill(native: _palpate.Survey, engine: Engine | None) -> None:
     """Asks every group that has no row yet."""
     with told() as tell:
-        if engine is None:
+        if engine is None and not any(map(is_url, native.data())):
             native.ask(tell)
         else:
             from palpate import _engine

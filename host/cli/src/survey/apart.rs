@@ -63,8 +63,41 @@ impl Call {
     /// # Errors
     /// As the command.
     pub fn open(&self) -> Result<Open, Failure> {
+        self.opened(self.survey()?.begin(&self.words)?)
+    }
+
+    /// The same where the files are seen elsewhere alone: with what tasks of [`Call::look`] gave for each, in their order.
+    ///
+    /// # Errors
+    /// As the command, and when that is not what was given.
+    pub fn open_of(&self, files: &[String]) -> Result<Open, Failure> {
+        let contents = |text: &String| serde_json::from_str(text).map_err(Failure::work);
+        let files = files.iter().map(contents).collect::<Result<_, _>>()?;
+        self.opened(self.survey()?.begin_of(&self.words, files)?)
+    }
+
+    /// What was given as data.
+    ///
+    /// # Errors
+    /// When a name is no Unicode.
+    pub fn data(&self) -> Result<Vec<String>, Failure> {
         let survey = self.survey()?;
-        let results = survey.begin(&self.words)?;
+        let text = |path: &PathBuf| path.to_str().map(str::to_owned);
+        let data = survey.data().iter().map(text).collect::<Option<_>>();
+        data.ok_or_else(|| Failure::Input(miette::miette!("the name of a file is no Unicode")))
+    }
+
+    /// A task for [`work`] that asks nothing yet: what each of these files holds, as it is seen where the task is worked off.
+    ///
+    /// # Errors
+    /// When the name of a file is no Unicode.
+    pub fn look(&self, files: Vec<PathBuf>) -> Result<String, Failure> {
+        let (version, words) = (env!("CARGO_PKG_VERSION").to_owned(), self.words.clone());
+        serde_json::to_string(&Look { version, words, files }).map_err(Failure::input)
+    }
+
+    fn opened(&self, results: Results) -> Result<Open, Failure> {
+        let survey = self.survey()?;
         let missing = results.missing().into();
         let options = survey.options(&self.words)?;
         let folder = std::env::current_dir().map_err(Failure::work)?;
@@ -118,6 +151,14 @@ struct Task {
     groups: Vec<Group>,
 }
 
+/// Files whose contents a survey has to know.
+#[derive(Serialize, Deserialize)]
+struct Look {
+    version: String,
+    words: Vec<String>,
+    files: Vec<PathBuf>,
+}
+
 impl Open {
     /// Number of groups that are in no task yet.
     #[must_use]
@@ -139,34 +180,44 @@ impl Open {
     }
 
     /// Keeps a row that [`work`] or [`gave_up`] gave: when this returns it survives the end of the process. False, and nothing is
-    /// kept, where the group has a row already or is in no task: an engine may do a task twice.
+    /// kept, where the group has a row already or is in no task: an engine may do a task twice. Either way with what it cost.
     ///
     /// # Errors
     /// When it is no row, and what the file system answers.
-    pub fn keep(&mut self, row: &str) -> Result<bool, Failure> {
+    pub fn keep(&mut self, row: &str) -> Result<(bool, Worked), Failure> {
         let (row, worked): (Row, Worked) = serde_json::from_str(row).map_err(Failure::work)?;
         let is_new = self.handed_out.remove(&row.group);
         if is_new {
             self.results.add(row, worked).map_err(wrong)?;
         }
-        Ok(is_new)
+        Ok((is_new, worked))
     }
 }
 
-/// Works off a task on one thread: a row of each group in their order, on a line of its own, as soon as it is there.
+/// What a worker is given.
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum Part {
+    Groups(Task),
+    Files(Look),
+}
+
+/// Works off a task on one thread: a row of each group in their order, or what each file holds, on a line of its own, as soon as
+/// it is there.
 ///
 /// # Errors
-/// When the task was made by another version of palpate or with another text of the model than is read here, and what `out`
-/// answers. What is wrong with a group is in its row.
-pub fn work(task: &str, mut out: impl Write + Send) -> Result<(), Failure> {
-    let Task { version, words, options, mut tried, groups, .. } = read(task)?;
-    let here = env!("CARGO_PKG_VERSION");
-    if version != here {
-        return Err(Failure::Input(miette::miette!(
-            "the survey was called with palpate {version}, this worker has {here}"
-        )));
+/// When the task was made by another version of palpate or with another text of the model than is read here, a file that is
+/// looked into tells no key of a trace, and what `out` answers. What is wrong with a group is in its row.
+pub fn work(task: &str, out: impl Write + Send) -> Result<(), Failure> {
+    match serde_json::from_str(task).map_err(Failure::input)? {
+        Part::Groups(task) => rows(task, out),
+        Part::Files(look) => contents(&look, out),
     }
-    let call = Call::new(words.get(1..).unwrap_or_default())?;
+}
+
+fn rows(task: Task, mut out: impl Write + Send) -> Result<(), Failure> {
+    let Task { version, words, options, mut tried, groups, .. } = task;
+    let call = called(&version, &words)?;
     let survey = call.survey()?;
     if survey.options(&words)? != options {
         return Err(Failure::Input(miette::miette!(
@@ -179,6 +230,26 @@ pub fn work(task: &str, mut out: impl Write + Send) -> Result<(), Failure> {
         out.flush()
     };
     survey.rows(groups.into_iter(), NonZeroUsize::MIN, done).map_err(Failure::work)
+}
+
+fn contents(look: &Look, mut out: impl Write) -> Result<(), Failure> {
+    let call = called(&look.version, &look.words)?;
+    let survey = call.survey()?;
+    look.files.iter().try_for_each(|file| {
+        let contents = serde_json::to_string(&survey.contents(file)?).map_err(Failure::input)?;
+        writeln!(out, "{contents}").and_then(|()| out.flush()).map_err(Failure::work)
+    })
+}
+
+/// The call that a worker has a part of.
+fn called(version: &str, words: &[String]) -> Result<Call, Failure> {
+    let here = env!("CARGO_PKG_VERSION");
+    if version != here {
+        return Err(Failure::Input(miette::miette!(
+            "the survey was called with palpate {version}, this worker has {here}"
+        )));
+    }
+    Call::new(words.get(1..).unwrap_or_default())
 }
 
 /// A task without the groups whose rows are there, and how often the first of those left was tried; none where none is left.
@@ -278,15 +349,15 @@ mod tests {
             let rows = String::from_utf8(rows).unwrap();
             let left = rest(task, 1, 1).unwrap();
             for row in rows.lines().take(if left.is_some() { 1 } else { 2 }) {
-                assert!(open.keep(row).unwrap());
-                assert!(!open.keep(row).unwrap(), "it came twice");
+                assert!(open.keep(row).unwrap().0);
+                assert!(!open.keep(row).unwrap().0, "it came twice");
             }
             let mut rows = Vec::new();
             left.map_or(Ok(()), |left| work(&left, &mut rows)).unwrap();
             String::from_utf8(rows)
                 .unwrap()
                 .lines()
-                .for_each(|row| assert!(open.keep(row).unwrap()));
+                .for_each(|row| assert!(open.keep(row).unwrap().0));
         }
         drop(open);
         assert_eq!(groups(&at("apart")), groups(&at("here")));

@@ -17,7 +17,8 @@ use palpate_fit::watch;
 use palpate_model::Model;
 use palpate_survey::results::{About, Plan, Results, ResultsError};
 use palpate_survey::run::{Question, run};
-use palpate_survey::{By, Group, Names, Row, Sources, Worked};
+use palpate_survey::{By, Contents, Group, Names, Row, SourceError, Sources, Worked};
+use palpate_trace::many;
 
 /// Which traces, grouped by what, and where the results go.
 #[derive(clap::Args)]
@@ -34,6 +35,9 @@ pub struct Fleet {
     /// The column of a Parquet file that says of which trace a row is
     #[arg(long, value_name = "COLUMN", default_value = "trace_id")]
     trace_id: String,
+    /// What columns of a Parquet file with many traces are called in a trace; a list has a column for each of its places
+    #[arg(long, value_name = "COLUMN=NAME,...", value_delimiter = ',', value_parser = called)]
+    columns: Vec<(String, String)>,
     /// Folder of the results: a new one, or one of the same survey, which goes on
     #[arg(short, long, required = true, value_name = "DIR")]
     output: PathBuf,
@@ -109,6 +113,19 @@ impl<'a> Survey<'a> {
 
     /// Finds the groups, and begins the folder of the results or goes on with it.
     pub fn begin(&self, words: &[String]) -> Result<Results, Failure> {
+        self.begin_with(words, |by| Sources::find(&self.fleet.data, by))
+    }
+
+    /// Begins the folder of the results of files whose contents are known or goes on with it.
+    pub fn begin_of(&self, words: &[String], files: Vec<Contents>) -> Result<Results, Failure> {
+        self.begin_with(words, |by| Sources::of(files.into_iter().map(Ok), by))
+    }
+
+    fn begin_with(
+        &self,
+        words: &[String],
+        find: impl FnOnce(&By) -> Result<Sources, SourceError>,
+    ) -> Result<Results, Failure> {
         let Fleet { data, output, result, .. } = self.fleet;
         let read = data.iter().map(PathBuf::as_path);
         result.files(read.chain(self.given.iter().map(|given| given.path)))?;
@@ -119,9 +136,19 @@ impl<'a> Survey<'a> {
             options: self.options(words)?,
             command: command_of(words),
             seeds: self.seeds.clone(),
-            sources: Sources::find(data, &by).map_err(Failure::input)?,
+            sources: find(&by).map_err(Failure::input)?,
         };
         Results::begin(output, plan, result.over().allowed).map_err(wrong)
+    }
+
+    /// What was given as data.
+    pub fn data(&self) -> &[PathBuf] {
+        &self.fleet.data
+    }
+
+    /// What one file holds.
+    pub fn contents(&self, file: &Path) -> Result<Contents, Failure> {
+        Contents::of(file, &self.fleet.by()).map_err(Failure::input)
     }
 
     /// Every option that rows depend on, with its value.
@@ -141,7 +168,9 @@ impl<'a> Survey<'a> {
         done: impl FnMut(Row, Worked) -> io::Result<()> + Send,
     ) -> io::Result<()> {
         let By { keys, id, .. } = self.fleet.by();
-        run(groups, keys.into_iter().chain([id]).collect(), &self.question, jobs, done)
+        let beside = keys.into_iter().chain([id]).collect();
+        let names = many::Names { beside, called: self.fleet.columns.clone() };
+        run(groups, names, &self.question, jobs, done)
     }
 
     /// What all rows say.
@@ -163,6 +192,12 @@ impl Fleet {
     fn jobs(&self) -> NonZeroUsize {
         self.jobs.unwrap_or_else(|| thread::available_parallelism().unwrap_or(NonZeroUsize::MIN))
     }
+}
+
+/// The name of a column in a file and in a trace.
+fn called(pair: &str) -> Result<(String, String), String> {
+    let (from, to) = pair.split_once('=').ok_or("say COLUMN=NAME, as in timestamp=time_s")?;
+    Ok((from.into(), to.into()))
 }
 
 /// What a survey asked, and by which keys: the line below the title of its reports.

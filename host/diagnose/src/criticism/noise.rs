@@ -2,7 +2,7 @@
 
 use super::hum::{centred, without_hum};
 use palpate_fit::data::Data;
-use palpate_fit::whitening::{Stretch, Whitening};
+use palpate_fit::whitening::{Likelihood, Stretch, Whitening, decays};
 use palpate_trace::{Noise, Source, Trace, pooled_noise};
 
 /// What is known of the noise.
@@ -204,8 +204,10 @@ fn with_flicker(stretches: &[Stretch], plain: &Whitening, longest: usize) -> Opt
         let (flicker, rest) = (point[0].exp(), &point[1..]);
         Whitening::new(s, &partial(rest), s * flicker, length)
     };
-    let cost =
-        |point: &[f64]| (point[0] > FAINT).then(|| deviance(stretches, |s| make(s, point, here)).0);
+    let cost = |point: &[f64]| {
+        let parts = || decays::likelihoods(point[1].tanh(), point[0].exp(), stretches);
+        (point[0] > FAINT).then(|| likeliest(stretches, parts()).0)
+    };
     let point = search(&[-1.0, 0.3], cost)?;
     let (with, size) = deviance(stretches, |s| make(s, &point, here));
     let plain = deviance(stretches, |s| plain.scaled(s / plain.standard_deviation()));
@@ -220,9 +222,16 @@ fn partial(point: &[f64]) -> Vec<f64> {
 /// Minus twice the logarithm of the likelihood at the likeliest size, and that size.
 fn deviance(stretches: &[Stretch], noise: impl Fn(f64) -> Whitening) -> (f64, f64) {
     let unit = noise(1.0);
+    likeliest(stretches, stretches.iter().map(|stretch| unit.likelihood(stretch)))
+}
+
+/// The same from what the likelihood of each stretch takes for noise of size 1.
+fn likeliest(
+    stretches: &[Stretch],
+    likelihoods: impl IntoIterator<Item = Likelihood>,
+) -> (f64, f64) {
     let (mut squares, mut logarithms, mut count) = (0.0, 0.0, 0.0);
-    for stretch in stretches {
-        let parts = unit.likelihood(stretch);
+    for (stretch, parts) in stretches.iter().zip(likelihoods) {
         squares += parts.squares;
         logarithms += parts.logarithms;
         count += stretch.len() as f64 - 1.0;

@@ -5,6 +5,7 @@
 
 mod rows;
 mod runs;
+mod taken;
 
 pub use rows::Rows;
 pub use runs::{Run, runs};
@@ -17,6 +18,16 @@ use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::schema::types::ColumnDescriptor;
 
 use super::{Error, Head, parquet as one};
+
+/// What the columns of a file with many traces are.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Names {
+    /// Those that are no part of a trace, but say which it is.
+    pub beside: Vec<String>,
+    /// Those that a trace calls otherwise: their names in the file and in the trace. `observation.state.0` is the first place of the
+    /// lists in `observation.state`.
+    pub called: Vec<(String, String)>,
+}
 
 /// The names of the columns.
 ///

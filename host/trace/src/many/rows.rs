@@ -3,13 +3,12 @@
 use std::fs::File;
 use std::path::{Path, PathBuf};
 
-use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
-use parquet::data_type::DataType;
+use parquet::column::reader::ColumnReader;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 
-use super::super::parquet::is_number;
 use super::super::write::check;
-use super::{one, open, refused};
+use super::taken::{self, Taken};
+use super::{Names, one, open, refused};
 use crate::{Column, Error, Head, TIME, Trace};
 
 /// Reads traces of one file. Going forward, no page is read twice.
@@ -17,8 +16,8 @@ pub struct Rows {
     path: PathBuf,
     file: SerializedFileReader<File>,
     head: Head,
-    /// Place and name of each column of numbers.
-    columns: Vec<(usize, String)>,
+    /// The columns of numbers.
+    columns: Vec<Taken>,
     /// First row of each group of rows, and the number of all.
     starts: Vec<u64>,
     open: Option<Open>,
@@ -33,25 +32,18 @@ struct Open {
 }
 
 impl Rows {
-    /// Opens a file; columns named in `names` are no part of the traces, nor are those that hold no numbers.
+    /// Opens a file, whose columns have these names.
     ///
     /// # Errors
-    /// When it cannot be opened as Parquet, its head is not understood, or it has no column of time.
-    pub fn open(path: &Path, names: &[&str]) -> Result<Self, Error> {
+    /// When it cannot be opened as Parquet, its head is not understood, a column that is called otherwise is not there, or it has
+    /// no column of time.
+    pub fn open(path: &Path, names: &Names) -> Result<Self, Error> {
         let file = open(path)?;
         let mut head = one::head_of(path, &file)?;
         // The order within the file is the order of recording.
         (head.setup.sequence, head.setup.start_s) = (None, None);
         let schema = file.metadata().file_metadata().schema_descr();
-        let number = |(place, column): (usize, &std::sync::Arc<_>)| {
-            let column: &parquet::schema::types::ColumnDescriptor = column;
-            let name = column.path().string();
-            (is_number(column) && !names.contains(&&*name)).then_some((place, name))
-        };
-        let columns: Vec<_> = schema.columns().iter().enumerate().filter_map(number).collect();
-        if !columns.iter().any(|(_, name)| name == TIME) {
-            return Err(refused(path, format!("there is no column `{TIME}`")));
-        }
+        let columns = taken::columns(schema, names).map_err(|what| refused(path, what))?;
         let mut starts = vec![0];
         for group in file.metadata().row_groups() {
             starts.push(starts[starts.len() - 1] + group.num_rows() as u64);
@@ -62,7 +54,8 @@ impl Rows {
     /// Bytes that the numbers of so many rows take in memory.
     #[must_use]
     pub fn bytes_of(&self, rows: u64) -> u64 {
-        rows * self.columns.len() as u64 * 8
+        let columns: usize = self.columns.iter().map(|column| column.names.len()).sum();
+        rows * columns as u64 * 8
     }
 
     /// Reads one trace: so many rows from `first` on.
@@ -76,12 +69,9 @@ impl Rows {
         if values.is_err() {
             self.open = None;
         }
-        let mut columns: Vec<Column> = self
-            .columns
-            .iter()
-            .zip(values?)
-            .map(|((_, name), values)| Column { name: name.clone(), values })
-            .collect();
+        let names = self.columns.iter().flat_map(|column| &column.names).cloned();
+        let mut columns: Vec<Column> =
+            names.zip(values?).map(|(name, values)| Column { name, values }).collect();
         let time = columns.iter().position(|column| column.name == TIME);
         let time = time.map(|at| columns.remove(at).values).unwrap_or_default();
         let mut head = self.head.clone();
@@ -93,8 +83,8 @@ impl Rows {
 
     /// The values of every column.
     fn read(&mut self, first: u64, rows: u64) -> Result<Vec<Vec<f64>>, String> {
-        let mut values: Vec<Vec<f64>> =
-            self.columns.iter().map(|_| Vec::with_capacity(rows as usize)).collect();
+        let empty = |column: &Taken| vec![Vec::with_capacity(rows as usize); column.names.len()];
+        let mut values: Vec<Vec<Vec<f64>>> = self.columns.iter().map(empty).collect();
         let (mut at, end) = (first, first + rows);
         while at < end {
             let group = self.starts.partition_point(|&start| start <= at) - 1;
@@ -102,16 +92,15 @@ impl Rows {
             self.go_to(group, at)?;
             let open = self.open.as_mut().ok_or("it ends before its rows")?;
             let count = end.min(last) - at;
-            for ((reader, values), (_, name)) in
+            for ((reader, values), column) in
                 open.readers.iter_mut().zip(&mut values).zip(&self.columns)
             {
-                take(reader, count as usize, values)
-                    .map_err(|what| format!("column `{name}`: {what}"))?;
+                column.take(reader, count as usize, values)?;
             }
             at += count;
             open.row = at;
         }
-        Ok(values)
+        Ok(values.into_iter().flatten().collect())
     }
 
     /// Goes to a row of a group.
@@ -121,7 +110,8 @@ impl Rows {
             Some(open) => open,
             None => {
                 let rows = self.file.get_row_group(group).map_err(|error| error.to_string())?;
-                let readers = self.columns.iter().map(|(place, _)| rows.get_column_reader(*place));
+                let readers =
+                    self.columns.iter().map(|column| rows.get_column_reader(column.place));
                 let readers =
                     readers.collect::<Result<_, _>>().map_err(|error| error.to_string())?;
                 Open { group, row: self.starts[group], readers }
@@ -129,61 +119,10 @@ impl Rows {
         };
         let ahead = (row - open.row) as usize;
         for reader in open.readers.iter_mut().filter(|_| ahead > 0) {
-            skip(reader, ahead)?;
+            taken::skip(reader, ahead)?;
         }
         open.row = row;
         self.open = Some(open);
         Ok(())
     }
-}
-
-fn skip(reader: &mut ColumnReader, rows: usize) -> Result<(), String> {
-    let skipped = match reader {
-        ColumnReader::DoubleColumnReader(reader) => reader.skip_records(rows),
-        ColumnReader::FloatColumnReader(reader) => reader.skip_records(rows),
-        ColumnReader::Int32ColumnReader(reader) => reader.skip_records(rows),
-        ColumnReader::Int64ColumnReader(reader) => reader.skip_records(rows),
-        _ => return Err("does not hold plain numbers".into()),
-    };
-    match skipped {
-        Ok(skipped) if skipped == rows => Ok(()),
-        Ok(_) => Err("it ends before its rows".into()),
-        Err(error) => Err(error.to_string()),
-    }
-}
-
-fn take(reader: &mut ColumnReader, rows: usize, values: &mut Vec<f64>) -> Result<(), String> {
-    match reader {
-        ColumnReader::DoubleColumnReader(reader) => take_as(reader, rows, |value| value, values),
-        ColumnReader::FloatColumnReader(reader) => take_as(reader, rows, f64::from, values),
-        ColumnReader::Int32ColumnReader(reader) => take_as(reader, rows, f64::from, values),
-        ColumnReader::Int64ColumnReader(reader) => {
-            take_as(reader, rows, |value| value as f64, values)
-        }
-        _ => Err("does not hold plain numbers".into()),
-    }
-}
-
-fn take_as<T: DataType>(
-    reader: &mut ColumnReaderImpl<T>,
-    rows: usize,
-    number: fn(T::T) -> f64,
-    values: &mut Vec<f64>,
-) -> Result<(), String> {
-    let (mut batch, mut levels) = (Vec::new(), Vec::new());
-    let mut left = rows;
-    while left > 0 {
-        levels.clear();
-        let read = reader.read_records(left, Some(&mut levels), None, &mut batch);
-        let (read, present, _) = read.map_err(|error| error.to_string())?;
-        if present < read {
-            return Err("a value is missing".into());
-        }
-        if read == 0 {
-            return Err("it ends before its rows".into());
-        }
-        left -= read;
-        values.extend(batch.drain(..).map(number));
-    }
-    Ok(())
 }

@@ -2,7 +2,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use parquet::basic::{LogicalType, Repetition};
-use parquet::data_type::{ByteArray, ByteArrayType, DoubleType, Int32Type, Int64Type};
+use parquet::data_type::{ByteArray, ByteArrayType, DoubleType, FloatType, Int32Type, Int64Type};
 use parquet::file::properties::WriterProperties;
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::{Type, TypePtr};
@@ -116,7 +116,11 @@ fn traces_are_read_forward_or_back_as_they_lie() {
     for group in [100, 5] {
         let path = file(folder.path(), &samples(), group);
         let found = runs(&path, "trace_id", &[]).unwrap();
-        let mut rows = Rows::open(&path, &["trace_id", "finger"]).unwrap();
+        let mut rows = Rows::open(
+            &path,
+            &Names { beside: vec!["trace_id".into(), "finger".into()], called: Vec::new() },
+        )
+        .unwrap();
         for index in [0, 1, 3, 4, 2, 2, 0] {
             let run = &found[index];
             let trace = rows.trace(&run.id, run.first, run.rows).unwrap();
@@ -144,4 +148,68 @@ fn traces_whose_rows_lie_apart_and_columns_that_are_not_there_are_refused() {
     assert!(error.contains("neither text"), "{error}");
     std::fs::write(&path, "PAR1 and nothing").unwrap();
     assert!(runs(&path, "trace_id", &[]).is_err());
+}
+
+/// A file as LeRobot writes its data sets: the episode, its clock, and a list of two numbers a frame.
+fn episodes(folder: &Path) -> PathBuf {
+    let leaf = |name: &str, kind| {
+        let leaf = Type::primitive_type_builder(name, kind);
+        Arc::new(leaf.with_repetition(Repetition::OPTIONAL).build().unwrap())
+    };
+    let group = |name: &str, inside, repetition, logical| {
+        let group = Type::group_type_builder(name).with_fields(vec![inside]);
+        Arc::new(group.with_repetition(repetition).with_logical_type(logical).build().unwrap())
+    };
+    let each = group("list", leaf("element", Physical::FLOAT), Repetition::REPEATED, None);
+    let state = group("observation.state", each, Repetition::OPTIONAL, Some(LogicalType::List));
+    let fields: Vec<TypePtr> =
+        vec![leaf("episode_index", Physical::INT64), leaf("timestamp", Physical::FLOAT), state];
+    let schema = Type::group_type_builder("grasps").with_fields(fields).build().unwrap();
+    let path = folder.join("file-000.parquet");
+    let out = File::create(&path).unwrap();
+    let mut writer = SerializedFileWriter::new(out, Arc::new(schema), Arc::default()).unwrap();
+    let mut group = writer.next_row_group().unwrap();
+    let mut column = group.next_column().unwrap().unwrap();
+    let there = [1; 5];
+    column.typed::<Int64Type>().write_batch(&[0, 0, 0, 1, 1], Some(&there), None).unwrap();
+    column.close().unwrap();
+    let mut column = group.next_column().unwrap().unwrap();
+    let times = [0.0, 0.5, 1.0, 0.0, 0.5];
+    column.typed::<FloatType>().write_batch(&times, Some(&there), None).unwrap();
+    column.close().unwrap();
+    let mut column = group.next_column().unwrap().unwrap();
+    let values: Vec<f32> = (0..10_u8).map(f32::from).collect();
+    let goes_on = [0, 1].repeat(5);
+    column.typed::<FloatType>().write_batch(&values, Some(&[3; 10]), Some(&goes_on)).unwrap();
+    column.close().unwrap();
+    group.close().unwrap();
+    writer.close().unwrap();
+    path
+}
+
+#[test]
+fn a_place_of_a_list_is_a_column_by_the_name_that_a_trace_has_for_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = episodes(folder.path());
+    let names = |called: &[(&str, &str)]| Names {
+        beside: vec!["episode_index".into()],
+        called: called.iter().map(|&(from, to)| (from.into(), to.into())).collect(),
+    };
+    let called = [("timestamp", TIME), ("observation.state.1", "force_N")];
+    let mut rows = Rows::open(&path, &names(&called)).unwrap();
+    assert_eq!(rows.bytes_of(5), 5 * 2 * 8);
+    let trace = rows.trace("1", 3, 2).unwrap();
+    assert_eq!((&trace.time[..], trace.columns.len()), (&[0.0, 0.5][..], 1));
+    assert_eq!(trace.column("force_N").unwrap(), [7.0, 9.0]);
+    assert_eq!(rows.trace("0", 0, 3).unwrap().column("force_N").unwrap(), [1.0, 3.0, 5.0]);
+    let error = |called: &[(&str, &str)]| {
+        let rows = Rows::open(&path, &names(called)).and_then(|mut rows| rows.trace("0", 0, 3));
+        rows.unwrap_err().to_string()
+    };
+    let too_far = error(&[("timestamp", TIME), ("observation.state.2", "force_N")]);
+    assert!(too_far.contains("column `force_N`: a list is too short"), "{too_far}");
+    let unknown = error(&[("timestamp", TIME), ("observation.force", "force_N")]);
+    assert!(unknown.contains("there is no column `observation.force` of numbers"), "{unknown}");
+    let without = error(&[]);
+    assert!(without.contains("there is no column `time_s`"), "{without}");
 }
