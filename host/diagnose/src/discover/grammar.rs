@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::curves::{Knots, curves};
 use super::reach::{Kind, QUANTITIES, Quantity, Reach};
 use palpate_model::effects::{Candidate, Form};
 use palpate_model::{Act, Applied, Expression, Parameter, Stage};
@@ -14,8 +15,8 @@ pub struct Shape {
     family: Family,
     /// What such a term does; names in braces stand for its parameters, `{c}` for the quantity.
     pub words: &'static str,
-    /// Its value as an expression; `{c}` stands for the quantity.
-    text: &'static str,
+    /// Its value as an expression; `{c}` stands for the quantity. Of a free curve what it is multiplied by.
+    pub(super) text: &'static str,
     /// The power of the quantity's unit that its value has.
     power: i32,
     /// Its parameters.
@@ -39,6 +40,8 @@ enum Family {
     Local,
     /// Of what was before.
     Memory,
+    /// A curve of any shape.
+    Free,
 }
 
 /// A parameter of a shape.
@@ -63,14 +66,14 @@ enum Unit {
 
 /// Where a term acts.
 #[derive(Debug)]
-struct Place {
-    stage: Stage,
+pub(super) struct Place {
+    pub(super) stage: Stage,
     /// What the term is multiplied by.
-    factor: &'static str,
+    pub(super) factor: &'static str,
     /// Unit of what it adds to there, with the factor taken out; none for that of the signal.
-    unit: Option<&'static str>,
+    pub(super) unit: Option<&'static str>,
     /// Size of a term that is small but clear, and of one that is the most that makes sense.
-    sizes: fn(&Reach) -> (f64, f64),
+    pub(super) sizes: fn(&Reach) -> (f64, f64),
     /// Symbols of the quantities it may depend on.
     of: &'static [&'static str],
 }
@@ -300,6 +303,32 @@ const PLACES: [Place; 5] = [
     },
 ];
 
+impl Shape {
+    /// A curve of any shape, multiplied by a factor.
+    pub(super) const fn free(
+        name: &'static str,
+        words: &'static str,
+        factor: &'static str,
+    ) -> Self {
+        Self {
+            name,
+            family: Family::Free,
+            words,
+            text: factor,
+            power: 0,
+            parameters: &[],
+            size: |_| 1.0,
+            slow: true,
+        }
+    }
+
+    /// Whether it is a curve of any shape.
+    #[must_use]
+    pub fn is_free(&self) -> bool {
+        self.family == Family::Free
+    }
+}
+
 /// A term of the grammar: where it acts, what it depends on, and how.
 #[derive(Clone, Debug)]
 pub struct Term {
@@ -311,6 +340,8 @@ pub struct Term {
     pub quantity: &'static Quantity,
     /// The law with starts, as a search takes it.
     pub candidate: Candidate,
+    /// Where a free curve is told its value; none of other shapes.
+    pub(super) knots: Option<Knots>,
 }
 
 /// Every term that a data set can show; `reaches` are those of [`QUANTITIES`], none where a quantity does not vary.
@@ -326,6 +357,7 @@ pub fn terms(reaches: &[Option<Reach>], signal_unit: &str) -> Vec<Term> {
             found.extend(
                 shapes.filter_map(|shape| term(place, shape, quantity, reach, signal_unit)),
             );
+            found.extend(curves(place, quantity, reach, signal_unit));
         }
     }
     found
@@ -401,7 +433,7 @@ fn term(
     };
     let form = Form { applied, typical: typical / size, positive: false, grid: grid(shape, reach) };
     let candidate = Candidate { name, forms: vec![form], missing: None };
-    Some(Term { stage: place.stage, shape, quantity, candidate })
+    Some(Term { stage: place.stage, shape, quantity, candidate, knots: None })
 }
 
 /// Every combination of the starting values of a shape's parameters.
@@ -417,7 +449,7 @@ fn grid(shape: &Shape, reach: &Reach) -> Vec<Vec<f64>> {
 }
 
 /// The unit of something over a power of another unit.
-fn per(unit: &str, other: &str, power: i32) -> String {
+pub(super) fn per(unit: &str, other: &str, power: i32) -> String {
     if other.is_empty() || power == 0 {
         return unit.to_owned();
     }

@@ -87,6 +87,8 @@ pub struct Reach {
     pub force: f64,
     /// Largest compression, mm.
     pub compression: f64,
+    /// Fastest motion, mm/s.
+    pub fastest: f64,
 }
 
 /// Periods that are tried.
@@ -123,6 +125,7 @@ impl Reach {
             times: [0, 1, 2, 3].map(|k| short * ratio.powi(k)),
             force: scales.force,
             compression: scales.compression,
+            fastest: scales.speed,
         })
     }
 
