@@ -1,6 +1,6 @@
 //! How often a formula is found for what the library lacks, on data sets of the independent simulator.
 //!
-//! `cargo bench -p palpate-tests --bench discover -- --sets 30 --only beyond`
+//! `cargo bench -p palpate-tests --bench discover -- --sets 78 --only beyond`: every effect at every size once.
 
 #[path = "../missing_effect/cpu.rs"]
 mod cpu;
@@ -43,7 +43,7 @@ struct Call {
 /// What is hidden in the sets of a group.
 const GROUPS: [&str; 3] = ["beyond", "null", "library"];
 /// Misfits that the effects are scaled to, in noises, each in turn.
-const R: [f64; 2] = [1.0, 2.0];
+const R: [f64; 3] = [1.0, 2.0, 4.0];
 /// Draws of a specimen until the effect reaches its misfit.
 const DRAWS: u64 = 8;
 
@@ -176,22 +176,18 @@ fn line(told: &Told) -> String {
 }
 
 fn count(group: &str, all: &[Told]) {
-    let share = |of: &dyn Fn(&Told) -> bool| Share::count(all.iter().map(of));
-    let at = |told: &Told, times: f64| told.ladder.last().is_some_and(|it| *it <= times);
-    let by_formula = |times| share(&|told| told.outcome == "formula" && at(told, times));
-    let by_any = |times| share(&|told| told.outcome != "nothing" && at(told, times));
-    let formula = share(&|told| told.outcome == "formula");
-    let mut seconds: Vec<f64> = all.iter().map(|told| told.seconds).collect();
-    seconds.sort_by(f64::total_cmp);
     println!("\n{group}: {} sets", all.len());
-    println!("  a formula                              {formula}");
+    let share = |of: &dyn Fn(&Told) -> bool| Share::count(all.iter().map(of));
+    println!("  a formula                              {}", share(&Told::has_formula));
     match group {
         "beyond" => {
-            println!("  within 1.15 noises, by a formula       {}", by_formula(1.15));
-            println!("  within 1.15, also by the library       {}", by_any(1.15));
-            println!("  within 1.5 noises, by a formula        {}", by_formula(1.5));
-            println!("  within 1.5, also by the library        {}", by_any(1.5));
-            println!("  all true quantities named              {}", share(&|told| told.named));
+            count_beyond(all);
+            for r in R {
+                let own: Vec<&Told> =
+                    all.iter().filter(|told| (told.r / r - 1.0).abs() < 0.1).collect();
+                println!(" at R = {r}: {} sets", own.len());
+                count_beyond(own);
+            }
         }
         "library" => {
             let first = share(&|told| told.library.as_ref() == Some(&told.effect));
@@ -199,7 +195,41 @@ fn count(group: &str, all: &[Told]) {
         }
         _ => {}
     }
+    let mut seconds: Vec<f64> = all.iter().map(|told| told.seconds).collect();
+    seconds.sort_by(f64::total_cmp);
     if let (Some(most), Some(middle)) = (seconds.last(), seconds.get(seconds.len() / 2)) {
         println!("  processor, median and most             {middle:.1} s, {most:.1} s\n");
+    }
+}
+
+fn count_beyond<'a>(all: impl IntoIterator<Item = &'a Told>) {
+    let all: Vec<&Told> = all.into_iter().collect();
+    let share = |of: &dyn Fn(&Told) -> bool| Share::count(all.iter().map(|told| of(told)));
+    let found = all.iter().filter(|told| told.has_formula());
+    println!(
+        "  within 1.15 noises, by a formula       {}",
+        share(&|it| it.has_formula() && it.within(1.15))
+    );
+    println!("  within 1.15, also by the library       {}", share(&|it| it.within(1.15)));
+    println!(
+        "  within 1.5 noises, by a formula        {}",
+        share(&|it| it.has_formula() && it.within(1.5))
+    );
+    println!("  within 1.5, also by the library        {}", share(&|it| it.within(1.5)));
+    println!("  all true quantities named              {}", share(&|told| told.named));
+    println!(
+        "  the same, of sets with a formula       {}",
+        Share::count(found.map(|told| told.named))
+    );
+}
+
+impl Told {
+    fn has_formula(&self) -> bool {
+        self.outcome == "formula"
+    }
+
+    /// Whether traces left out are predicted to within so many noises.
+    fn within(&self, noises: f64) -> bool {
+        self.ladder.last().is_some_and(|error| *error <= noises)
     }
 }

@@ -1,77 +1,48 @@
 //! Free curves: terms of any shape over one quantity, told by their values at some knots and straight between them. They come where
 //! no law of the grammar has the shape, and name the quantity all the same.
 
-use std::sync::Arc;
-
-use super::grammar::{Place, Shape, Term, per};
+use super::grammar::{Made, Term};
 use super::reach::{Kind, Quantity, Reach};
-use palpate_model::effects::{Candidate, Form};
-use palpate_model::{Act, Applied, Expression, Parameter, Stage, StoredEffect, StoredParameter};
+use super::shape::CURVE;
+use palpate_model::{Expression, Parameter, StoredEffect, StoredParameter};
 
 /// Knots over a quantity that passes through its range within a trace.
 const FAST: usize = 10;
 /// Knots over one that changes from trace to trace.
 const SLOW: usize = 6;
-/// Knots over a velocity, in parts of the fastest: rigs are run at speeds that lie apart by factors.
+/// Knots over a velocity where a rig is run at no few speeds, in parts of the fastest.
 const RATES: [f64; 7] = [-1.0, -0.3, -0.08, 0.0, 0.08, 0.3, 1.0];
 
 /// Relative difference of distances between knots that is rounding.
 const EVEN: f64 = 0.01;
 
-/// The curve by itself.
-static PLAIN: Shape =
-    Shape::free("curve over", "follows a free curve over the {c}, up to {size}", "");
-/// What a curve over the displacement may be multiplied by.
-static OF_THE_WAY: [Shape; 4] = [
-    Shape::free(
-        "curve while pressing over",
-        "follows a free curve over the {c} while pressing, up to {size}",
-        "0.5 * (1 + sign(v)) * ",
-    ),
-    Shape::free(
-        "curve against the motion over",
-        "is against the motion, along a free curve over the {c}, up to {size}",
-        "sign(v) * ",
-    ),
-    Shape::free(
-        "curve times velocity over",
-        "grows with the velocity, along a free curve over the {c}, by up to {size}",
-        "v * ",
-    ),
-    Shape::free(
-        "curve times speed over",
-        "grows with the speed either way, along a free curve over the {c}, by up to {size}",
-        "abs(v) * ",
-    ),
-];
-
 /// A free curve of a quantity.
 #[derive(Clone, Debug)]
 pub(super) struct Knots {
     /// Where its value is told, rising.
-    at: Vec<f64>,
+    pub(super) at: Vec<f64>,
     symbol: &'static str,
     /// What it is multiplied by.
     factor: String,
 }
 
-/// The free curves over a quantity at a place.
-pub(super) fn curves(
-    place: &Place,
-    quantity: &'static Quantity,
-    reach: &Reach,
-    signal_unit: &str,
-) -> Vec<Term> {
-    if quantity.kind == Kind::Plain {
-        return Vec::new();
+/// The free curve over a quantity.
+pub(super) fn curve(made: &Made) -> Option<Term> {
+    if made.quantity.kind == Kind::Plain {
+        return None;
     }
-    let more: &'static [Shape] = match (quantity.symbol, place.stage) {
-        ("x", Stage::Sensor) => &OF_THE_WAY,
-        ("x", Stage::Contact | Stage::Motion) => &OF_THE_WAY[1..2],
-        _ => &[],
-    };
-    let shapes = std::iter::once(&PLAIN).chain(more);
-    shapes.filter_map(|shape| term(place, shape, quantity, reach, signal_unit)).collect()
+    // Digits beyond those that matter only make the law long.
+    let at: Vec<f64> = knots(made.quantity, made.reach).into_iter().map(rounded).collect();
+    if at.windows(2).any(|pair| pair[1] <= pair[0]) {
+        return None;
+    }
+    let factor = format!("{}{}", made.place.factor, made.factor.text);
+    let knots = Knots { at, symbol: made.quantity.symbol, factor };
+    let names: Vec<String> = (1..=knots.at.len()).map(|k| format!("size{k}")).collect();
+    let expression = knots.expression("", &names)?;
+    let strengths: Vec<Parameter> = names.iter().map(|name| made.strength(name, &CURVE)).collect();
+    let count = strengths.len();
+    Some(made.of(&CURVE, (strengths, count), expression, vec![Vec::new()], Some(knots)))
 }
 
 fn knots(quantity: &Quantity, reach: &Reach) -> Vec<f64> {
@@ -80,54 +51,16 @@ fn knots(quantity: &Quantity, reach: &Reach) -> Vec<f64> {
         reach.at(&parts)
     };
     match quantity.kind {
-        Kind::Rate => RATES.iter().map(|part| part * reach.size()).collect(),
+        Kind::Rate if reach.speeds.is_empty() => {
+            RATES.iter().map(|part| part * reach.size()).collect()
+        }
+        Kind::Rate => {
+            let back = reach.speeds.iter().rev().map(|speed| -speed);
+            back.chain([0.0]).chain(reach.speeds.iter().copied()).collect()
+        }
         Kind::Slow => even(SLOW),
         _ => even(FAST),
     }
-}
-
-fn term(
-    place: &Place,
-    shape: &'static Shape,
-    quantity: &'static Quantity,
-    reach: &Reach,
-    signal_unit: &str,
-) -> Option<Term> {
-    // Digits beyond those that matter only make the law long.
-    let at: Vec<f64> = knots(quantity, reach).into_iter().map(rounded).collect();
-    if at.windows(2).any(|pair| pair[1] <= pair[0]) {
-        return None;
-    }
-    let knots =
-        Knots { at, symbol: quantity.symbol, factor: format!("{}{}", place.factor, shape.text) };
-    let of_speed = matches!(shape.text, "v * " | "abs(v) * ");
-    let scale = if of_speed { reach.fastest.max(f64::MIN_POSITIVE) } else { 1.0 };
-    let (typical, most) = (place.sizes)(reach);
-    let unit = place.unit.unwrap_or(signal_unit);
-    let unit = if of_speed { per(unit, "mm/s", 1) } else { unit.to_owned() };
-    let parameter = |name: &String| Parameter {
-        name: name.clone().into(),
-        unit: unit.clone().into(),
-        meaning: "value at a knot".into(),
-        lower: -most / scale,
-        upper: most / scale,
-        bounded: false,
-    };
-    let names: Vec<String> = (1..=knots.at.len()).map(|k| format!("size{k}")).collect();
-    let expression = knots.expression("", &names)?;
-    let name = format!("{} {} ({})", shape.name, quantity.name, place.stage.name());
-    let applied = Applied {
-        name: name.clone(),
-        law: "own".into(),
-        stage: place.stage,
-        strengths: names.len(),
-        each_trace: 0,
-        parameters: names.iter().map(parameter).collect(),
-        act: Act::Own(Arc::new(expression)),
-    };
-    let form = Form { applied, typical: typical / scale, positive: false, grid: vec![Vec::new()] };
-    let candidate = Candidate { name, forms: vec![form], missing: None };
-    Some(Term { stage: place.stage, shape, quantity, candidate, knots: Some(knots) })
 }
 
 /// To four significant digits.
@@ -206,6 +139,7 @@ impl Knots {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use palpate_model::Stage;
 
     fn knots(at: &[f64]) -> Knots {
         Knots { at: at.to_vec(), symbol: "x", factor: "F * ".into() }

@@ -92,7 +92,7 @@ pub fn formulas(
 
 /// A law under the name by which it is added, with what it means.
 fn named(law: &StoredEffect, name: &str, term: &Term) -> StoredEffect {
-    let meaning = Some(format!("{} {}", term.shape.name, term.quantity.name));
+    let meaning = Some(term.name());
     let law = term.knots.as_ref().map_or_else(|| law.clone(), |knots| knots.law(law));
     StoredEffect { name: name.to_owned(), meaning, ..law }
 }

@@ -1,8 +1,8 @@
 //! A formula for what no effect of the library explains.
 //!
 //! - [`reach`]: the quantities that a term may depend on.
-//! - [`grammar`]: how, and where in the chain; `curves`: in any shape.
-//! - `climb`: the search over all terms.
+//! - [`shape`]: how; `curves`: in any shape. `place`: where in the chain. [`grammar`]: every combination.
+//! - `climb`: the search over all terms; `simplify`: from a free curve to laws near it.
 //! - [`formula`]: a term that was found, with the evidence for it.
 //! - [`surface`]: what the residual depends on without any law: one quantity, or two together.
 //! - [`causes`]: what such a term can come from.
@@ -12,12 +12,15 @@ mod climb;
 mod curves;
 pub mod formula;
 pub mod grammar;
+mod place;
 pub mod reach;
+pub mod shape;
+mod simplify;
 pub mod surface;
 
 use self::climb::Climb;
 use self::formula::{Formula, formulas};
-use self::grammar::{Term, terms};
+use self::grammar::{Grammar, Term};
 use self::reach::{QUANTITIES, Reach};
 use self::surface::{Surface, surfaces};
 use crate::criticism::adequacy::{LEVEL, adequacy};
@@ -117,8 +120,9 @@ pub fn discover(
     let residuals: Vec<Vec<f64>> = left.iter().map(Stretch::residual).collect();
     let reach = |quantity| Reach::of(quantity, &data, &predicted, &residuals);
     let reaches: Vec<Option<Reach>> = QUANTITIES.iter().map(reach).collect();
-    let terms = terms(&reaches, signal_unit);
-    let candidates: Vec<Candidate> = terms.iter().map(|term| term.candidate.clone()).collect();
+    let grammar = Grammar::new(&reaches, signal_unit);
+    let candidates: Vec<Candidate> =
+        grammar.terms.iter().map(|term| term.candidate.clone()).collect();
     let search = Search {
         data: &data,
         candidates: &candidates,
@@ -126,7 +130,7 @@ pub fn discover(
         problem: &problem,
         options: &discovery.diagnosis.options,
     };
-    let climb = Climb { search: &search, terms: &terms };
+    let climb = Climb { search: &search, grammar: &grammar };
     let found = match known {
         // The library has the name; what it leaves may have a formula.
         true => climb.from(library.model().clone()),
@@ -135,7 +139,7 @@ pub fn discover(
     if known && found.steps.is_empty() {
         return Ok(discovery);
     }
-    discovery.take(&found, &terms, &problem, &data);
+    discovery.take(&found, &grammar.terms, &problem, &data);
     Ok(discovery)
 }
 
