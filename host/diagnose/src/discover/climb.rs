@@ -12,7 +12,7 @@ use crate::criticism::agreement;
 use crate::criticism::evidence::{Evidence, Judged, Refusal, Refused, weigh};
 use crate::criticism::fitted::Fitted;
 use crate::criticism::held_out::{held_out_in_one_step, over_sections};
-use crate::criticism::screen::{Direction, Screen, screen};
+use crate::criticism::screen::{DRAWS, Direction, Screen, screen};
 use crate::criticism::search::{DECISIVE, Found, Rival, Search, Step};
 use nalgebra::DMatrix;
 use palpate_fit::least_squares::{Effort, Solution};
@@ -20,6 +20,8 @@ use palpate_model::Chain;
 
 /// Sensitivities that are screened at a time: what is counted of every two of them grows with their square.
 const PORTION: usize = 96;
+/// Least chance that is told.
+const LEAST: f64 = 1.0 / (DRAWS as f64 + 1.0);
 /// Most starts of laws that are tried, and most of one term.
 const TRIED: usize = 12;
 const OF_A_TERM: usize = 2;
@@ -102,7 +104,8 @@ impl Climb<'_> {
     }
 
     /// Screens the grammar beside a model. The chances are those of the largest score of a portion under noise alone, times the
-    /// number of portions.
+    /// number of portions; or those of a score by itself, times the number of all, where that is less: draws know no chance below one
+    /// in their number.
     fn screened(&self, fitted: &Fitted) -> Screen {
         let Search { data, candidates, whitening, problem, .. } = *self.search;
         let candidates = &candidates[..self.grammar.screened];
@@ -132,6 +135,10 @@ impl Climb<'_> {
             scores.push(found.scores);
         }
         whole.scores = side_by_side(&scores);
+        for direction in &whole.directions {
+            let chance = &mut whole.chance[direction.candidate];
+            *chance = chance.min(by_number(direction.log_chance, whole.directions.len()));
+        }
         whole
     }
 
@@ -415,6 +422,11 @@ impl Weighed {
     }
 }
 
+/// The chance that any of so many scores is as large as one whose own chance has this logarithm, at most.
+fn by_number(log_chance: f64, scores: usize) -> f64 {
+    (log_chance + (scores as f64).ln()).exp().clamp(LEAST, 1.0)
+}
+
 /// Neighbours whose numbers of columns sum up to a portion at most, or single ones that have more.
 fn portions(columns: impl Iterator<Item = usize>) -> Vec<std::ops::Range<usize>> {
     let mut found: Vec<std::ops::Range<usize>> = Vec::new();
@@ -456,6 +468,14 @@ fn refused(without: Judged, it: &Weighed, reason: Refusal) -> Refused {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_no_draw_reaches_is_significant_in_however_many_portions() {
+        // A draw tells no less than this, which so many portions would make more than chance allows.
+        assert!(40.0 * LEAST > 0.005);
+        assert!(by_number(-60.0, 3000) < 0.005);
+        assert!(by_number(-5.0, 3000) > 0.5);
+    }
 
     #[test]
     fn portions_hold_all_terms_in_order() {
