@@ -36,13 +36,13 @@ pub struct Piece<'a> {
 
 /// What follows from a stretch and its past alone, at each sample.
 #[derive(Clone, Debug)]
-struct Known {
-    velocity: Vec<f64>,
-    acceleration: Vec<f64>,
-    loadings: Vec<f64>,
-    largest: Vec<f64>,
+pub(super) struct Known {
+    pub velocity: Vec<f64>,
+    pub acceleration: Vec<f64>,
+    pub loadings: Vec<f64>,
+    pub largest: Vec<f64>,
     /// Temperature above the reference, K; absent where it was not recorded.
-    warmth: Option<Vec<f64>>,
+    pub warmth: Option<Vec<f64>>,
 }
 
 impl Piece<'_> {
@@ -62,13 +62,36 @@ impl Piece<'_> {
         }
     }
 
+    /// The same stretch with other samples of all that was recorded: its motion; signal, temperature and other channels; and
+    /// what is known to follow from them.
+    pub(super) fn with_means<'b>(
+        &self,
+        motion: Motion<'b>,
+        (measured, temperature, channels): (&'b [f64], Option<&'b [f64]>, Vec<Channel<'b>>),
+        known: Known,
+    ) -> Piece<'b> {
+        let known = OnceLock::from(known);
+        Piece { temperature, channels, known, ..self.with_samples(motion, measured) }
+    }
+
+    /// Temperature at each sample, °C; none where it was not recorded.
+    pub(super) const fn temperature(&self) -> Option<&[f64]> {
+        self.temperature
+    }
+
+    /// The other channels at each sample.
+    pub(super) fn channels(&self) -> &[Channel<'_>] {
+        &self.channels
+    }
+
     /// Time of each sample as it was recorded, s.
     #[must_use]
     pub fn recorded_time(&self) -> Vec<f64> {
         self.motion.time.iter().map(|time| self.first + time).collect()
     }
 
-    fn derive(&self, reference: Option<f64>) -> Known {
+    /// Velocity and all else that effects know of the stretch, temperature counted from `reference`, °C.
+    pub(super) fn derive(&self, reference: Option<f64>) -> Known {
         let reference = reference.unwrap_or_default();
         let warmth = |values: &[f64]| values.iter().map(|value| value - reference).collect();
         let mut past = self.past;

@@ -10,7 +10,7 @@ use std::mem::take;
 use std::ops::Range;
 use std::sync::Arc;
 
-use nalgebra::{DMatrix, DMatrixView};
+use nalgebra::{DMatrix, DMatrixView, DVector};
 
 use super::carried::{Carried, Measured, Memory, Stretch, logarithms};
 use super::columns::Products;
@@ -19,7 +19,10 @@ use super::coordinates::Coordinates;
 use super::data::{Data, Piece};
 use super::least_squares::{HARDLY, LeastSquares, Normal, bounded_step_of};
 use super::levels::LevelSums;
+use super::means::Means;
+use super::meant::Meant;
 use super::spare::Spare;
+use super::watch;
 use super::whitening::Whitening;
 use palpate_model::{Act, Chain, Coordinate, Elasticity, History, Scene, Stage};
 
@@ -36,6 +39,8 @@ pub struct Problem<'a> {
     roots: Vec<&'a [f64]>,
     /// Sum of squares that no point changes.
     constant: f64,
+    /// What means tell of each stretch beside their values; empty where the data are samples.
+    means: Arc<Vec<Meant>>,
     /// A trace that is predicted but not fitted.
     left_out: Option<usize>,
     /// Whether a search goes over shape and rates alone, the forces being always the best.
@@ -74,6 +79,7 @@ impl<'a> Problem<'a> {
             whitening,
             roots: Vec::new(),
             constant: 0.0,
+            means: Arc::default(),
             left_out,
             projects: false,
             bounds: bounds(&coordinates, chain, data),
@@ -87,18 +93,31 @@ impl<'a> Problem<'a> {
     where
         'a: 'b,
     {
-        let mut problem = Problem::new(self.chain, means, self.whitening, self.left_out);
+        Problem { roots: compressed.roots(), constant: compressed.within, ..self.on(means) }
+    }
+
+    /// The same chain on the means of its data that effects see. Its sums of squares and its normal equations are those of all
+    /// samples, as far as nothing bends within a block.
+    #[must_use]
+    pub fn on_weighted_means<'b>(&self, means: &Means, data: &'b Data<'b>) -> Problem<'b>
+    where
+        'a: 'b,
+    {
+        let means = Arc::new(Meant::of(means, self.data, self.whitening));
+        Problem { means, ..self.on(data) }
+    }
+
+    /// The same chain on other data of the same motions, in the same coordinates within the same bounds.
+    fn on<'b>(&self, data: &'b Data<'b>) -> Problem<'b>
+    where
+        'a: 'b,
+    {
+        let mut problem = Problem::new(self.chain, data, self.whitening, self.left_out);
         let reference = self.coordinates.reference();
-        for (kept, piece) in Arc::make_mut(&mut problem.logarithms).iter_mut().zip(&means.pieces) {
+        for (kept, piece) in Arc::make_mut(&mut problem.logarithms).iter_mut().zip(&data.pieces) {
             logarithms(&piece.motion.displacement, reference, kept);
         }
-        Problem {
-            coordinates: self.coordinates.clone(),
-            bounds: self.bounds.clone(),
-            roots: compressed.roots(),
-            constant: compressed.within,
-            ..problem
-        }
+        Problem { coordinates: self.coordinates.clone(), bounds: self.bounds.clone(), ..problem }
     }
 
     /// The same for a search from afar: it goes over shape and rates alone where the law is linear in its forces, and these are always
@@ -149,6 +168,7 @@ impl<'a> Problem<'a> {
             whitening: self.whitening,
             roots: self.roots.clone(),
             constant: self.constant,
+            means: self.means.clone(),
             left_out: self.left_out,
             projects: self.projects,
             bounds: bounds(&coordinates, chain, self.data),
@@ -156,31 +176,100 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// Whitens the residual of a stretch.
-    pub fn whiten(&self, residual: &mut [f64]) {
-        self.whitening.apply(residual);
+    /// Whether the data are means that stand for their samples, with all that these tell.
+    #[must_use]
+    pub fn stands_for_samples(&self) -> bool {
+        !self.means.is_empty()
     }
 
-    /// The whitened sum of squares over the traces that are fitted, and the residuals (predicted minus
-    /// measured) of the stretches of `trace`.
+    /// Number of samples that the data stand for.
     #[must_use]
-    pub fn apart(&self, point: &[f64], trace: usize) -> (f64, Vec<StretchResidual>) {
-        let mut apart = Vec::new();
-        let cost = self.fitted_cost(point, |piece, residual| {
+    pub fn rows(&self) -> usize {
+        (0..self.data.pieces.len()).map(|index| self.rows_of(index, 0..usize::MAX)).sum()
+    }
+
+    /// Number of samples that a range of a stretch stands for.
+    fn rows_of(&self, index: usize, range: Range<usize>) -> usize {
+        let count = self.data.pieces[index].measured.len();
+        let range = range.start..range.end.min(count);
+        self.means.get(index).map_or(range.len(), |means| means.rows(range))
+    }
+
+    /// The sum of squares of whitened samples that their means do not show, the same at every point.
+    #[must_use]
+    pub fn unseen(&self) -> f64 {
+        let fitted =
+            self.means.iter().zip(&self.data.pieces).filter(|(_, piece)| self.fitted(piece));
+        self.constant + fitted.map(|(means, _)| means.white.iter().sum::<f64>()).sum::<f64>()
+    }
+
+    /// The parts of a stretch that stand for about as many samples each.
+    #[must_use]
+    pub fn parts(&self, index: usize, parts: usize) -> Vec<Range<usize>> {
+        let count = self.data.pieces[index].measured.len();
+        let size = self.rows_of(index, 0..count).div_ceil(parts).max(1);
+        let Some(means) = self.means.get(index) else {
+            return (0..count).step_by(size).map(|k| k..(k + size).min(count)).collect();
+        };
+        let mut found: Vec<Range<usize>> = Vec::new();
+        let (mut begin, mut rows) = (0, 0);
+        for k in 0..count {
+            rows += means.rows(k..k + 1);
+            if rows >= size || k + 1 == count {
+                found.push(begin..k + 1);
+                (begin, rows) = (k + 1, 0);
+            }
+        }
+        found
+    }
+
+    /// Makes the noise of the residual (predicted minus measured) of the stretch with this index white.
+    pub fn whiten_residual(&self, index: usize, residual: &mut [f64]) {
+        self.whiten_at(index, residual);
+        if let Some(means) = self.means.get(index) {
+            residual.iter_mut().zip(&means.shift).for_each(|(value, shift)| *value -= shift);
+        }
+    }
+
+    /// Sum of squares of the samples that each mean of a stretch does not show, as they are; empty where the data are samples.
+    #[must_use]
+    pub fn scatter(&self, index: usize) -> &[f64] {
+        self.means.get(index).map_or(&[], |means| &means.raw)
+    }
+
+    /// Gives every value of a stretch the weight of the samples that it stands for.
+    pub fn weigh(&self, index: usize, values: &mut [f64]) {
+        if let Some(means) = self.means.get(index) {
+            values.iter_mut().zip(&means.roots).for_each(|(value, root)| *value *= root);
+        }
+    }
+
+    /// The whitened sum of squares over the traces that are fitted, and the error on one trace.
+    #[must_use]
+    pub fn apart(&self, point: &[f64], trace: usize) -> (f64, Apart) {
+        let mut apart = Apart::default();
+        let mut stretches: Vec<(usize, Vec<f64>)> = Vec::new();
+        let cost = self.fitted_cost(point, |index, piece, residual| {
             if piece.trace == trace {
+                let mut weighted = residual.to_vec();
+                self.weigh(index, &mut weighted);
+                let scatter: f64 = self.scatter(index).iter().sum();
+                apart.square += scatter + weighted.iter().map(|r| r * r).sum::<f64>();
+                apart.samples += self.rows_of(index, 0..usize::MAX);
                 let touch = piece.motion.displacement.iter().position(|&x| x > 0.0);
-                let residual = residual.to_vec();
-                apart.push(StretchResidual { residual, touch: touch.unwrap_or(0) });
+                apart.before.extend_from_slice(&weighted[..touch.unwrap_or(0)]);
+                stretches.push((index, residual.to_vec()));
             }
         });
+        apart.whitened = self.whitened_square(trace, &mut stretches);
         (cost, apart)
     }
 
     /// The whitened sum of squares over the traces that are fitted; `seen` gets the residual of every
     /// stretch (predicted minus measured).
-    fn fitted_cost(&self, point: &[f64], mut seen: impl FnMut(&Piece, &[f64])) -> f64 {
+    fn fitted_cost(&self, point: &[f64], mut seen: impl FnMut(usize, &Piece, &[f64])) -> f64 {
         let mut normal = Normal::zeros(0);
-        normal.cost = self.constant;
+        normal.cost = self.unseen();
         let mut sums = self.level_sums(0);
         let (mut run, mut elasticity) = (self.run_at(point), Elasticity::default());
         let mut residual = self.spare.take();
@@ -189,11 +278,11 @@ impl<'a> Problem<'a> {
             for (force, measured) in residual.iter_mut().zip(piece.measured) {
                 *force -= measured;
             }
-            seen(piece, &residual);
+            seen(index, piece, &residual);
             if self.fitted(piece) {
-                self.whiten_at(index, &mut residual);
+                self.whiten_residual(index, &mut residual);
                 if let Some(sums) = &mut sums {
-                    sums.add(piece.trace, &self.unit_level(residual.len()), &[], &residual, 0);
+                    sums.add(piece.trace, &self.unit_level(index), &[], &residual, 0);
                 }
                 normal.cost += residual.iter().map(|r| r * r).sum::<f64>();
             }
@@ -264,6 +353,7 @@ impl<'a> Problem<'a> {
             self.relax(run, index, force, &[], &mut []);
             self.sense(run, index, force);
         } else {
+            watch::evaluated(self.data.pieces[index].measured.len());
             let scene = self.scene(index);
             self.chain.run(&run.parameters, &scene, &mut run.history, elasticity, force);
         }
@@ -279,6 +369,7 @@ impl<'a> Problem<'a> {
         columns: &mut [Vec<f64>],
     ) {
         let Some(carried) = &run.carried else { return };
+        watch::evaluated(self.data.pieces[index].measured.len());
         let motion = &self.data.pieces[index].motion;
         let scene = self.seen(index);
         let x = match &scene {
@@ -302,14 +393,16 @@ impl<'a> Problem<'a> {
     }
 
     /// Sums of products of the derivatives and of the residual, for each of so many groups of stretches; no derivative is written down.
-    /// None where the law is not carried, something acts beside it or whitens, or what follows from the motions is not kept.
+    /// None where the law is not carried, something acts beside it or whitens, means stand for samples, or what follows from the motions is
+    /// not kept.
     fn in_one_pass(
         &self,
         point: &[f64],
         groups: usize,
         group: impl Fn(&Piece) -> Option<usize>,
     ) -> Option<Vec<Normal>> {
-        if !self.chain.effects.is_empty() || !self.whitening.is_none() || !self.data.keeps() {
+        let alone = self.chain.effects.is_empty() && self.whitening.is_none();
+        if !alone || self.stands_for_samples() || !self.data.keeps() {
             return None;
         }
         let carried = Carried::new(self.chain, &self.coordinates, point)?;
@@ -330,6 +423,7 @@ impl<'a> Problem<'a> {
             let roots = self.roots.get(index).copied().unwrap_or_default();
             let measured = Measured { signal: piece.measured, roots };
             let own = &mut sums[group(piece).unwrap_or(groups)];
+            watch::evaluated(piece.measured.len());
             carried.add_products(stretch, &mut memory, measured, &wanted, own);
         }
         let normal = |sums: &Products| Normal::of(point.len(), &moving, sums);
@@ -542,43 +636,86 @@ impl<'a> Problem<'a> {
     pub fn blocks(&self, point: &[f64]) -> Vec<Block> {
         let parts = FEWEST_BLOCKS.div_ceil(self.data.pieces.len().max(1));
         let mut blocks = Vec::new();
+        let mut index = 0;
         self.slopes(point, |piece, residual, columns| {
-            let count = residual.len();
-            let size = count.div_ceil(parts).max(1);
             let first = blocks.len();
-            for begin in (0..count).step_by(size) {
-                let mut block = Block::new(piece.trace, point.len());
+            let ranges = self.parts(index, parts);
+            let coordinates: Vec<usize> = columns.iter().map(|(j, _)| *j).collect();
+            let mut weighted: Columns =
+                columns.iter().enumerate().map(|(at, (_, column))| (at, column.clone())).collect();
+            weighted.iter_mut().for_each(|(_, column)| self.weigh(index, column));
+            let mut weighted_residual = residual.clone();
+            self.weigh(index, &mut weighted_residual);
+            for range in &ranges {
+                let mut block = Block::new(piece.trace, coordinates.clone());
                 block.levels = self.level_sums(point.len());
-                let range = begin..(begin + size).min(count);
-                block.samples = range.len();
-                block.raw.add(columns, residual, range.clone());
+                block.samples = self.rows_of(index, range.clone());
+                block.raw.add(&weighted, &weighted_residual, range.clone());
                 blocks.push(block);
             }
-            let unit = self.unit_level(count);
-            self.whitening.apply(residual);
+            let unit = self.unit_level(index);
+            self.whiten_residual(index, residual);
             for (_, column) in columns.iter_mut() {
-                self.whitening.apply(column);
+                self.whiten_at(index, column);
             }
-            for (block, begin) in blocks[first..].iter_mut().zip((0..count).step_by(size)) {
-                let range = begin..(begin + size).min(count);
-                block.slow = sums_of_neighbours(&residual[range.clone()]);
+            for (block, range) in blocks[first..].iter_mut().zip(&ranges) {
                 if let Some(sums) = &mut block.levels {
                     sums.add(piece.trace, &unit[range.clone()], columns, residual, range.start);
                 }
-                block.white.add(columns, residual, range);
             }
+            columns.iter_mut().enumerate().for_each(|(at, (coordinate, _))| *coordinate = at);
+            for (block, range) in blocks[first..].iter_mut().zip(ranges) {
+                block.slow = self.sums_of_neighbours(index, &residual[range.clone()], range.start);
+                block.white.add(columns, residual, range.clone());
+                if let Some(means) = self.means.get(index) {
+                    block.raw.cost += means.raw[range.clone()].iter().sum::<f64>();
+                    block.white.cost += means.white[range].iter().sum::<f64>();
+                }
+            }
+            index += 1;
         });
         blocks
+    }
+
+    /// Sum over runs of neighbours of the squared sum of their whitened residuals, over their number; `from` is where they
+    /// begin in their stretch.
+    fn sums_of_neighbours(&self, index: usize, residual: &[f64], from: usize) -> f64 {
+        let rows = self.rows_of(index, from..from + residual.len());
+        let length = (rows / 16).clamp(NEIGHBOURS.0, NEIGHBOURS.1);
+        let Some(means) = self.means.get(index) else {
+            let run = |run: &[f64]| run.iter().sum::<f64>().powi(2) / run.len() as f64;
+            return residual.chunks(length).map(run).sum();
+        };
+        let (mut sum, mut count, mut total) = (0.0, 0usize, 0.0);
+        for (k, value) in residual.iter().enumerate() {
+            let own = means.rows(from + k..from + k + 1);
+            sum += means.roots[from + k] * value;
+            count += own;
+            // A mean of many runs shows their common part alone; what scatters within it scatters between them.
+            let more = own.saturating_sub(length) as f64 / length as f64;
+            total += more * means.white[from + k] / own as f64;
+            if count >= length || k + 1 == residual.len() {
+                total += sum * sum / count as f64;
+                (sum, count) = (0.0, 0);
+            }
+        }
+        total
     }
 
     /// Sum of squares and number of samples of every trace, not whitened.
     #[must_use]
     pub fn trace_squares(&self, point: &[f64]) -> Vec<(f64, usize)> {
         let mut sums = vec![(0.0, 0); self.data.labels.len()];
+        let mut index = 0;
         self.each_piece(&[point.to_vec()], |piece, forces| {
             let (sum, count) = &mut sums[piece.trace];
-            *sum += forces[0].iter().zip(piece.measured).map(|(f, y)| (f - y).powi(2)).sum::<f64>();
-            *count += piece.measured.len();
+            let mut residual: Vec<f64> =
+                forces[0].iter().zip(piece.measured).map(|(f, y)| f - y).collect();
+            self.weigh(index, &mut residual);
+            *sum += residual.iter().map(|r| r * r).sum::<f64>();
+            *sum += self.scatter(index).iter().sum::<f64>();
+            *count += self.rows_of(index, 0..usize::MAX);
+            index += 1;
         });
         sums
     }
@@ -587,7 +724,7 @@ impl<'a> Problem<'a> {
     #[must_use]
     pub fn rms(&self, point: &[f64]) -> f64 {
         let squares: f64 = self.trace_squares(point).iter().map(|(square, _)| square).sum();
-        (squares / self.data.samples() as f64).sqrt()
+        (squares / self.rows() as f64).sqrt()
     }
 
     /// What is left, not whitened, in a few numbers.
@@ -619,9 +756,15 @@ impl<'a> Problem<'a> {
         self.whitening.levels().map(|levels| LevelSums::zeros(coordinates, levels.traces()))
     }
 
-    /// The whitened unit level of a stretch; empty where nothing moves the levels.
-    fn unit_level(&self, samples: usize) -> Vec<f64> {
-        self.whitening.levels().map_or(Vec::new(), |_| self.whitening.unit_level(samples))
+    /// The whitened unit level of the stretch with this index; empty where nothing moves the levels.
+    #[must_use]
+    pub fn unit_level(&self, index: usize) -> Vec<f64> {
+        if self.whitening.levels().is_none() {
+            return Vec::new();
+        }
+        let mut unit = vec![1.0; self.data.pieces[index].measured.len()];
+        self.whiten_at(index, &mut unit);
+        unit
     }
 
     /// Takes out of normal equations what the levels of the traces could explain.
@@ -631,16 +774,16 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// Sum of squares of the whitened residual of one trace, from that of its stretches, without what
+    /// Sum of squares of the whitened residual of one trace, from that of its stretches by their index, without what
     /// its level could explain.
-    #[must_use]
-    pub fn whitened_square(&self, trace: usize, stretches: &mut [Vec<f64>]) -> f64 {
+    fn whitened_square(&self, trace: usize, stretches: &mut [(usize, Vec<f64>)]) -> f64 {
         let (mut square, mut along, mut of_unit) = (0.0, 0.0, 0.0);
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-        for residual in stretches {
-            let unit = self.unit_level(residual.len());
-            self.whitening.apply(residual);
+        for (index, residual) in stretches {
+            let unit = self.unit_level(*index);
+            self.whiten_residual(*index, residual);
             square += dot(residual, residual);
+            square += self.means.get(*index).map_or(0.0, |means| means.white.iter().sum());
             along += dot(&unit, residual);
             of_unit += dot(&unit, &unit);
         }
@@ -650,9 +793,12 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// Makes the noise of a residual, or of a derivative, of the stretch with this index white.
-    fn whiten_at(&self, index: usize, values: &mut [f64]) {
-        self.whitening.apply(values);
+    /// Makes the noise of a derivative of the stretch with this index white.
+    pub fn whiten_at(&self, index: usize, values: &mut [f64]) {
+        match self.means.get(index) {
+            Some(means) => means.filter.apply(values),
+            None => self.whitening.apply(values),
+        }
         for (value, root) in
             values.iter_mut().zip(self.roots.get(index).copied().unwrap_or_default())
         {
@@ -699,13 +845,17 @@ pub struct Residuals {
     pub trace_rms: Vec<f64>,
 }
 
-/// The residual of one stretch.
-#[derive(Clone, Debug)]
-pub struct StretchResidual {
-    /// Predicted minus measured.
-    pub residual: Vec<f64>,
-    /// Number of samples before the touch; 0 where it is not touched.
-    pub touch: usize,
+/// The error on one trace.
+#[derive(Clone, Debug, Default)]
+pub struct Apart {
+    /// Sum of squares.
+    pub square: f64,
+    /// Sum of squares of the whitened residual.
+    pub whitened: f64,
+    /// Number of samples.
+    pub samples: usize,
+    /// Residual (predicted minus measured) before the touch, each value with the weight of the samples that it stands for.
+    pub before: Vec<f64>,
 }
 
 /// A run of a chain at one point over the stretches of a data set, in order.
@@ -731,7 +881,9 @@ pub struct Block {
     pub trace: usize,
     /// Number of samples.
     pub samples: usize,
-    /// Whitened.
+    /// The coordinates that it depends on: what other traces have of their own is not among them.
+    pub coordinates: Vec<usize>,
+    /// The normal equations of those, whitened.
     pub white: Normal,
     /// As they are.
     pub raw: Normal,
@@ -745,16 +897,22 @@ pub struct Block {
 /// Least and largest number of neighbours whose residuals are summed.
 const NEIGHBOURS: (usize, usize) = (8, 216);
 
-fn sums_of_neighbours(residual: &[f64]) -> f64 {
-    let length = (residual.len() / 16).clamp(NEIGHBOURS.0, NEIGHBOURS.1);
-    let run = |run: &[f64]| run.iter().sum::<f64>().powi(2) / run.len() as f64;
-    residual.chunks(length).map(run).sum()
-}
-
 impl Block {
-    fn new(trace: usize, dimension: usize) -> Self {
-        let zeros = || Normal::zeros(dimension);
-        Self { trace, samples: 0, white: zeros(), raw: zeros(), slow: 0.0, levels: None }
+    fn new(trace: usize, coordinates: Vec<usize>) -> Self {
+        let zeros = || Normal::zeros(coordinates.len());
+        let (white, raw) = (zeros(), zeros());
+        Self { trace, samples: 0, coordinates, white, raw, slow: 0.0, levels: None }
+    }
+
+    /// Its sums of squares after a step of all coordinates, as they are and whitened, as the straight line of the step foretells.
+    #[must_use]
+    pub fn foretold(&self, step: &DVector<f64>) -> (f64, f64) {
+        let own = DVector::from_iterator(
+            self.coordinates.len(),
+            self.coordinates.iter().map(|&j| step[j]),
+        );
+        let after = |normal: &Normal| (normal.cost + normal.raised_by(&own)).max(0.0);
+        (after(&self.raw), after(&self.white))
     }
 }
 
@@ -778,6 +936,17 @@ impl Normal {
             }
         }
         normal
+    }
+
+    /// Adds so many times the normal equations of some of the coordinates.
+    pub fn add_those_of(&mut self, coordinates: &[usize], own: &Self, times: f64) {
+        self.cost += times * own.cost;
+        for (a, &i) in coordinates.iter().enumerate() {
+            self.gradient[i] += times * own.gradient[a];
+            for (b, &j) in coordinates.iter().enumerate() {
+                self.curvature[(i, j)] += times * own.curvature[(a, b)];
+            }
+        }
     }
 
     /// Adds a range of samples: derivatives column by column, and residuals.
@@ -814,7 +983,7 @@ impl LeastSquares for Problem<'_> {
     }
 
     fn cost(&self, point: &[f64]) -> f64 {
-        self.fitted_cost(point, |_, _| {})
+        self.fitted_cost(point, |_, _, _| {})
     }
 
     fn tried(&self, point: &mut [f64]) -> (f64, Option<Normal>) {
@@ -828,17 +997,17 @@ impl LeastSquares for Problem<'_> {
             return normal;
         }
         let mut normal = Normal::zeros(point.len());
-        normal.cost = self.constant;
+        normal.cost = self.unseen();
         let mut sums = self.level_sums(point.len());
         let mut index = 0;
         self.slopes(point, |piece, residual, columns| {
             if self.fitted(piece) {
-                self.whiten_at(index, residual);
+                self.whiten_residual(index, residual);
                 for (_, column) in columns.iter_mut() {
                     self.whiten_at(index, column);
                 }
                 if let Some(sums) = &mut sums {
-                    let unit = self.unit_level(residual.len());
+                    let unit = self.unit_level(index);
                     sums.add(piece.trace, &unit, columns, residual, 0);
                 }
                 normal.add(columns, residual, 0..residual.len());

@@ -20,6 +20,7 @@ pub struct Watch {
     ended: AtomicBool,
     searches: AtomicUsize,
     steps: AtomicUsize,
+    evaluations: AtomicUsize,
     stage: Mutex<Option<Stage>>,
 }
 
@@ -60,6 +61,12 @@ impl Watch {
     #[must_use]
     pub fn progress(&self) -> (usize, usize) {
         (self.searches.load(Ordering::Relaxed), self.steps.load(Ordering::Relaxed))
+    }
+
+    /// Samples that a model has predicted, in all its runs: the cost of the work, whatever the machine.
+    #[must_use]
+    pub fn evaluations(&self) -> usize {
+        self.evaluations.load(Ordering::Relaxed)
     }
 
     /// What is being done, where it is known how much there is of it.
@@ -156,6 +163,11 @@ pub(super) fn search() {
 pub(super) fn step() -> bool {
     seen(|watch| watch.steps.fetch_add(1, Ordering::Relaxed));
     !ended()
+}
+
+/// A model has predicted so many samples.
+pub fn evaluated(samples: usize) {
+    seen(|watch| watch.evaluations.fetch_add(samples, Ordering::Relaxed));
 }
 
 /// A stage begins: so many alike are to be done.

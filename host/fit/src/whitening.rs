@@ -280,6 +280,52 @@ impl Whitening {
         }
     }
 
+    /// How many numbers the filter remembers from sample to sample.
+    pub(super) fn states(&self) -> usize {
+        if self.none {
+            0
+        } else if self.schedule.numbers.is_empty() {
+            self.coefficients().len()
+        } else {
+            self.order() + TIMES.len()
+        }
+    }
+
+    /// Samples of a stretch after which the filter does the same at each.
+    pub(super) fn settles_after(&self) -> usize {
+        self.schedule.len().max(self.predictors.len())
+    }
+
+    /// Whitens sample `k` of a stretch; `state` is what the filter remembers, zero before the first.
+    pub(super) fn step(&self, k: usize, state: &mut [f64], value: f64) -> f64 {
+        if self.none {
+            return value;
+        }
+        if self.schedule.numbers.is_empty() {
+            let known = k.min(self.predictors.len() - 1);
+            let foretold: f64 =
+                self.predictors[known].iter().zip(&*state).map(|(a, x)| a * x).sum();
+            for place in (1..state.len()).rev() {
+                state[place] = state[place - 1];
+            }
+            if let Some(last) = state.first_mut() {
+                *last = value;
+            }
+            return (value - foretold) / self.left[known];
+        }
+        let (own_gain, slow_gain, left) = self.schedule.at(k);
+        let (own, slow) = state.split_at_mut(self.order());
+        let innovation = value - own[0] - slow.iter().sum::<f64>();
+        for (own, gain) in own.iter_mut().zip(own_gain) {
+            *own += gain * innovation;
+        }
+        pass(own, self.coefficients());
+        for ((slow, gain), decay) in slow.iter_mut().zip(slow_gain).zip(decays()) {
+            *slow = (*slow + gain * innovation) * decay;
+        }
+        innovation / left
+    }
+
     /// Values of the autoregression that the Kalman filter keeps: at least the last.
     fn order(&self) -> usize {
         self.coefficients().len().max(1)

@@ -2,7 +2,7 @@
 """CPU seconds of whole commands beside Python programs that do the same work, as a Markdown table.
 
     cargo build --release -p palpate
-    python3 tests/benches/speed/table.py [--before OTHER/palpate] [--large] [--only WORD]
+    python3 tests/benches/speed/table.py [--before OTHER/palpate] [--large] [--huge] [--only WORD]
 
 Data are made here, with fixed seeds; the rivals run in an environment of their own under `target/`. Everything is
 measured in CPU seconds (user and system, of the process and its children), so that other work on the machine
@@ -136,10 +136,11 @@ def shown(measured):
     return f"> {PATIENCE}" if seconds is None else f"{seconds:.3g} s, {memory:.0f} MB"
 
 
-def commands(palpate, large):
-    """What is measured: its name, and the arguments of palpate."""
+def commands(palpate, large, huge):
+    """What is measured: its name, the arguments of palpate, and the CPU seconds that it is to take."""
     lacks = lambda x: 0.01 * max(x, 0.0) ** 1.5
     outside = lambda x: 0.05 * sin(2 * pi * x / 0.8) if x > 0 else 0.0
+    middle_outside = presses(10, 10_000, 500.0, outside, "-outside")
     small, many = presses(10, 1_400, 200.0), presses(100, 1_400, 200.0)
     middle = presses(10, 10_000, 500.0, lacks, "-lacking")
     one, hour = presses(1, 200_000, 1000.0), folder("hold", 1, lambda k: hold(90_104, 50.0, k))
@@ -150,36 +151,47 @@ def commands(palpate, large):
         "outside the library": presses(10, 1_900, 200.0, outside, "-outside"),
     }
     fits = {"small": small, "middle": middle, "hour": hour, "holds": holds, "one": one, **hidden}
+    fits |= {"middle-outside": middle_outside}
     models = {name: WORK / f"{name.replace(' ', '-')}.toml" for name in fits}
     for name, traces in fits.items():
         if not models[name].exists():
             cpu([palpate, "fit", "fung", traces, "-o", models[name]])
     diagnose = lambda name: ["diagnose", "--model", models[name], fits[name]]
-    rows = [(f"`diagnose`, ten traces, 19,000 samples, {name}", diagnose(name)) for name in hidden]
+    wanted = {"one effect": "0.35", "two effects": "0.8", "outside the library": "1.5"}
+    rows = [
+        (f"`diagnose`, ten traces, 19,000 samples, {name}", diagnose(name), wanted[name])
+        for name in hidden
+    ]
     rows += [
-        ("`diagnose`, 10 × 1,400 rows, nothing missing", diagnose("small")),
-        ("`diagnose`, 10 × 10,000 rows, a force missing", diagnose("middle")),
-        ("`diagnose`, one hold of 90,104 rows", diagnose("hour")),
-        ("`diagnose`, three holds, 216,000 rows", diagnose("holds")),
-        ("`fit fung`, 10 × 1,400 rows", ["fit", "fung", small]),
-        ("`fit fung`, 100 × 1,400 rows", ["fit", "fung", many]),
-        ("`fit fung`, 10 × 10,000 rows", ["fit", "fung", middle]),
-        ("`fit --all`, 10 × 1,400 rows", ["fit", "--all", small]),
-        ("`compare`, 10 × 1,400 rows", ["compare", models["small"], small]),
-        ("`compare`, one trace of 200,000 rows", ["compare", models["one"], one]),
-        ("`relaxation`, one hold of 90,104 rows", ["relaxation", hour]),
+        ("`diagnose`, 10 × 1,400 rows, nothing missing", diagnose("small"), ""),
+        ("`diagnose`, 10 × 10,000 rows, a force missing", diagnose("middle"), "2"),
+        ("`diagnose`, 10 × 10,000 rows, outside the library", diagnose("middle-outside"), "2"),
+        ("`diagnose`, one hold of 90,104 rows", diagnose("hour"), "6"),
+        ("`diagnose`, three holds, 216,000 rows", diagnose("holds"), "12"),
+        ("`fit fung`, 10 × 1,400 rows", ["fit", "fung", small], ""),
+        ("`fit fung`, 100 × 1,400 rows", ["fit", "fung", many], "0.4"),
+        ("`fit fung`, 10 × 10,000 rows", ["fit", "fung", middle], ""),
+        ("`fit --all`, 10 × 1,400 rows", ["fit", "--all", small], ""),
+        ("`compare`, 10 × 1,400 rows", ["compare", models["small"], small], ""),
+        ("`compare`, one trace of 200,000 rows", ["compare", models["one"], one], ""),
+        ("`relaxation`, one hold of 90,104 rows", ["relaxation", hour], ""),
     ]
     if large:
         big = presses(10, 100_000, 1000.0, lacks, "-lacking")
         long = presses(1, 1_000_000, 1000.0)
         eight = folder("eight-holds", 8, lambda k: hold(63_250, 50.0, k))
         rows += [
-            ("`fit --all`, 10 × 2,350 rows", ["fit", "--all", presses(10, 2_350, 200.0)]),
-            ("`fit fung`, 10 × 100,000 rows", ["fit", "fung", big]),
-            ("`diagnose`, 10 × 100,000 rows", ["diagnose", "--model", models["middle"], big]),
-            ("`compare`, one trace of 1,000,000 rows", ["compare", models["one"], long]),
-            ("`relaxation`, eight holds, 506,000 rows", ["relaxation", eight]),
+            ("`fit --all`, 10 × 2,350 rows", ["fit", "--all", presses(10, 2_350, 200.0)], "8"),
+            ("`fit fung`, 10 × 100,000 rows", ["fit", "fung", big], "2"),
+            ("`diagnose`, 10 × 100,000 rows", ["diagnose", "--model", models["middle"], big], "8"),
+            ("`compare`, one trace of 1,000,000 rows", ["compare", models["one"], long], "1.5"),
+            ("`relaxation`, eight holds, 506,000 rows", ["relaxation", eight], "4"),
         ]
+    if huge:
+        most = presses(100, 100_000, 1000.0, lacks, "-lacking")
+        rows.append(
+            ("`diagnose`, 100 × 100,000 rows", ["diagnose", "--model", models["middle"], most], "60, 1 GB")
+        )
     return rows
 
 
@@ -188,18 +200,19 @@ def main():
     options.add_argument("--palpate", default=TARGET / "release" / "palpate")
     options.add_argument("--before", help="another build, measured beside it")
     options.add_argument("--large", action="store_true", help="also the rows of a million samples")
+    options.add_argument("--huge", action="store_true", help="also those of ten million")
     options.add_argument("--only", default="", help="rows whose name has this word")
     options.add_argument("--no-rivals", action="store_true")
     given = options.parse_args()
     WORK.mkdir(parents=True, exist_ok=True)
     builds = [given.before, given.palpate] if given.before else [given.palpate]
-    rows = commands(given.palpate, given.large)
-    print("| work | " + " | ".join(["before", "palpate"][-len(builds) :]) + " |")
-    print("|-" * (len(builds) + 1) + "|")
-    for name, arguments in rows:
+    rows = commands(given.palpate, given.large, given.huge)
+    print("| work | " + " | ".join(["before", "palpate"][-len(builds) :]) + " | wanted, s |")
+    print("|-" * (len(builds) + 2) + "|")
+    for name, arguments, wanted in rows:
         if given.only in name:
             found = [shown(cpu([build, *arguments])) for build in builds]
-            print(f"| {name} | " + " | ".join(found) + " |", flush=True)
+            print(f"| {name} | " + " | ".join(found) + f" | {wanted} |", flush=True)
     if given.no_rivals:
         return
     python, folder = environment(), presses(10, 1_400, 200.0)

@@ -22,6 +22,8 @@ const DRAWS: usize = 4000;
 pub const SEED: u64 = 17;
 /// Most strengths of a law that parts can vote on: more belong to single traces.
 const MOST_STRENGTHS: usize = 3;
+/// Kinds of votes.
+const KINDS: usize = 2 * MOST_STRENGTHS + 2;
 
 /// A direction that parts vote on.
 struct Vote<'a> {
@@ -34,13 +36,24 @@ struct Vote<'a> {
 }
 
 impl Vote<'_> {
-    /// Logarithm of the nominal chance of the total under these signs.
-    fn log_chance(&self, signs: &DVector<f64>) -> f64 {
-        let total = self.scores.tr_mul(signs);
-        if self.positive && total[0] <= 0.0 {
-            return 0.0;
+    /// Square of the total under these signs, in its own variances; none where it has the wrong sign.
+    fn square(&self, signs: &DVector<f64>) -> Option<f64> {
+        if let [inverse] = self.inverse.as_slice() {
+            let total = self.scores.column(0).dot(signs);
+            return (!self.positive || total > 0.0).then_some(total * total * inverse);
         }
-        log_tail(total.dot(&(&self.inverse * &total)), total.len(), self.positive)
+        let total = self.scores.tr_mul(signs);
+        Some(total.dot(&(&self.inverse * &total)))
+    }
+
+    /// Logarithm of the nominal chance of such a square.
+    fn log_chance(&self, square: f64) -> f64 {
+        log_tail(square, self.scores.ncols(), self.positive)
+    }
+
+    /// What votes have in common whose chance falls alike as the square grows.
+    fn kind(&self) -> usize {
+        2 * self.scores.ncols() + usize::from(self.positive)
     }
 }
 
@@ -51,14 +64,24 @@ pub fn chances(screen: &Screen, candidates: &[Candidate]) -> Vec<f64> {
     let parts = screen.scores.nrows();
     let votes: Vec<Vote> =
         screen.directions.iter().filter_map(|d| vote(screen, d, candidates)).collect();
-    let log_chances =
-        |signs: &DVector<f64>| votes.iter().map(|vote| vote.log_chance(signs)).collect::<Vec<_>>();
     let mut own = vec![0.0f64; candidates.len()];
-    for (vote, log_chance) in votes.iter().zip(log_chances(&DVector::from_element(parts, 1.0))) {
+    let unchanged = DVector::from_element(parts, 1.0);
+    for vote in &votes {
         let candidate = vote.direction.candidate;
+        let log_chance = vote.square(&unchanged).map_or(0.0, |square| vote.log_chance(square));
         own[candidate] = own[candidate].min(log_chance);
     }
-    let least = |signs: &DVector<f64>| log_chances(signs).into_iter().fold(0.0, f64::min);
+    let least = |signs: &DVector<f64>| {
+        // Of each kind the largest square has the least chance.
+        let mut largest: [Option<(f64, &Vote)>; KINDS] = [None; KINDS];
+        for vote in &votes {
+            let known = &mut largest[vote.kind()];
+            let square = vote.square(signs).filter(|own| known.is_none_or(|(most, _)| *own > most));
+            *known = square.map(|square| (square, vote)).or(*known);
+        }
+        let chances = largest.iter().flatten().map(|(square, vote)| vote.log_chance(*square));
+        chances.fold(0.0, f64::min)
+    };
     let null: Vec<f64> = flips(parts).par_iter().map(least).collect();
     let chance = |&own: &f64| {
         let as_extreme = null.iter().filter(|&&drawn| drawn <= own + 1e-9).count();

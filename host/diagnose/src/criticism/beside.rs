@@ -2,26 +2,31 @@
 //! the model's own coordinates have moved along with it.
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
-use palpate_fit::whitening::Whitening;
+use palpate_fit::data::Piece;
+use palpate_fit::problem::{Columns, Problem};
 
 /// Part of a direction's size, as a square, that the model's own derivatives must leave of it.
 const LEFT: f64 = 1e-3;
 
 /// Inner products of the model's derivatives with each other and with the residual, and of the level of each trace
 /// where slow noise moves it: as many more directions, which take at least what the noise does.
-pub(super) struct Own<'a> {
-    whitening: &'a Whitening,
+struct Own {
     /// Place of the first level: the number of derivatives.
     levels: usize,
     products: DMatrix<f64>,
     residual: DVector<f64>,
 }
 
-/// Whitened columns of one stretch.
+/// One stretch of the data and the model's whitened columns over it.
 pub(super) struct Stretch<'a> {
-    whitening: &'a Whitening,
+    problem: &'a Problem<'a>,
+    /// Its place in the data set.
+    pub(super) index: usize,
+    /// What the model says of it.
+    pub(super) predicted: Vec<f64>,
     size: usize,
-    columns: Vec<(usize, Vec<f64>)>,
+    columns: Columns,
+    /// Measured minus predicted.
     residual: Vec<f64>,
 }
 
@@ -41,37 +46,41 @@ pub(super) struct Beside {
     moved: DVector<f64>,
 }
 
-impl<'a> Own<'a> {
+impl Own {
     /// Nothing yet, for so many derivatives and traces.
-    pub(super) fn new(derivatives: usize, traces: usize, whitening: &'a Whitening) -> Self {
-        let size = derivatives + if whitening.levels().is_some() { traces } else { 0 };
+    fn new(derivatives: usize, traces: usize) -> Self {
+        let size = derivatives + traces;
         let (products, residual) = (DMatrix::zeros(size, size), DVector::zeros(size));
-        Self { whitening, levels: derivatives, products, residual }
+        Self { levels: derivatives, products, residual }
     }
 
-    /// Adds a stretch of a trace: its residual (measured minus predicted) and its derivatives, not whitened.
-    pub(super) fn add(
+    /// Adds a stretch by its index, with its residual (predicted minus measured) and the derivatives of that, not whitened.
+    fn add<'a>(
         &mut self,
-        trace: usize,
+        problem: &'a Problem<'a>,
+        (index, piece): (usize, &Piece),
         mut residual: Vec<f64>,
-        mut columns: Vec<(usize, Vec<f64>)>,
+        mut columns: Columns,
     ) -> Stretch<'a> {
-        if self.whitening.levels().is_some() {
-            columns.push((self.levels + trace, vec![1.0; residual.len()]));
+        let predicted = residual.iter().zip(piece.measured).map(|(r, y)| r + y).collect();
+        problem.whiten_residual(index, &mut residual);
+        residual.iter_mut().for_each(|r| *r = -*r);
+        columns.iter_mut().for_each(|(_, column)| problem.whiten_at(index, column));
+        let unit = problem.unit_level(index);
+        if !unit.is_empty() {
+            columns.push((self.levels + piece.trace, unit));
         }
-        self.whitening.apply(&mut residual);
-        columns.iter_mut().for_each(|(_, column)| self.whitening.apply(column));
         for (i, column) in &columns {
             self.residual[*i] += dot(column, &residual);
             for (j, other) in &columns {
                 self.products[(*i, *j)] += dot(column, other);
             }
         }
-        Stretch { whitening: self.whitening, size: self.residual.len(), columns, residual }
+        Stretch { problem, index, predicted, size: self.residual.len(), columns, residual }
     }
 
     /// Solves for what the model can do; none where its derivatives are no numbers.
-    pub(super) fn solved(self) -> Option<Beside> {
+    fn solved(self) -> Option<Beside> {
         let scale = self.products.diagonal().map(|v| if v > 0.0 { 1.0 / v.sqrt() } else { 0.0 });
         let scaled = DMatrix::from_fn(scale.len(), scale.len(), |i, j| {
             let value = self.products[(i, j)] * scale[i] * scale[j];
@@ -86,7 +95,7 @@ impl<'a> Own<'a> {
 impl Stretch<'_> {
     /// Inner products of a direction over this stretch, which is whitened first.
     pub(super) fn products(&self, mut direction: Vec<f64>) -> Products {
-        self.whitening.apply(&mut direction);
+        self.problem.whiten_at(self.index, &mut direction);
         let mut beside = DVector::zeros(self.size);
         for (place, column) in &self.columns {
             beside[*place] += dot(column, &direction);
@@ -97,15 +106,35 @@ impl Stretch<'_> {
 }
 
 impl Products {
-    /// Adds those over another stretch.
-    pub(super) fn add(&mut self, other: &Self) {
-        self.own += other.own;
-        self.residual += other.residual;
-        self.beside += &other.beside;
+    /// Those with the same direction's over another stretch.
+    pub(super) fn with(&self, other: Option<&Self>) -> Self {
+        let mut sum = self.clone();
+        if let Some(other) = other {
+            sum.own += other.own;
+            sum.residual += other.residual;
+            sum.beside += &other.beside;
+        }
+        sum
     }
 }
 
 impl Beside {
+    /// What a problem's chain can do by itself at a point; none where its derivatives are no numbers. `seen` gets every stretch on the
+    /// way, where the products of directions over it are taken.
+    pub(super) fn of(
+        problem: &Problem,
+        point: &[f64],
+        mut seen: impl FnMut(&Piece, &Stretch),
+    ) -> Option<Self> {
+        let mut own = Own::new(point.len(), problem.data().labels.len());
+        let mut index = 0;
+        problem.derivatives(point, |piece, residual, columns| {
+            seen(piece, &own.add(problem, (index, piece), residual, columns));
+            index += 1;
+        });
+        own.solved()
+    }
+
     /// Size of a change and the fall of the sum of squares with it; none where the model does the same by itself.
     pub(super) fn judge(&self, products: &Products) -> Option<(f64, f64)> {
         let beside = products.beside.component_mul(&self.scale);

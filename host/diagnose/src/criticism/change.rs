@@ -251,8 +251,14 @@ fn try_laws(chain: &Chain, values: &[f64], data: &Data, candidate: &Candidate) -
     let problem = Problem::new(chain, data, &whitening, None);
     let candidates = std::slice::from_ref(candidate);
     let options = Options::default();
-    let search =
-        Search { data, candidates, whitening: &whitening, problem: &problem, options: &options };
+    let search = Search {
+        data,
+        candidates,
+        whitening: &whitening,
+        problem: &problem,
+        samples: &problem,
+        options: &options,
+    };
     let from = Fitted::new(&problem, &problem.point(values), Effort::QUICK);
     let directions = screen(&problem, data, &from.point, &whitening, candidates).directions;
     let absorbed = directions.iter().all(|direction| direction.left < ABSORBED);

@@ -11,9 +11,10 @@ use super::options::Options;
 use super::outside::Outside;
 use super::screen::ABSORBED;
 use super::search::{Found, Search};
-use super::verdict::{Assessed, beyond_noise};
-use palpate_fit::data::DataError;
+use super::verdict::{Assessed, FAR_BEYOND_NEIGHBOURS, beyond_noise};
+use palpate_fit::data::{Data, DataError};
 use palpate_fit::least_squares::Effort;
+use palpate_fit::means::Means;
 use palpate_fit::problem::Problem;
 use palpate_fit::whitening::Whitening;
 use palpate_model::effects::{Candidate, EffectError, candidates, chain_of};
@@ -82,6 +83,9 @@ pub enum DiagnoseError {
     Options(String),
 }
 
+/// Samples from which on a set is searched on means even where these do not show all: a hum, or how large the noise is.
+const LONG: usize = 20_000;
+
 /// Says what a model lacks on the traces of a data set, in order of recording, by the effects of the library.
 ///
 /// # Errors
@@ -100,30 +104,44 @@ pub fn diagnose_with(
     options: &Options,
 ) -> Result<Diagnosis, DiagnoseError> {
     options.check()?;
-    // Long recordings are searched on their means; the errors are those of all rows in the end.
-    let means = block_means(traces);
-    let searched = means.as_deref().unwrap_or(traces);
-    let data = options.data(model, searched)?;
-    let all = means.as_ref().map(|_| options.data(model, traces)).transpose()?;
-    let all = all.as_ref().unwrap_or(&data);
-    let setting = data.setting();
+    let all = options.data(model, traces)?;
+    let setting = all.setting();
     let (chain, values) = chain_of(model, &setting)?;
     let candidates = candidates(&setting, &model.candidates)?;
-
+    // Long recordings are searched on their means; the errors are those of all rows in the end.
     let white = Whitening::none();
-    let plain = Problem::new(&chain, &data, &white, None);
-    let start = plain.point(&values);
-    let noise = noise_model(&data).unwrap_or_else(|| {
+    let noise_left = |data: &Data, means: bool| {
+        let plain = Problem::new(&chain, data, &white, None);
         let seen = pooled_noise(traces, &model.base.signal);
-        noise_of_residual(&plain, &start, seen, means.is_some())
-    });
-    let problem = Problem::new(&chain, &data, &noise.whitening, None);
-    let rows = Problem::new(&chain, all, &white, None);
+        noise_of_residual(&plain, &plain.point(&values), seen, means)
+    };
+    let long = all.samples() > LONG;
+    // Where the noise is not seen, what the law lacks is taken for it, in which neighbours agree: there each mean of a long recording
+    // counts as one sample, and motions are thinned only where rests alone are not enough.
+    let known = noise_model(&all).or_else(|| (!long).then(|| noise_left(&all, false)));
+    let at_rest = if known.is_none() { block_means(traces) } else { None };
+    let thinned = at_rest.as_deref().map(|traces| options.data(model, traces)).transpose()?;
+    let hums = setting.scales.mains.is_some() && !long;
+    let stays = thinned.is_some() || hums || known.as_ref().is_some_and(dwarfs);
+    let level = known.as_ref().map(|noise| noise.level);
+    let means = if stays { None } else { Means::of(&all, level) };
+    let few = thinned.or_else(|| means.as_ref().map(|means| means.data(&all)));
+    let data = few.as_ref().unwrap_or(&all);
+    let weighted = means.as_ref().filter(|_| known.is_some());
+    let noise = known.unwrap_or_else(|| noise_left(data, few.is_some()));
+    let samples = Problem::new(&chain, &all, &noise.whitening, None);
+    let rows = Problem::new(&chain, &all, &white, None);
+    let problem = match weighted {
+        Some(means) => samples.on_weighted_means(means, data),
+        None => Problem::new(&chain, data, &noise.whitening, None),
+    };
+    let start = problem.point(&values);
     let search = Search {
-        data: &data,
+        data,
         candidates: &candidates,
         whitening: &noise.whitening,
         problem: &problem,
+        samples: if weighted.is_some() { &samples } else { &problem },
         options,
     };
 
@@ -131,12 +149,13 @@ pub fn diagnose_with(
     course.name_nothing_for_what_is_no_effect();
     course.keep_what_predicts();
     course.name_nothing_alone_without_noise();
-    if means.is_some() {
+    if few.is_some() {
         course.score_all_rows(&rows, all.samples());
     }
     course.say_what_hardly_shows();
     let given_rms = rows.rms(&rows.point(&values));
-    Ok(course.conclude(&rows, given_rms, searched))
+    let history = few.as_ref().and_then(|_| block_means(traces));
+    Ok(course.conclude(&rows, given_rms, history.as_deref().unwrap_or(traces)))
 }
 
 /// Part of an effect's sensitivity that the model's own parameters must leave for it to show well.
@@ -166,7 +185,7 @@ impl<'a> Course<'a> {
         let mut notes = Vec::new();
         let (separation, before, found) = likeliest(search, start, &mut notes);
         let known = noise.seen == Seen::OffTheSpecimen;
-        let outside = known.then(|| Outside::of(search.problem, &found.base, search.whitening));
+        let outside = known.then(|| Outside::of(search, &found.base));
         let outside = outside.flatten();
         let assessed = Assessed::of(search, &found, &before, noise, outside.as_ref());
         Self { search, noise, separation, before, found, outside, assessed, inexact: false, notes }
@@ -222,7 +241,7 @@ impl<'a> Course<'a> {
         if !guessed || !beside_others(&mut self.found) {
             return;
         }
-        let rest = match samples_at_rest(self.search.data) {
+        let rest = match samples_at_rest(self.search.samples.data()) {
             0 => "without a stretch at rest off the specimen".to_owned(),
             samples => {
                 format!("with {samples} samples at rest off the specimen, too few or too still,")
@@ -249,7 +268,7 @@ impl<'a> Course<'a> {
             self.assess();
         }
         self.notes.push(format!(
-            "searched on {} means of the {count} rows, each over at most a twentieth of the time since the motion before it; the errors are those of all rows",
+            "searched on {} means of the {count} rows, each over a time in which nothing that a model can follow bends; the errors are those of all rows",
             self.search.data.samples(),
         ));
     }
@@ -286,7 +305,7 @@ impl<'a> Course<'a> {
         }
     }
 
-    /// The diagnosis, with what the last model leaves of all rows; `traces` are those searched.
+    /// The diagnosis, with what the last model leaves of all rows; `traces` are what the specimen has been through.
     fn conclude(self, rows: &Problem, given_rms: f64, traces: &[Trace]) -> Diagnosis {
         let Search { data, candidates, problem, options, .. } = self.search;
         let last = self.found.model();
@@ -325,6 +344,12 @@ impl<'a> Course<'a> {
     }
 }
 
+/// Whether what a law leaves dwarfs the scatter of neighbours, so that it tells nothing of the noise.
+fn dwarfs(noise: &NoiseModel) -> bool {
+    let misfit = noise.whitening.standard_deviation();
+    noise.seen == Seen::Residual && misfit > FAR_BEYOND_NEIGHBOURS * noise.level
+}
+
 /// The noise for want of rest, from what the base leaves.
 fn noise_of_residual(
     plain: &Problem,
@@ -349,7 +374,8 @@ fn likeliest(
         let chain = Chain { base, ..chain.clone() };
         let problem = search.problem.with_chain(&chain);
         let base = Fitted::new(&problem, start, Effort::QUICK);
-        (adequacy(&problem, &base.point, search.whitening), base)
+        let samples = search.samples.with_chain(&chain);
+        (adequacy(&samples, &base.point, search.whitening), base)
     };
     let separation = chain.base.separation;
     let (before, base) = attempt(separation);

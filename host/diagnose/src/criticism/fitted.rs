@@ -31,8 +31,8 @@ pub struct Fitted {
     free: Vec<bool>,
     /// Part of the samples that are independent, from how neighbours in the whitened residual agree.
     independent: f64,
-    /// Which coordinates the data push against a bound.
-    at_bound: Vec<bool>,
+    /// The first parameter of the last effect that the data push against a bound.
+    pushed: Option<usize>,
     /// Number of parameters that were fitted.
     parameters: usize,
 }
@@ -53,9 +53,8 @@ impl Fitted {
             rows: None,
             independent: independent(&blocks),
             free: (0..found.point.len()).map(|j| !found.at_bound[j] && !given(j)).collect(),
-            at_bound: (0..found.point.len())
-                .map(|j| found.at_bound[j] && !given(j) && pushed(problem, &found, j))
-                .collect(),
+            pushed: of_last_effect(&problem.chain)
+                .find(|&j| found.at_bound[j] && !given(j) && pushed(problem, &found, j)),
             parameters: (0..found.point.len()).filter(|&j| !given(j)).count(),
             point: found.point,
             blocks,
@@ -127,12 +126,19 @@ impl Fitted {
     /// The parameter of the last effect that the data push against a bound; none where there is none.
     #[must_use]
     pub fn last_effect_at_bound(&self) -> Option<(&Parameter, f64)> {
-        let index = self.chain.effects.len().checked_sub(1)?;
-        let range = self.chain.range(index);
-        let mut pairs = self.chain.effects[index].parameters.iter().zip(range);
-        pairs
-            .find(|(p, k)| self.at_bound[*k] && !p.bounded)
-            .map(|(parameter, k)| (parameter, self.values[k]))
+        let (place, last) = (self.pushed?, self.chain.effects.len().checked_sub(1)?);
+        let own = place.checked_sub(self.chain.range(last).start)?;
+        Some((self.chain.effects[last].parameters.get(own)?, self.values[place]))
+    }
+
+    /// The curvature of the whitened sum of squares.
+    #[must_use]
+    pub fn curvature(&self) -> DMatrix<f64> {
+        let mut total = Normal::zeros(self.point.len());
+        for block in &self.blocks {
+            total.add_those_of(&block.coordinates, &block.white, 1.0);
+        }
+        total.curvature
     }
 
     fn criterion(&self, cost: f64, samples: f64) -> f64 {
@@ -151,9 +157,7 @@ impl Fitted {
         let mut total = Normal::zeros(self.point.len());
         let mut sums: Option<LevelSums> = None;
         for (block, &weight) in self.blocks.iter().zip(weights) {
-            total.cost += weight * block.white.cost;
-            total.gradient += &block.white.gradient * weight;
-            total.curvature += &block.white.curvature * weight;
+            total.add_those_of(&block.coordinates, &block.white, weight);
             if let Some(own) = &block.levels {
                 let zeros = || LevelSums::zeros(self.point.len(), own.unit.len());
                 sums.get_or_insert_with(zeros).add_weighted(own, weight);
@@ -180,21 +184,20 @@ impl Fitted {
         gauss_newton(normal, |j| self.free[j] && !fixed.contains(&j))
     }
 
-    /// Sum of squares that the uncertainty of the coordinates adds to the error on data to which they were not fitted:
-    /// the trace of those data's `curvature` times the covariance that the `normal` equations of the fit give.
+    /// Sum of squares that the uncertainty of the coordinates adds to the error on a `trace` to which they were not fitted:
+    /// the trace of its curvature times the covariance that the `normal` equations of the fit give.
     #[must_use]
-    pub fn foretold_error(
-        &self,
-        normal: &Normal,
-        curvature: &DMatrix<f64>,
-        fixed: &[usize],
-    ) -> f64 {
+    pub fn foretold_error(&self, normal: &Normal, trace: usize, fixed: &[usize]) -> f64 {
+        let mut left_out = Normal::zeros(self.point.len());
+        for block in self.blocks.iter().filter(|block| block.trace == trace) {
+            left_out.add_those_of(&block.coordinates, &block.raw, 1.0);
+        }
         let Some(known) = Scaled::of(normal, |j| self.free[j] && !fixed.contains(&j)) else {
             return 0.0;
         };
         let (free, scale) = (&known.free, &known.scale);
         let matrix = DMatrix::from_fn(free.len(), free.len(), |a, b| {
-            curvature[(free[a], free[b])] / (scale[a] * scale[b])
+            left_out.curvature[(free[a], free[b])] / (scale[a] * scale[b])
         });
         known.factor.solve(&matrix).trace()
     }
@@ -236,6 +239,15 @@ impl Fitted {
     }
 }
 
+/// The parameters of a chain's last effect that no law bounds: the data may push them against the bounds of a search.
+fn of_last_effect(chain: &Chain) -> impl Iterator<Item = usize> {
+    let last = chain.effects.len().checked_sub(1);
+    last.into_iter().flat_map(|last| {
+        let own = chain.effects[last].parameters.iter().zip(chain.range(last));
+        own.filter(|(parameter, _)| !parameter.bounded).map(|(_, place)| place)
+    })
+}
+
 /// Part of its range by which a coordinate on its bound is moved inside to see whether the data hold it there.
 const INSIDE: f64 = 0.1;
 /// Rise of the sum of squares, in variances of the noise, up to which the data are silent about a parameter.
@@ -253,7 +265,7 @@ fn pushed(problem: &Problem, found: &Solution, j: usize) -> bool {
     let normal = problem.normal(&inside);
     let step = gauss_newton(&normal, |k| k != j && !found.at_bound[k]);
     let followed = normal.cost + normal.raised_by(&step);
-    let variance = found.normal.cost / (problem.data().samples() as f64).max(1.0);
+    let variance = found.normal.cost / (problem.rows() as f64).max(1.0);
     followed.is_nan() || followed > found.normal.cost + SILENT * variance
 }
 

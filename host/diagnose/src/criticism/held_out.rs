@@ -9,8 +9,8 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::fitted::Fitted;
-use palpate_fit::least_squares::{Effort, LeastSquares, Normal, minimise_with};
-use palpate_fit::problem::{Problem, StretchResidual};
+use palpate_fit::least_squares::{Effort, LeastSquares, minimise_with};
+use palpate_fit::problem::Problem;
 
 /// Errors of a model on traces that it was not fitted to.
 #[derive(Clone, Debug, PartialEq)]
@@ -70,6 +70,8 @@ impl Gain {
 /// Excess over the foretold sum of squares, in variances of the residual, up to which one step counts
 /// as a refit.
 const SAME: f64 = 1.0;
+/// Change of the prediction by one step, over the residual, up to which nothing need be predicted anew.
+const SMALL: f64 = 0.01;
 
 /// Errors of a fitted model on every trace when it is left out, refitted to the others in earnest where
 /// one step does not do; none for a single trace.
@@ -99,12 +101,7 @@ pub fn over_sections(problem: &Problem, fitted: &Fitted) -> HeldOut {
         let weights: Vec<f64> =
             (0..fitted.blocks.len()).map(|block| f64::from(u8::from(block != left_out))).collect();
         let step = fitted.step(&fitted.weighted(problem, &weights), &[]);
-        let foretold = |normal: &Normal| {
-            let moved = 2.0 * normal.gradient.dot(&step) + step.dot(&(&normal.curvature * &step));
-            (normal.cost + moved).max(0.0)
-        };
-        let block = &fitted.blocks[left_out];
-        (foretold(&block.raw), foretold(&block.white))
+        fitted.blocks[left_out].foretold(&step)
     };
     let sums: Vec<(f64, f64)> = (0..fitted.blocks.len()).map(squares_without).collect();
     let count = |block: usize| (fitted.blocks[block].samples as f64).max(1.0);
@@ -129,9 +126,19 @@ fn held_out_with(
     }
     let problem = problem.with_chain(&fitted.chain);
     let rows = rows.map(|rows| rows.with_chain(&fitted.chain));
+    // Means that stand for their samples tell how the error changes when a trace is left out; all that is left to take from
+    // the rows is the error of the fit to all.
+    let (instead, unseen) = match &rows {
+        Some(rows) if problem.stands_for_samples() => (None, unseen(&problem, rows, fitted)),
+        rows => (rows.as_ref(), vec![0.0; traces]),
+    };
     let errors: Vec<TraceError> = (0..traces)
         .into_par_iter()
-        .map(|trace| left_out(&problem, fitted, trace, in_earnest, rows.as_ref()))
+        .map(|trace| {
+            let mut error = left_out(&problem, fitted, trace, in_earnest, instead);
+            error.square = (error.square + unseen[trace]).max(0.0);
+            error
+        })
         .collect();
     let total: f64 = errors.iter().map(|error| error.square).sum();
     let samples: f64 = errors.iter().map(|error| error.samples).sum();
@@ -142,6 +149,13 @@ fn held_out_with(
         by_uncertainty: errors.iter().map(|error| error.by_uncertainty).sum::<f64>()
             / samples.max(1.0),
     })
+}
+
+/// What the squared error of the fit over the rows of each trace exceeds that over their means by.
+fn unseen(problem: &Problem, rows: &Problem, fitted: &Fitted) -> Vec<f64> {
+    let on_rows = rows.trace_squares(&rows.point(&fitted.values));
+    let on_means = problem.trace_squares(&fitted.point);
+    on_rows.iter().zip(&on_means).map(|((rows, _), (means, _))| rows - means).collect()
 }
 
 /// Sums over one trace.
@@ -174,39 +188,51 @@ fn left_out(
         .zip(others.bounds())
         .map(|((x, step), (lower, upper))| (x + step).clamp(*lower, *upper))
         .collect();
+    let inside =
+        point.iter().zip(&fitted.point).zip(step.iter()).all(|((to, x), step)| *to == x + step);
+    let change = step.dot(&(&rest.curvature * &step));
+    let straight = change <= SMALL * SMALL * rest.cost && own.is_empty() && rows.is_none();
+    if straight && inside && fitted.blocks.iter().all(|block| block.levels.is_none()) {
+        let by_uncertainty = fitted.foretold_error(&rest, trace, &own);
+        return TraceError { by_uncertainty, ..along_the_line(fitted, trace, &step) };
+    }
     for &j in &own {
         point[j] = 0.0;
     }
-    let (mut cost, mut residuals) = others.apart(&point, trace);
+    let (mut cost, mut apart) = others.apart(&point, trace);
     let variance = rest.cost / (fitted.samples as f64).max(1.0);
     if in_earnest && (cost.is_nan() || cost > foretold.max(0.0) + SAME * variance) {
         point = minimise_with(&others, &point, Effort::QUICK).point;
-        (cost, residuals) = others.apart(&point, trace);
+        (cost, apart) = others.apart(&point, trace);
     }
     if !cost.is_finite() {
         let (square, whitened) = (f64::INFINITY, f64::INFINITY);
         return TraceError { square, whitened, by_uncertainty: 0.0, samples: 1.0 };
     }
     if !own.is_empty() {
-        own_from_before(&others, &mut point, &own, trace, &residuals);
-        residuals = others.apart(&point, trace).1;
+        own_from_before(&others, &mut point, &own, trace, &apart.before);
+        apart = others.apart(&point, trace).1;
     }
     if let Some(rows) = rows {
-        residuals = rows.apart(&rows.point(&others.declared(&point)), trace).1;
+        apart = rows.apart(&rows.point(&others.declared(&point)), trace).1;
     }
-    let left_out = fitted.blocks.iter().filter(|block| block.trace == trace);
-    let curvature = left_out
-        .fold(DMatrix::zeros(point.len(), point.len()), |sum, block| sum + &block.raw.curvature);
-    let mut error = TraceError {
-        by_uncertainty: fitted.foretold_error(&rest, &curvature, &own),
-        ..TraceError::default()
-    };
-    let mut residuals: Vec<Vec<f64>> = residuals.into_iter().map(|s| s.residual).collect();
-    for residual in &residuals {
-        error.samples += residual.len() as f64;
-        error.square += residual.iter().map(|r| r * r).sum::<f64>();
+    TraceError {
+        square: apart.square,
+        whitened: apart.whitened,
+        by_uncertainty: fitted.foretold_error(&rest, trace, &own),
+        samples: apart.samples as f64,
     }
-    error.whitened = problem.whitened_square(trace, &mut residuals);
+}
+
+/// The error on one trace after a step that hardly changes the prediction, from the normal equations of its blocks.
+fn along_the_line(fitted: &Fitted, trace: usize, step: &DVector<f64>) -> TraceError {
+    let mut error = TraceError::default();
+    for block in fitted.blocks.iter().filter(|block| block.trace == trace) {
+        let (square, whitened) = block.foretold(step);
+        error.square += square;
+        error.whitened += whitened;
+        error.samples += block.samples as f64;
+    }
     error
 }
 
@@ -217,12 +243,9 @@ fn own_from_before(
     point: &mut [f64],
     own: &[usize],
     trace: usize,
-    at_zero: &[StretchResidual],
+    at_zero: &[f64],
 ) {
-    let before = |stretches: &[StretchResidual]| -> Vec<f64> {
-        stretches.iter().flat_map(|s| s.residual[..s.touch].iter().copied()).collect()
-    };
-    let residual = before(at_zero);
+    let residual = at_zero;
     if residual.len() < 2 * own.len() {
         return;
     }
@@ -231,12 +254,12 @@ fn own_from_before(
         .flat_map(|&j| {
             let mut moved = point.to_vec();
             moved[j] = 1.0;
-            let moved = before(&problem.apart(&moved, trace).1);
-            moved.iter().zip(&residual).map(|(moved, at)| moved - at).collect::<Vec<_>>()
+            let moved = problem.apart(&moved, trace).1.before;
+            moved.iter().zip(residual).map(|(moved, at)| moved - at).collect::<Vec<_>>()
         })
         .collect();
     let columns = DMatrix::from_vec(residual.len(), own.len(), columns);
-    let found = columns.svd(true, true).solve(&DVector::from_vec(residual), 1e-9);
+    let found = columns.svd(true, true).solve(&DVector::from_column_slice(residual), 1e-9);
     for (&j, value) in own.iter().zip(found.iter().flat_map(|found| found.iter())) {
         point[j] = -value;
     }

@@ -4,10 +4,10 @@
 //! takes half of a step within one. So a step at every instant of a grid is tried as a rival of them all, by its score
 //! beside the model's own derivatives, as the screen tries the library.
 
+use palpate_fit::data::Piece;
 use palpate_fit::problem::Problem;
-use palpate_fit::whitening::Whitening;
 
-use super::beside::{Own, Products};
+use super::beside::{Beside, Products, Stretch};
 use super::fitted::Fitted;
 use super::tail::log_tail;
 
@@ -51,64 +51,75 @@ impl Incident {
 
     /// The change at one instant that describes what a model leaves best; none where none is possible.
     #[must_use]
-    pub fn of(problem: &Problem, fitted: &Fitted, whitening: &Whitening) -> Option<Self> {
+    pub fn of(problem: &Problem, fitted: &Fitted) -> Option<Self> {
         let problem = problem.with_chain(&fitted.chain);
-        let mut own = Own::new(fitted.point.len(), problem.data().labels.len(), whitening);
-        let mut trials: Vec<Trial> = Vec::new();
-        problem.derivatives(&fitted.point, |piece, mut residual, columns| {
-            let predicted: Vec<f64> =
-                residual.iter().zip(piece.measured).map(|(r, y)| r + y).collect();
-            residual.iter_mut().for_each(|r| *r = -*r);
-            let stretch = own.add(piece.trace, residual, columns);
-            let (time, instants) = (piece.recorded_time(), instants(&piece.motion.displacement));
-            for (change, shape) in
-                [(Change::Zero, vec![1.0; predicted.len()]), (Change::Gain, predicted)]
-            {
-                let whole = stretch.products(shape.clone());
-                let goes_on =
-                    |it: &&mut Trial| it.change == change && (it.lasts || it.trace == piece.trace);
-                trials.iter_mut().filter(goes_on).for_each(|it| it.products.add(&whole));
-                for &instant in &instants {
-                    let mut after = shape.clone();
-                    after[..instant].fill(0.0);
-                    let products = stretch.products(after);
-                    trials.extend([false, true].map(|lasts| Trial {
-                        change,
-                        trace: piece.trace,
-                        time_s: time[instant],
-                        lasts,
-                        products: products.clone(),
-                    }));
+        let mut stretches: Vec<Changed> = Vec::new();
+        let beside = Beside::of(&problem, &fitted.point, |piece, stretch| {
+            stretches.push(Changed::of(&problem, piece, stretch));
+        })?;
+        let mut trials = Vec::new();
+        for (kind, change) in [Change::Zero, Change::Gain].into_iter().enumerate() {
+            // What goes on in the stretches after: to the end of the trace, and of the set.
+            let (mut in_trace, mut in_set): (Option<Products>, Option<Products>) = (None, None);
+            let mut later = None;
+            for Changed { trace, whole, after } in stretches.iter().rev() {
+                let trace = *trace;
+                if later.replace(trace) != Some(trace) {
+                    in_trace = None;
                 }
+                for &(time_s, ref after) in after {
+                    for (lasts, later) in [(false, &in_trace), (true, &in_set)] {
+                        let products = after[kind].with(later.as_ref());
+                        let (size, gain) = beside.judge(&products).unwrap_or_default();
+                        let log_chance = 0.0;
+                        trials.push(Self { change, trace, time_s, lasts, size, gain, log_chance });
+                    }
+                }
+                in_trace = Some(whole[kind].with(in_trace.as_ref()));
+                in_set = Some(whole[kind].with(in_set.as_ref()));
             }
-        });
+        }
         let tried = trials.len() as f64;
-        let beside = own.solved()?;
-        let judged = trials.iter().filter_map(|trial| {
-            let (size, gain) = beside.judge(&trial.products)?;
-            Some((trial, size, gain))
-        });
-        let (trial, size, gain) = judged.max_by(|a, b| a.2.total_cmp(&b.2))?;
-        let log_chance = (log_tail(gain, 1, false) + tried.ln()).min(0.0);
-        let Trial { change, trace, time_s, lasts, .. } = *trial;
-        Some(Self { change, trace, time_s, lasts, size, gain, log_chance })
+        let mut best = trials.into_iter().max_by(|a, b| a.gain.total_cmp(&b.gain))?;
+        best.log_chance = (log_tail(best.gain, 1, false) + tried.ln()).min(0.0);
+        Some(best)
     }
 }
 
-/// A change that is tried.
-struct Trial {
-    change: Change,
+/// What a change of the zero, and one of the gain, would do in one stretch.
+struct Changed {
     trace: usize,
-    time_s: f64,
-    lasts: bool,
-    products: Products,
+    /// Throughout.
+    whole: [Products; 2],
+    /// From an instant on, in the time of the trace, s.
+    after: Vec<(f64, [Products; 2])>,
+}
+
+impl Changed {
+    fn of(problem: &Problem, piece: &Piece, stretch: &Stretch) -> Self {
+        let shapes = [vec![1.0; stretch.predicted.len()], stretch.predicted.clone()];
+        let from = |instant: usize| {
+            shapes.each_ref().map(|shape| {
+                let mut after = shape.clone();
+                after[..instant].fill(0.0);
+                stretch.products(after)
+            })
+        };
+        let time = piece.recorded_time();
+        let instants = instants(problem, stretch.index, &piece.motion.displacement);
+        Self {
+            trace: piece.trace,
+            whole: from(0),
+            after: instants.into_iter().map(|instant| (time[instant], from(instant))).collect(),
+        }
+    }
 }
 
 /// The samples of a stretch at which something could happen: after its first touch, away from its ends.
-fn instants(x: &[f64]) -> Vec<usize> {
-    let aside = ((ASIDE * x.len() as f64) as usize).max(1);
+fn instants(problem: &Problem, index: usize, x: &[f64]) -> Vec<usize> {
+    let parts = problem.parts(index, INSTANTS);
+    let aside = ((ASIDE * parts.len() as f64).ceil() as usize).max(1);
     let touch = x.iter().position(|&x| x > 0.0).unwrap_or(x.len());
-    (touch.max(aside)..x.len().saturating_sub(aside))
-        .step_by(x.len().div_ceil(INSTANTS).max(1))
-        .collect()
+    let inner = parts.get(aside..(parts.len() + 1).saturating_sub(aside)).unwrap_or_default();
+    inner.iter().map(|part| part.start).filter(|&instant| instant >= touch).collect()
 }

@@ -1,12 +1,9 @@
 //! What is no effect and yet describes the misfit: a change at one instant, or a slow swing. Where one of them
 //! describes it better than everything named, nothing is named.
 
-use palpate_fit::problem::Problem;
-use palpate_fit::whitening::Whitening;
-
 use super::fitted::Fitted;
 use super::incident::Incident;
-use super::search::DECISIVE;
+use super::search::{DECISIVE, Search};
 use super::swing::Swing;
 
 /// Something that is no effect.
@@ -26,9 +23,10 @@ const CHANCE: f64 = 1e-4;
 impl Outside {
     /// What describes the misfit of a model best of all that is no effect; none that noise alone would show.
     #[must_use]
-    pub fn of(problem: &Problem, fitted: &Fitted, whitening: &Whitening) -> Option<Self> {
-        let incident = Incident::of(problem, fitted, whitening).map(Self::Incident);
-        let swing = Swing::of(problem, fitted, whitening).map(Self::Swing);
+    pub fn of(search: &Search, fitted: &Fitted) -> Option<Self> {
+        let incident = Incident::of(search.problem, fitted).map(Self::Incident);
+        // Means over more than a period show no swing.
+        let swing = Swing::of(search.samples, fitted).map(Self::Swing);
         let sure = |it: &Self| it.log_chance() < CHANCE.ln();
         let all = incident.into_iter().chain(swing).filter(sure);
         all.max_by(|a, b| a.gain().total_cmp(&b.gain()))

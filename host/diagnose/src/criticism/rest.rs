@@ -26,6 +26,7 @@ impl Rest {
     pub fn of(problem: &Problem, fitted: &Fitted) -> Self {
         let problem = problem.with_chain(&fitted.chain);
         let mut rest = Self::default();
+        let mut index = 0;
         problem.each_piece(std::slice::from_ref(&fitted.point), |piece, forces| {
             let x = &piece.motion.displacement;
             let mut residual: Vec<f64> =
@@ -34,10 +35,15 @@ impl Rest {
             let square = |residual: &[f64]| -> f64 {
                 residual.iter().zip(&off).filter(|(_, off)| **off).map(|(r, _)| r * r).sum()
             };
-            rest.square += square(&residual);
-            problem.whiten(&mut residual);
+            let (mut weighted, mut samples) = (residual.clone(), vec![1.0; x.len()]);
+            problem.weigh(index, &mut weighted);
+            problem.weigh(index, &mut samples);
+            let scatter = problem.scatter(index).iter().zip(&off).filter(|(_, off)| **off);
+            rest.square += square(&weighted) + scatter.map(|(scatter, _)| scatter).sum::<f64>();
+            problem.whiten_residual(index, &mut residual);
             rest.whitened += square(&residual);
-            rest.samples += off.iter().filter(|off| **off).count() as f64;
+            rest.samples += square(&samples);
+            index += 1;
         });
         rest
     }

@@ -86,7 +86,7 @@ pub const SEED: u64 = 11;
 /// Samples whose products are taken at a time.
 const AT_A_TIME: usize = 4096;
 /// Part of a sensitivity below which the model's own parameters have absorbed it.
-pub const ABSORBED: f64 = 0.02;
+pub const ABSORBED: f64 = 0.004;
 
 /// Screens the candidates against what the problem leaves at `point`.
 #[must_use]
@@ -101,7 +101,7 @@ pub fn screen(
     let base = point.len();
     let size = base + directions.last().map_or(0, |d| d.columns.end);
     let (gram, along) = gram(problem, data, point, whitening, candidates, &directions, size);
-    let samples = data.samples() as f64;
+    let samples = problem.rows() as f64;
     let floor = if whitening.is_guess() { 0.0 } else { 1.0 };
     let projected = Projected::new(&gram, base, samples, floor);
     for direction in &mut directions {
@@ -182,8 +182,11 @@ fn gram(
     let mut sums = whitening.levels().map(|levels| LevelSums::zeros(size + 1, levels.traces()));
     let pieces = FEWEST_PARTS.div_ceil(data.pieces.len());
     let mut along: Vec<DVector<f64>> = vec![];
+    let mut index = 0;
     watch::stage("stretches screened", data.pieces.len());
-    problem.derivatives(point, |piece, residual, derivatives| {
+    problem.derivatives(point, |piece, mut residual, derivatives| {
+        let place = index;
+        index += 1;
         watch::done();
         if watch::ended() {
             return;
@@ -204,15 +207,16 @@ fn gram(
             let first = base + direction.columns.start;
             columns.extend(found.into_iter().map(|(place, column)| (first + place, column)));
         }
-        columns.push((size, residual.into_iter().map(|r| -r).collect()));
-        columns.par_iter_mut().for_each(|(_, column)| whitening.apply(column));
+        watch::evaluated(scene.len() * (columns.len() - 1));
+        columns.par_iter_mut().for_each(|(_, column)| problem.whiten_at(place, column));
+        problem.whiten_residual(place, &mut residual);
+        residual.iter_mut().for_each(|r| *r = -*r);
+        columns.push((size, residual));
         if let Some(sums) = &mut sums {
-            sums.add(piece.trace, &whitening.unit_level(scene.len()), &columns, &[], 0);
+            sums.add(piece.trace, &problem.unit_level(place), &columns, &[], 0);
         }
         let residual = columns.last().map(|(_, residual)| residual.clone()).unwrap_or_default();
-        let length = scene.len().div_ceil(pieces).max(1);
-        for begin in (0..scene.len()).step_by(length) {
-            let range = begin..(begin + length).min(scene.len());
+        for range in problem.parts(place, pieces) {
             let mut part = DVector::zeros(size);
             for (place, column) in &columns[..columns.len() - 1] {
                 let products = column[range.clone()].iter().zip(&residual[range.clone()]);
@@ -234,6 +238,7 @@ fn gram(
             }
         }
     });
+    gram[(size, size)] += problem.unseen();
     if let Some((levels, sums)) = whitening.levels().zip(sums) {
         gram -= levels.explained(&sums);
     }
@@ -428,14 +433,10 @@ fn chances(directions: &[Direction], candidates: &[Candidate], cosines: &DMatrix
     if size == 0 {
         return vec![1.0; candidates.len()];
     }
-    let correlation =
-        DMatrix::from_fn(size, size, |i, j| cosines[(columns[i], columns[j])]).symmetric_eigen();
-    let root = DMatrix::from_fn(size, size, |i, j| {
-        correlation.eigenvectors[(i, j)] * correlation.eigenvalues[j].max(0.0).sqrt()
-    });
+    let root = root_of(&DMatrix::from_fn(size, size, |i, j| cosines[(columns[i], columns[j])]));
     // Where each direction's columns stand among the tested, and how to weigh several strengths.
     let mut first = 0;
-    let places: Vec<(usize, usize, bool, Option<DMatrix<f64>>)> = tested
+    let places: Vec<Place> = tested
         .iter()
         .map(|direction| {
             let count = direction.columns.len();
@@ -446,30 +447,28 @@ fn chances(directions: &[Direction], candidates: &[Candidate], cosines: &DMatrix
                 let start = direction.columns.start;
                 cosines.view((start, start), (count, count)).into_owned().pseudo_inverse(1e-9).ok()
             });
-            (place, count, positive && count == 1, inverse.flatten())
+            Place {
+                first: place,
+                count,
+                positive: positive && count == 1,
+                inverse: inverse.flatten(),
+            }
         })
         .collect();
     let mut random = ChaCha8Rng::seed_from_u64(SEED);
-    let normals: Vec<DVector<f64>> = (0..DRAWS)
-        .map(|_| DVector::from_fn(size, |_, _| StandardNormal.sample(&mut random)))
+    let normals = DMatrix::from_fn(size, DRAWS, |_, _| StandardNormal.sample(&mut random));
+    let null: Vec<f64> = (0..DRAWS)
+        .step_by(DRAWN_AT_A_TIME)
+        .collect::<Vec<usize>>()
+        .into_par_iter()
+        .flat_map_iter(|begin| {
+            let count = DRAWN_AT_A_TIME.min(DRAWS - begin);
+            let scores = &root * normals.columns(begin, count);
+            (0..count)
+                .map(|k| most_extreme(&places, scores.column(k).as_slice()))
+                .collect::<Vec<_>>()
+        })
         .collect();
-    let most_extreme = |normal: &DVector<f64>| {
-        let scores = &root * normal;
-        let chance =
-            |(place, count, positive, inverse): &(usize, usize, bool, Option<DMatrix<f64>>)| {
-                let gain = match inverse {
-                    Some(inverse) => {
-                        let own = scores.rows(*place, *count).into_owned();
-                        own.dot(&(inverse * &own))
-                    }
-                    None if *positive && scores[*place] <= 0.0 => return 0.0,
-                    None => scores[*place].powi(2),
-                };
-                log_tail(gain, *count, *positive).min(0.0)
-            };
-        places.iter().map(chance).fold(0.0, f64::min)
-    };
-    let null: Vec<f64> = normals.par_iter().map(most_extreme).collect();
     let chance = |&least: &f64| {
         if least >= 0.0 {
             return 1.0;
@@ -478,4 +477,54 @@ fn chances(directions: &[Direction], candidates: &[Candidate], cosines: &DMatrix
         (as_extreme + 1) as f64 / (DRAWS + 1) as f64
     };
     least.iter().map(chance).collect()
+}
+
+/// Draws whose scores are taken at a time.
+const DRAWN_AT_A_TIME: usize = 64;
+/// What is added to the variance of every score: of columns that are nearly the same, hardly anything is left to tell apart.
+const RIDGE: f64 = 1e-9;
+
+/// A matrix that, times its transpose, is this correlation.
+fn root_of(correlation: &DMatrix<f64>) -> DMatrix<f64> {
+    let size = correlation.nrows();
+    let ridged = correlation + DMatrix::identity(size, size) * RIDGE;
+    if let Some(factor) = ridged.cholesky() {
+        return factor.unpack();
+    }
+    let eigen = correlation.clone().symmetric_eigen();
+    DMatrix::from_fn(size, size, |i, j| {
+        eigen.eigenvectors[(i, j)] * eigen.eigenvalues[j].max(0.0).sqrt()
+    })
+}
+
+/// Where the columns of a direction stand among those tested.
+struct Place {
+    first: usize,
+    count: usize,
+    positive: bool,
+    /// How several strengths are weighed.
+    inverse: Option<DMatrix<f64>>,
+}
+
+/// The least chance, as a logarithm, of scores over the library. A chance falls as its score grows: of all directions with as many
+/// strengths only the largest needs one.
+fn most_extreme(places: &[Place], scores: &[f64]) -> f64 {
+    let mut largest: Vec<(usize, bool, f64)> = Vec::new();
+    for Place { first, count, positive, inverse } in places {
+        let own = &scores[*first..first + count];
+        let gain = match inverse {
+            Some(inverse) => {
+                let own = DVector::from_column_slice(own);
+                own.dot(&(inverse * &own))
+            }
+            None if *positive && own[0] <= 0.0 => continue,
+            None => own[0].powi(2),
+        };
+        match largest.iter_mut().find(|known| (known.0, known.1) == (*count, *positive)) {
+            Some(known) => known.2 = known.2.max(gain),
+            None => largest.push((*count, *positive, gain)),
+        }
+    }
+    let chance = |&(count, positive, gain): &(usize, bool, f64)| log_tail(gain, count, positive);
+    largest.iter().map(chance).fold(0.0, f64::min)
 }

@@ -216,6 +216,8 @@ pub struct Search<'a> {
     pub whitening: &'a Whitening,
     /// The problem whose scenes are shared.
     pub problem: &'a Problem<'a>,
+    /// The same on all samples where those are searched on means that stand for them: what is noise is told there.
+    pub samples: &'a Problem<'a>,
     /// What is asked for.
     pub options: &'a Options,
 }
@@ -441,7 +443,7 @@ impl Search<'_> {
     /// Whether what a model leaves is noise.
     #[must_use]
     pub fn leaves_noise(&self, fitted: &Fitted) -> bool {
-        let problem = self.problem.with_chain(&fitted.chain);
+        let problem = self.samples.with_chain(&fitted.chain);
         let found = adequacy(&problem, &fitted.point, self.whitening);
         found.p_value >= LEVEL && !self.whitening.is_guess()
     }

@@ -139,11 +139,7 @@ fn curvature_with(
 ) -> (DMatrix<f64>, Vec<Stretch>) {
     let white = Whitening::none();
     let problem = Problem::new(&member.chain, all, &white, None);
-    let size = member.point.len();
-    let mut curvature = DMatrix::zeros(size, size);
-    for block in &member.blocks {
-        curvature += &block.white.curvature;
-    }
+    let mut curvature = member.curvature();
     let mut stretches = Vec::new();
     problem.derivatives(&member.point, |piece, residual, mut columns| {
         if piece.trace != own {

@@ -5,9 +5,8 @@ use std::f64::consts::TAU;
 
 use palpate_fit::data::Data;
 use palpate_fit::problem::Problem;
-use palpate_fit::whitening::Whitening;
 
-use super::beside::{Own, Products};
+use super::beside::{Beside, Products};
 use super::fitted::Fitted;
 
 /// A sine through the data set.
@@ -48,51 +47,54 @@ impl Swing {
     /// Numbers that describe one: frequency, amplitude and phase.
     pub const NUMBERS: usize = 3;
 
-    /// The sine that describes what a model leaves best; none where no slow one would fit into a trace.
+    /// The sine that describes what a model leaves of all samples best; none where no slow one would fit into a trace.
     #[must_use]
-    pub fn of(problem: &Problem, fitted: &Fitted, whitening: &Whitening) -> Option<Self> {
-        let problem = problem.with_chain(&fitted.chain);
+    pub fn of(samples: &Problem, fitted: &Fitted) -> Option<Self> {
+        let problem = samples.with_chain(&fitted.chain);
         let data = problem.data();
         let interval = data.shortest_interval();
         let fastest = FASTEST_HZ.min(1.0 / (IN_A_PERIOD * interval));
-        let samples = ((1.0 / (IN_A_PERIOD * fastest * interval)) as usize).max(1);
-        let mut blocks = blocks(&problem, fitted, whitening, samples);
+        let together = ((1.0 / (IN_A_PERIOD * fastest * interval)) as usize).max(1);
+        let mut blocks = blocks(&problem, &fitted.point, together);
         let lasts = blocks.last()?.time - blocks.first()?.time;
         let step = 1.0 / (FINER * lasts.max(interval));
         let slowest = IN_A_TRACE / data.longest();
         let count = ((fastest - slowest) / step).min(MOST / blocks.len() as f64) as usize;
-        let powers = (0..count).map(|k| {
-            let frequency = slowest + step * k as f64;
-            (frequency, wave(&blocks, frequency))
-        });
-        let (frequency, [cosine, sine]) =
-            powers.max_by(|a, b| power(&blocks, a.1).total_cmp(&power(&blocks, b.1)))?;
+        let (frequency, [cosine, sine]) = waves(&blocks, slowest, step, count)
+            .into_iter()
+            .max_by(|a, b| power(&blocks, a.1).total_cmp(&power(&blocks, b.1)))?;
         for block in &mut blocks {
             let turn = TAU * frequency * block.time;
             block.value -= cosine * turn.cos() + sine * turn.sin();
         }
         let (from, to) = ((frequency / AROUND).max(slowest), (frequency * AROUND).min(fastest));
         let around = ((to - from) / step) as usize;
-        let else_there = (0..around).map(|k| power(&blocks, wave(&blocks, from + step * k as f64)));
+        let else_there: f64 = waves(&blocks, from, step, around)
+            .into_iter()
+            .map(|(_, wave)| power(&blocks, wave))
+            .sum();
         // The power of noise has a mean of one.
-        let level = (else_there.sum::<f64>() / around.max(1) as f64).max(1.0);
-        let (amplitude, gain) = exactly(&problem, fitted, whitening, frequency)?;
+        let level = (else_there / around.max(1) as f64).max(1.0);
+        let (amplitude, gain) = exactly(&problem, &fitted.point, frequency)?;
         let log_chance = (-0.5 * gain / level + (count as f64).ln()).min(0.0);
         Some(Self { frequency_hz: frequency, amplitude, gain, log_chance })
     }
 }
 
-fn blocks(problem: &Problem, fitted: &Fitted, whitening: &Whitening, samples: usize) -> Vec<Block> {
+/// The whitened residual, so many samples together.
+fn blocks(problem: &Problem, point: &[f64], together: usize) -> Vec<Block> {
     let mut blocks = Vec::new();
-    problem.each_piece(std::slice::from_ref(&fitted.point), |piece, forces| {
+    let mut index = 0;
+    problem.each_piece(&[point.to_vec()], |piece, forces| {
         let mut residual: Vec<f64> =
-            piece.measured.iter().zip(&forces[0]).map(|(y, f)| y - f).collect();
-        whitening.apply(&mut residual);
+            forces[0].iter().zip(piece.measured).map(|(f, y)| f - y).collect();
+        problem.whiten_residual(index, &mut residual);
+        index += 1;
         let times = set_times(problem.data(), piece);
-        for (values, times) in residual.chunks(samples).zip(times.chunks(samples)) {
+        for (values, times) in residual.chunks(together).zip(times.chunks(together)) {
             let count = values.len() as f64;
             let (sum, time) = (values.iter().sum::<f64>(), times.iter().sum::<f64>() / count);
-            blocks.push(Block { time, value: sum / count.sqrt() });
+            blocks.push(Block { time, value: -sum / count.sqrt() });
         }
     });
     blocks
@@ -103,15 +105,27 @@ fn set_times(data: &Data, piece: &palpate_fit::data::Piece) -> Vec<f64> {
     (0..scene.len()).map(|k| scene.set_time(k)).collect()
 }
 
-/// Cosine and sine of a frequency in the blocks, by least squares as if they were at right angles.
-fn wave(blocks: &[Block], frequency: f64) -> [f64; 2] {
-    let (mut cosine, mut sine) = (0.0, 0.0);
-    for block in blocks {
-        let (sin, cos) = (TAU * frequency * block.time).sin_cos();
-        cosine += block.value * cos;
-        sine += block.value * sin;
-    }
-    [cosine, sine].map(|sum| 2.0 * sum / blocks.len() as f64)
+/// Cosine and sine of every frequency of a grid in the blocks, by least squares as if they were at right angles.
+fn waves(blocks: &[Block], from: f64, step: f64, count: usize) -> Vec<(f64, [f64; 2])> {
+    let turned = |frequency: f64| -> (Vec<f64>, Vec<f64>) {
+        blocks.iter().map(|block| (TAU * frequency * block.time).sin_cos()).unzip()
+    };
+    // From one frequency to the next the phase of each block turns by the same angle.
+    let ((mut sines, mut cosines), (sine_of_step, cosine_of_step)) = (turned(from), turned(step));
+    let values: Vec<f64> = blocks.iter().map(|block| block.value).collect();
+    let scale = 2.0 / blocks.len() as f64;
+    let wave = |k: usize| {
+        let (mut cosine, mut sine) = (0.0, 0.0);
+        for place in 0..values.len() {
+            let (s, c) = (sines[place], cosines[place]);
+            cosine += values[place] * c;
+            sine += values[place] * s;
+            sines[place] = s * cosine_of_step[place] + c * sine_of_step[place];
+            cosines[place] = c * cosine_of_step[place] - s * sine_of_step[place];
+        }
+        (from + step * k as f64, [scale * cosine, scale * sine])
+    };
+    (0..count).map(wave).collect()
 }
 
 /// Half of what a wave takes off the sum of squares.
@@ -120,28 +134,17 @@ fn power(blocks: &[Block], [cosine, sine]: [f64; 2]) -> f64 {
 }
 
 /// Amplitude and gain of a frequency beside the model's own derivatives.
-fn exactly(
-    problem: &Problem,
-    fitted: &Fitted,
-    whitening: &Whitening,
-    frequency: f64,
-) -> Option<(f64, f64)> {
-    let mut own = Own::new(fitted.point.len(), problem.data().labels.len(), whitening);
-    let mut waves: Option<[Products; 2]> = None;
-    problem.derivatives(&fitted.point, |piece, mut residual, columns| {
-        residual.iter_mut().for_each(|r| *r = -*r);
-        let stretch = own.add(piece.trace, residual, columns);
+fn exactly(problem: &Problem, point: &[f64], frequency: f64) -> Option<(f64, f64)> {
+    let mut waves: [Option<Products>; 2] = [None, None];
+    let beside = Beside::of(problem, point, |piece, stretch| {
         let turns = set_times(problem.data(), piece).into_iter().map(|time| TAU * frequency * time);
         let (sines, cosines): (Vec<f64>, Vec<f64>) = turns.map(f64::sin_cos).unzip();
-        let here = [stretch.products(cosines), stretch.products(sines)];
-        match &mut waves {
-            Some(sums) => sums.iter_mut().zip(&here).for_each(|(sum, here)| sum.add(here)),
-            None => waves = Some(here),
+        for (sum, wave) in waves.iter_mut().zip([cosines, sines]) {
+            *sum = Some(stretch.products(wave).with(sum.as_ref()));
         }
-    });
-    let beside = own.solved()?;
+    })?;
     // Over many periods sine and cosine are at right angles.
-    let [cosine, sine] = waves?.map(|products| beside.judge(&products));
+    let [cosine, sine] = waves.map(|products| beside.judge(&products?));
     let ((cosine, first), (sine, second)) = (cosine?, sine?);
     Some((cosine.hypot(sine), first + second))
 }

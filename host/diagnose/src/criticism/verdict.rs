@@ -40,7 +40,7 @@ impl Verdict {
 const FORM: f64 = 0.2;
 
 /// Times the scatter of neighbours up to which a residual can be noise that correlates.
-const FAR_BEYOND_NEIGHBOURS: f64 = 5.0;
+pub(super) const FAR_BEYOND_NEIGHBOURS: f64 = 5.0;
 /// An error on traces left out within this many times the noise is at the noise.
 const AT_THE_NOISE: f64 = 1.1;
 
@@ -65,7 +65,7 @@ impl Assessed {
         noise: &NoiseModel,
         outside: Option<&Outside>,
     ) -> Self {
-        let problem = search.problem.with_chain(&found.model().chain);
+        let problem = search.samples.with_chain(&found.model().chain);
         let after = adequacy(&problem, &found.model().point, search.whitening);
         let explained = (found.base.cost - found.model().cost).max(0.0);
         let leftover = after.excess.max(0.0);

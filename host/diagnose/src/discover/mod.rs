@@ -128,6 +128,7 @@ pub fn discover(
         candidates: &candidates,
         whitening: &whitening,
         problem: &problem,
+        samples: &problem,
         options: &discovery.diagnosis.options,
     };
     let climb = Climb { search: &search, grammar: &grammar };

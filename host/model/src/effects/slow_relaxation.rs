@@ -36,7 +36,7 @@ pub const EFFECT: Effect = Effect {
                 unit: "s",
                 meaning: "time at which the tail sets in",
                 grid: |_| vec![1.0],
-                role: Role::Fitted(|_| (0.2, 50.0)),
+                role: Role::Fitted(|_| (0.01, 100.0)),
             }],
             act: Act::Relaxation(|_, parameters, _, _, relaxation| {
                 tail(relaxation, parameters[0], 0.0, parameters[1]);
@@ -85,7 +85,7 @@ pub const EFFECT: Effect = Effect {
 /// Two exponentials in each decade over four decades from `begin` on, s. Their shares are those of the
 /// spectrum of log10(1 + t/`begin`) where `exponent` is 0, else of (1 + t/`begin`)^−`exponent`.
 fn tail(relaxation: &mut Hereditary, share: f64, exponent: f64, begin: f64) {
-    relaxation.branches.extend((-1..=8).map(|k| {
+    relaxation.branches.extend((-1..=12).map(|k| {
         let times = 10f64.powf(0.5 * f64::from(k));
         let weight = times.powf(-exponent) * (-1.0 / times).exp();
         Branch { share: 0.5 * share * weight, rate: 1.0 / (begin * times) }

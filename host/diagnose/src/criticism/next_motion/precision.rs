@@ -94,7 +94,7 @@ pub fn inform(
         problem: &Problem::new(&member.chain, &data, &white, None),
         places: places(wanted, &names, member)?,
     };
-    let now = aim.errors(&aim.curvature_now()).0;
+    let now = aim.errors(&aim.member.curvature()).0;
     let Best { trace, foreseen, of_menu, weighed } =
         best_motion(&aim, &scales, &rig).ok_or(InformingError::Limits)?;
     let parameter = |(k, place): (usize, &usize)| Precision {
@@ -167,12 +167,6 @@ struct Known {
 const UNDETERMINED: f64 = 1e3;
 
 impl Wanted<'_> {
-    fn curvature_now(&self) -> DMatrix<f64> {
-        let size = self.member.point.len();
-        let blocks = self.member.blocks.iter();
-        blocks.fold(DMatrix::zeros(size, size), |sum, block| sum + &block.white.curvature)
-    }
-
     /// Standard errors of the wanted parameters at a curvature, and what that is worth.
     fn errors(&self, curvature: &DMatrix<f64>) -> (Vec<Option<f64>>, f64) {
         let known = uncertainty(curvature, &self.member.held(), self.member.variance());
