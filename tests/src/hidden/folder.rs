@@ -61,7 +61,7 @@ fn detail(hidden: &Hidden) -> Value {
     let law = match hidden.kind {
         LawKind::Reference => "reference",
         LawKind::Foreign | LawKind::ForeignMore => "another",
-        LawKind::Outside | LawKind::OutsideMore => "outside",
+        LawKind::Outside | LawKind::OutsideMore | LawKind::Beyond => "outside",
         LawKind::Inexact => "inexact base",
     };
     json!({

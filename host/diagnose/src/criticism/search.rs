@@ -80,6 +80,14 @@ pub struct Step {
     fresh: bool,
 }
 
+impl Step {
+    /// An effect that was chosen among rivals beside the last model.
+    #[must_use]
+    pub fn chosen(effect: String, p_value: f64, rivals: Vec<Rival>, credible: Vec<String>) -> Self {
+        Self { effect, p_value, rivals, credible, fresh: true }
+    }
+}
+
 /// An effect refitted beside the others of a model.
 #[derive(Clone, Debug)]
 pub struct Rival {

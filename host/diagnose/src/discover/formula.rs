@@ -7,8 +7,8 @@ use crate::criticism::screen::screen;
 use crate::criticism::search::{Found, Step};
 use palpate_fit::data::Data;
 use palpate_fit::problem::Problem;
-use palpate_model::effects::{Candidate, Form, candidates, store};
-use palpate_model::{Applied, StoredEffect};
+use palpate_model::StoredEffect;
+use palpate_model::effects::{candidates, store};
 
 /// A formula that lowers the error on traces left out.
 #[derive(Clone, Debug)]
@@ -78,15 +78,7 @@ pub fn formulas(
         let name = format!("found-{}", index + 1);
         let law = named(&laws[first + index], &name, term);
         Some(Formula {
-            resembles: resembling(
-                &last.chain.effects[first + index],
-                last,
-                first + index,
-                found,
-                problem,
-                data,
-                diagnosis,
-            ),
+            resembles: resembling(&law, found, problem, data, diagnosis),
             shares: shares(last, first + index, problem, data),
             alternatives: alternatives(step, terms, first + index),
             p_value: step.p_value,
@@ -100,8 +92,9 @@ pub fn formulas(
 
 /// A law under the name by which it is added, with what it means.
 fn named(law: &StoredEffect, name: &str, term: &Term) -> StoredEffect {
-    let meaning = Some(format!("{} {}", term.shape.name, term.quantity.name));
-    StoredEffect { name: name.to_owned(), meaning, ..law.clone() }
+    let meaning = Some(term.name());
+    let law = term.knots.as_ref().map_or_else(|| law.clone(), |knots| knots.law(law));
+    StoredEffect { name: name.to_owned(), meaning, ..law }
 }
 
 fn alternatives(step: &Step, terms: &[Term], place: usize) -> Vec<Alternative> {
@@ -126,24 +119,18 @@ fn alternatives(step: &Step, terms: &[Term], place: usize) -> Vec<Alternative> {
 
 /// The effects of the library whose sensitivities look most like that of a law, the model's own derivatives taken off both.
 fn resembling(
-    effect: &Applied,
-    fitted: &Fitted,
-    place: usize,
+    law: &StoredEffect,
     found: &Found,
     problem: &Problem,
     data: &Data,
     diagnosis: &Diagnosis,
 ) -> Vec<(String, f64)> {
-    let values = &fitted.values[fitted.chain.range(place)];
-    let form = Form {
-        applied: effect.clone(),
-        typical: values[0],
-        positive: false,
-        grid: vec![values[1..].to_vec()],
+    let Ok(tried) = candidates(&data.setting(), std::slice::from_ref(law)) else {
+        return Vec::new();
     };
-    let Ok(mut tried) = candidates(&data.setting(), &[]) else { return Vec::new() };
-    let own = tried.len();
-    tried.push(Candidate { name: effect.name.clone(), forms: vec![form], missing: None });
+    let Some(own) = tried.iter().position(|candidate| candidate.name == law.name) else {
+        return Vec::new();
+    };
     let base = problem.with_chain(&found.base.chain);
     let screened = screen(&base, data, &found.base.point, &diagnosis.noise.whitening, &tried);
     let Some(column) =
@@ -171,9 +158,9 @@ fn resembling(
 /// How much of a term there is in parts of the data, everything else left as it is.
 fn shares(fitted: &Fitted, place: usize, problem: &Problem, data: &Data) -> Shares {
     let problem = problem.with_chain(&fitted.chain);
-    let strength = fitted.chain.range(place).start;
+    let first = fitted.chain.range(place).start;
     let mut without = fitted.values.clone();
-    without[strength] = 0.0;
+    without[first..first + fitted.chain.effects[place].strengths].fill(0.0);
     let points = [problem.point(&fitted.values), problem.point(&without)];
     let traces = data.labels.len();
     // Products of what the term does with what is there without it, and of what it does with itself.

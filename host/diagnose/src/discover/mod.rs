@@ -1,21 +1,29 @@
 //! A formula for what no effect of the library explains.
 //!
 //! - [`reach`]: the quantities that a term may depend on.
-//! - [`grammar`]: how, and where in the chain.
+//! - [`shape`]: how; `curves`: in any shape. `place`: where in the chain. [`grammar`]: every combination.
+//! - `climb`: the search over all terms; `simplify`: from a free curve to laws near it.
 //! - [`formula`]: a term that was found, with the evidence for it.
 //! - [`surface`]: what the residual depends on without any law: one quantity, or two together.
 //! - [`causes`]: what such a term can come from.
 
 pub mod causes;
+mod climb;
+mod curves;
 pub mod formula;
 pub mod grammar;
+mod place;
 pub mod reach;
+pub mod shape;
+mod simplify;
 pub mod surface;
 
+use self::climb::Climb;
 use self::formula::{Formula, formulas};
-use self::grammar::{Term, terms};
+use self::grammar::{Grammar, Term};
 use self::reach::{QUANTITIES, Reach};
 use self::surface::{Surface, surfaces};
+use crate::criticism::adequacy::{LEVEL, adequacy};
 use crate::criticism::dependence::{Dependence, dependences};
 use crate::criticism::diagnose::{DiagnoseError, Diagnosis, Verdict, diagnose};
 use crate::criticism::evidence::Refused;
@@ -61,7 +69,7 @@ pub enum Outcome {
     Adequate,
     /// The library explains it.
     Library,
-    /// Formulas, the strongest first.
+    /// Formulas, the strongest first; beside effects of the library where it has a name for most of what is missing.
     Formulas(Vec<Formula>),
     /// No term of the grammar predicts traces left out.
     Nothing,
@@ -101,15 +109,20 @@ pub fn discover(
         beside_library: false,
         diagnosis,
     };
-    if discovery.diagnosis.verdict != Verdict::Unknown {
+    let known = discovery.diagnosis.verdict != Verdict::Unknown;
+    let library = &discovery.diagnosis.found;
+    let last = problem.with_chain(&library.model().chain);
+    let rest = adequacy(&last, &library.model().point, &whitening);
+    if known && (library.steps.is_empty() || rest.p_value >= LEVEL) {
         return Ok(discovery);
     }
     let predicted: Vec<Vec<f64>> = left.iter().map(|stretch| stretch.predicted.clone()).collect();
     let residuals: Vec<Vec<f64>> = left.iter().map(Stretch::residual).collect();
     let reach = |quantity| Reach::of(quantity, &data, &predicted, &residuals);
     let reaches: Vec<Option<Reach>> = QUANTITIES.iter().map(reach).collect();
-    let terms = terms(&reaches, signal_unit);
-    let candidates: Vec<Candidate> = terms.iter().map(|term| term.candidate.clone()).collect();
+    let grammar = Grammar::new(&reaches, signal_unit);
+    let candidates: Vec<Candidate> =
+        grammar.terms.iter().map(|term| term.candidate.clone()).collect();
     let search = Search {
         data: &data,
         candidates: &candidates,
@@ -118,19 +131,27 @@ pub fn discover(
         samples: &problem,
         options: &discovery.diagnosis.options,
     };
-    let found = best_climb(&search, &discovery.diagnosis.found);
-    discovery.take(&found, &terms, &problem, &data);
+    let climb = Climb { search: &search, grammar: &grammar };
+    let found = match known {
+        // The library has the name; what it leaves may have a formula.
+        true => climb.from(library.model().clone()),
+        false => best_climb(&climb, library),
+    };
+    if known && found.steps.is_empty() {
+        return Ok(discovery);
+    }
+    discovery.take(&found, &grammar.terms, &problem, &data);
     Ok(discovery)
 }
 
 /// The climb from the model without effects; or from what the library explains of it, where that predicts traces left out better by
 /// more than its uncertainty over the traces: an effect of the library that was named for want of a better one is no part of a formula.
-fn best_climb(search: &Search, library: &Found) -> Found {
-    let alone = search.climb_to_the_noise(library.base.clone());
-    if library.steps.is_empty() || search.leaves_noise(alone.model()) {
+fn best_climb(climb: &Climb, library: &Found) -> Found {
+    let alone = climb.from(library.base.clone());
+    if library.steps.is_empty() || climb.search.leaves_noise(alone.model()) {
         return alone;
     }
-    let beside = search.climb_to_the_noise(library.model().clone());
+    let beside = climb.from(library.model().clone());
     let left_out = |found: &Found| found.evidence.last().and_then(|it| it.left_out().cloned());
     let better = match (left_out(&beside), left_out(&alone)) {
         (Some(beside), Some(alone)) => beside.gain(&alone).exceeds(1.0),

@@ -81,16 +81,32 @@ pub struct Reach {
     pub most: f64,
     /// Periods at which the residual repeats most over it.
     pub periods: Vec<f64>,
+    /// Places at which something may be: some evenly over the range, and those where most of the residual is.
+    pub places: Vec<f64>,
+    /// Sizes at which it mostly is where it is a velocity: the speeds at which the rig was run, rising.
+    pub speeds: Vec<f64>,
     /// Time constants from a few samples to a trace, s.
     pub times: [f64; 4],
     /// Size of the signal.
     pub force: f64,
     /// Largest compression, mm.
     pub compression: f64,
+    /// Fastest motion, mm/s.
+    pub fastest: f64,
 }
 
 /// Periods that are tried.
 const PERIODS: usize = 4;
+/// Places that are tried of every range, in parts of it.
+const EVEN_PLACES: [f64; 6] = [0.1, 0.25, 0.4, 0.55, 0.7, 0.85];
+/// Classes of a range in which the residual is summed up to see where most of it is, and those that are taken together.
+const CLASSES: usize = 60;
+const TOGETHER: usize = 3;
+/// Most places that are tried because most of the residual is there.
+const PLACES: usize = 2;
+/// Part of the moving samples from which on a speed is one at which the rig was run, and most such speeds.
+const RUN: f64 = 0.04;
+const MOST_SPEEDS: usize = 5;
 /// Half periods over the range, least and most.
 const HALVES: std::ops::RangeInclusive<usize> = 3..=160;
 
@@ -116,13 +132,26 @@ impl Reach {
         let ratio = (long / short).max(1.0).powf(1.0 / 3.0);
         let wavy = matches!(quantity.kind, Kind::Fast | Kind::Clock);
         let periods = if wavy { periods(&values, left, most - least) } else { Vec::new() };
+        let even = EVEN_PLACES.map(|part| least + part * (most - least));
+        let mut places = even.to_vec();
+        if wavy {
+            places.extend(places_of(&values, left, (least, most), |_| 1.0));
+            let velocities: Vec<Vec<f64>> =
+                data.pieces.iter().map(|piece| data.scene(piece).velocity.to_vec()).collect();
+            let way = |(piece, k): (usize, usize)| velocities[piece][k].signum();
+            places.extend(places_of(&values, left, (least, most), way));
+        }
+        let speeds = if quantity.kind == Kind::Rate { speeds(&values) } else { Vec::new() };
         Some(Self {
             least,
             most,
             periods,
+            places,
+            speeds,
             times: [0, 1, 2, 3].map(|k| short * ratio.powi(k)),
             force: scales.force,
             compression: scales.compression,
+            fastest: scales.speed,
         })
     }
 
@@ -177,4 +206,97 @@ fn periods(values: &[Vec<f64>], left: &[Vec<f64>], span: f64) -> Vec<f64> {
     peaks.sort_by(|&a, &b| powers[b].total_cmp(&powers[a]));
     peaks.truncate(PERIODS);
     peaks.iter().map(|&k| 2.0 * span / (HALVES.start() + k) as f64).collect()
+}
+
+/// Where in its range the residual, multiplied by a factor of every sample (by stretch and place in it), has the largest means beside
+/// their uncertainty.
+fn places_of(
+    values: &[Vec<f64>],
+    left: &[Vec<f64>],
+    (least, most): (f64, f64),
+    factor: impl Fn((usize, usize)) -> f64,
+) -> Vec<f64> {
+    let mut sums = [[0.0; 2]; CLASSES];
+    let class = |value: f64| {
+        let part = CLASSES as f64 * (value - least) / (most - least);
+        (part as usize).min(CLASSES - 1)
+    };
+    for (piece, (values, left)) in values.iter().zip(left).enumerate() {
+        for (k, (value, left)) in values.iter().zip(left).enumerate() {
+            let sum = &mut sums[class(*value)];
+            *sum = [sum[0] + factor((piece, k)) * left, sum[1] + 1.0];
+        }
+    }
+    let clear = |at: &[[f64; 2]]| {
+        let [sum, count] = at.iter().fold([0.0; 2], |sum, own| [sum[0] + own[0], sum[1] + own[1]]);
+        if count > 0.0 { sum.abs() / count.sqrt() } else { 0.0 }
+    };
+    let clear: Vec<f64> = sums.windows(TOGETHER).map(clear).collect();
+    let is_peak = |&k: &usize| {
+        let near = &clear[k.saturating_sub(TOGETHER)..(k + TOGETHER + 1).min(clear.len())];
+        clear[k] > 0.0 && near.iter().all(|other| *other <= clear[k])
+    };
+    let mut peaks: Vec<usize> = (0..clear.len()).filter(is_peak).collect();
+    peaks.sort_by(|&a, &b| clear[b].total_cmp(&clear[a]));
+    peaks.truncate(PLACES);
+    let middle = |k: usize| (k as f64 + 0.5 * TOGETHER as f64) / CLASSES as f64;
+    peaks.into_iter().map(|k| least + middle(k) * (most - least)).collect()
+}
+
+/// The speeds at which the rig was run, rising: neighbours in the order of their sizes that are many within a tenth of each other.
+fn speeds(velocities: &[Vec<f64>]) -> Vec<f64> {
+    let mut sizes: Vec<f64> = velocities.iter().flatten().map(|v| v.abs()).collect();
+    sizes.sort_by(f64::total_cmp);
+    let fastest = sizes.last().copied().unwrap_or(0.0);
+    let moving = &sizes[sizes.partition_point(|size| *size < 2e-3 * fastest)..];
+    let enough = RUN * moving.len() as f64;
+    let mut found: Vec<(f64, f64)> = Vec::new();
+    let mut begin = 0;
+    while begin < moving.len() {
+        let end = begin + moving[begin..].partition_point(|size| *size <= 1.1 * moving[begin]);
+        let count = (end - begin) as f64;
+        let mean = moving[begin..end].iter().sum::<f64>() / count;
+        match found.last_mut() {
+            // A speed that lies across the border of two classes is one.
+            Some((speed, of)) if mean < 1.1 * *speed => {
+                *speed = (*speed * *of + mean * count) / (*of + count);
+                *of += count;
+            }
+            _ => found.push((mean, count)),
+        }
+        begin = end;
+    }
+    found.retain(|(_, count)| *count >= enough);
+    found.sort_by(|a, b| b.1.total_cmp(&a.1));
+    found.truncate(MOST_SPEEDS);
+    let mut speeds: Vec<f64> = found.into_iter().map(|(speed, _)| speed).collect();
+    speeds.sort_by(f64::total_cmp);
+    speeds
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_speeds_of_a_rig_are_those_at_which_it_mostly_moves() {
+        let ramp = |speed: f64| {
+            let rise = (1..20).map(move |k| speed * f64::from(k) / 20.0);
+            rise.chain((0..400).map(move |k| speed * (1.0 + 0.01 * f64::from(k % 5) - 0.02)))
+        };
+        let velocities: Vec<f64> =
+            ramp(5.0).chain(ramp(20.0).map(|v| -v)).chain([0.0; 900]).collect();
+        let found = speeds(&[velocities]);
+        assert_eq!(found.len(), 2, "{found:?}");
+        assert!((found[0] - 5.0).abs() < 0.1 && (found[1] - 20.0).abs() < 0.4, "{found:?}");
+    }
+
+    #[test]
+    fn places_are_where_the_residual_is() {
+        let at: Vec<f64> = (0..1000).map(|k| f64::from(k) / 100.0).collect();
+        let bump = |x: &f64| (-((x - 3.1) / 0.2).powi(2)).exp();
+        let left: Vec<f64> = at.iter().map(bump).collect();
+        let found = places_of(&[at], &[left], (0.0, 10.0), |_| 1.0);
+        assert!((found[0] - 3.1).abs() < 0.15, "{found:?}");
+    }
 }

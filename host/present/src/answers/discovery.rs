@@ -267,7 +267,7 @@ impl FoundLaw {
             name: law.name.clone(),
             stage: law.stage.map(StageAnswer::from),
             expression: law.expression.clone(),
-            shape: term.shape.name.to_owned(),
+            shape: format!("{}{}", term.shape.name, term.factor.name),
             quantity: term.quantity.symbol.to_owned(),
             parameters: parameters.map(|(name, it)| (name.clone(), it.into())).collect(),
         }

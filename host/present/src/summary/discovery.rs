@@ -97,7 +97,7 @@ impl<'a> DiscoverySummary<'a> {
             Outcome::Formulas(formulas) => (
                 Callout::Finding,
                 if formulas.len() == 1 { "A formula" } else { "Formulas" },
-                formulas.iter().map(|formula| self.sentence(formula)).collect::<Vec<_>>().join(" "),
+                self.beside() + &formulas.iter().map(|it| self.sentence(it)).collect::<Vec<_>>().join(" "),
             ),
         };
         let mut section = Section::new("What is missing").callout(kind, title, text);
@@ -120,14 +120,23 @@ impl<'a> DiscoverySummary<'a> {
         if self.discovery.ladder.is_empty() { section } else { section.table(self.ladder()) }
     }
 
+    /// The effects of the library that the diagnosis kept.
+    fn names(&self) -> Vec<String> {
+        let steps = self.discovery.diagnosis.found.steps.iter();
+        steps.map(|step| format!("`{}`", step.credible.join("` or `"))).collect()
+    }
+
+    /// What the library has a name for, where formulas stand beside that.
+    fn beside(&self) -> String {
+        match self.discovery.beside_library {
+            true => format!("The library names {}. Beside that: ", self.names().join(" and ")),
+            false => String::new(),
+        }
+    }
+
     fn library(&self) -> String {
         let diagnosis = &self.discovery.diagnosis;
-        let names: Vec<String> = diagnosis
-            .found
-            .steps
-            .iter()
-            .map(|step| format!("`{}`", step.credible.join("` or `")))
-            .collect();
+        let names = self.names();
         let sure = if diagnosis.verdict == Verdict::Named {
             ""
         } else {
@@ -322,7 +331,7 @@ fn subject(term: &Term) -> &'static str {
 
 /// What a term does, with its numbers.
 fn described(term: &Term, law: &StoredEffect) -> String {
-    let mut words = term.shape.words.replace("{c}", term.quantity.name);
+    let mut words = term.shape.words.replace("{c}", term.quantity.name) + term.factor.words;
     for (name, parameter) in &law.parameters {
         let value = format!("{} {}", significant(parameter.value, 3), parameter.unit);
         words = words.replace(&format!("{{{name}}}"), value.trim_end());

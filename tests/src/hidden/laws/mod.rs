@@ -1,5 +1,6 @@
 //! The hidden laws: for each effect its reference form and other forms of the same physics.
 
+pub mod beyond;
 pub mod contact;
 pub mod elastic;
 pub mod inexact;
@@ -59,6 +60,8 @@ pub enum LawKind {
     ForeignMore,
     /// A further thing that the library does not hold.
     OutsideMore,
+    /// Steady, and beyond the library and the grammar of formulas.
+    Beyond,
     /// No effect: the base law itself is another.
     Inexact,
 }
@@ -164,6 +167,7 @@ pub fn laws(name: &str, kind: LawKind) -> Option<Vec<Draw>> {
         LawKind::ForeignMore => effect(name).map(|effect| effect.more.to_vec()),
         LawKind::Outside => of_name(OUTSIDE, name),
         LawKind::OutsideMore => of_name(OUTSIDE_MORE, name),
+        LawKind::Beyond => beyond::beyond(name).map(|effect| vec![effect.draw]),
         LawKind::Inexact => Some(INEXACT_LAWS.to_vec()),
     }
 }

@@ -129,12 +129,70 @@ pub fn propose(
     traces: &[Trace],
     limits: &RigFile,
 ) -> Result<Proposed, DataError> {
+    let members = members(diagnosis).into_iter().map(|(name, _)| name.to_owned()).collect();
+    let (rig, motion) = among_rivals(model, diagnosis, traces, limits, next_motion)?;
+    Ok(Proposed { members, rig, motion: motion.flatten() })
+}
+
+/// The motion of the menu that sets them furthest apart within the limits: what a proposal is measured against. None where there is
+/// nothing to set apart.
+///
+/// # Errors
+/// When the traces are not usable.
+pub fn best_of_menu(
+    model: &Model,
+    diagnosis: &Diagnosis,
+    traces: &[Trace],
+    limits: &RigFile,
+) -> Result<Option<Trace>, DataError> {
+    let best = |rivals: &Rivals, scales: &Scales, rig: &Rig| {
+        let judge = Judge { aim: rivals, rig };
+        let weighed = judge.weighed(judge.menu(scales));
+        let best = weighed.into_iter().max_by(|(_, a), (_, b)| a.total_cmp(b));
+        best.map(|(legs, _)| judge.trace(&legs))
+    };
+    Ok(among_rivals(model, diagnosis, traces, limits, best)?.1.flatten())
+}
+
+/// A motion by chance within the limits: what a proposal is measured against. None where there is nothing to set apart.
+///
+/// # Errors
+/// When the traces are not usable.
+pub fn by_chance(
+    model: &Model,
+    diagnosis: &Diagnosis,
+    traces: &[Trace],
+    (limits, seed): (&RigFile, u64),
+) -> Result<Option<Trace>, DataError> {
+    let drawn = |rivals: &Rivals, _: &Scales, rig: &Rig| {
+        let judge = Judge { aim: rivals, rig };
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let mut motions = (0..DRAWN).map(|_| judge.drawn(&mut random));
+        let allowed = |legs: Legs| judge.weighed(vec![legs]).pop();
+        motions.find_map(allowed).map(|(legs, _)| judge.trace(&legs))
+    };
+    Ok(among_rivals(model, diagnosis, traces, limits, drawn)?.1.flatten())
+}
+
+/// The members of the first credible set with several, the best first.
+fn members(diagnosis: &Diagnosis) -> Vec<(&str, &Fitted)> {
+    let mut undecided = diagnosis.found.undecided();
+    undecided.truncate(MOST_MEMBERS);
+    undecided
+}
+
+/// What is asked of the members of the first credible set with several, within the limits of a rig; none where no set has several.
+fn among_rivals<T>(
+    model: &Model,
+    diagnosis: &Diagnosis,
+    traces: &[Trace],
+    limits: &RigFile,
+    ask: impl FnOnce(&Rivals, &Scales, &Rig) -> T,
+) -> Result<(Rig, Option<T>), DataError> {
     let means = block_means(traces);
     let scales = Data::of_model(model, traces)?.scales();
     let rig = limits.beside(&scales);
-    let mut undecided = diagnosis.found.undecided();
-    undecided.truncate(MOST_MEMBERS);
-    let members: Vec<&Fitted> = undecided.iter().map(|(_, fitted)| *fitted).collect();
+    let members: Vec<&Fitted> = members(diagnosis).into_iter().map(|(_, fitted)| fitted).collect();
     let searched = Data::of_model(model, means.as_deref().unwrap_or(traces))?;
     let noise = &diagnosis.noise;
     // That of means is not the noise of rows.
@@ -146,9 +204,8 @@ pub fn propose(
         traces: means.as_deref().unwrap_or(traces),
         whitening: if means.is_some() { &of_rows } else { &noise.whitening },
     };
-    let motion = (members.len() > 1).then(|| next_motion(&rivals, &scales, &rig)).flatten();
-    let members = undecided.iter().map(|(name, _)| (*name).to_owned()).collect();
-    Ok(Proposed { members, rig, motion })
+    let told = (members.len() > 1).then(|| ask(&rivals, &scales, &rig));
+    Ok((rig, told))
 }
 
 /// The motion that sets the members of a credible set furthest apart; none where no motion within the limits does.
@@ -162,9 +219,7 @@ pub fn next_motion(rivals: &Rivals, scales: &Scales, rig: &Rig) -> Option<NextMo
 fn best_motion<A: Aim>(aim: &A, scales: &Scales, rig: &Rig) -> Option<Best<A::Foreseen>> {
     let judge = Judge { aim, rig };
     let mut random = ChaCha8Rng::seed_from_u64(SEED);
-    let menu: Vec<Legs> =
-        MENU.iter().filter_map(|experiment| judge.legs(&experiment.plain(scales)?)).collect();
-    let mut weighed = judge.weighed(menu);
+    let mut weighed = judge.weighed(judge.menu(scales));
     let best = weighed.iter().max_by(|(_, a), (_, b)| a.total_cmp(b));
     let of_menu = best.and_then(|(legs, _)| aim.foresee(judge.trace(legs)));
     weighed.extend(judge.weighed((0..DRAWN).map(|_| judge.drawn(&mut random)).collect()));
@@ -254,6 +309,11 @@ impl<A: Aim> Judge<'_, A> {
                 .chain(ends())
                 .collect(),
         }
+    }
+
+    /// The motions of the menu.
+    fn menu(&self, scales: &Scales) -> Vec<Legs> {
+        MENU.iter().filter_map(|experiment| self.legs(&experiment.plain(scales)?)).collect()
     }
 
     /// A motion of the menu within the limits.

@@ -1,0 +1,495 @@
+//! The search for formulas: the grammar is screened in portions, the likeliest terms are refitted, and the one is kept that traces
+//! left out bear out, again and again until only noise is left.
+//!
+//! Free curves are screened beside the laws. What they foretell beyond the best law leads to laws near them; a curve itself is kept only
+//! where no law predicts as well.
+
+use rayon::prelude::*;
+
+use super::grammar::{Grammar, Term};
+use super::simplify;
+use crate::criticism::agreement;
+use crate::criticism::evidence::{Evidence, Judged, Refusal, Refused, weigh};
+use crate::criticism::fitted::Fitted;
+use crate::criticism::held_out::{held_out_in_one_step, over_sections};
+use crate::criticism::screen::{DRAWS, Direction, Screen, screen};
+use crate::criticism::search::{DECISIVE, Found, Rival, Search, Step};
+use nalgebra::DMatrix;
+use palpate_fit::least_squares::{Effort, Solution};
+use palpate_model::Chain;
+
+/// Sensitivities that are screened at a time: what is counted of every two of them grows with their square.
+const PORTION: usize = 96;
+/// Least chance that is told.
+const LEAST: f64 = 1.0 / (DRAWS as f64 + 1.0);
+/// Most starts of laws that are tried, and most of one term.
+const TRIED: usize = 12;
+const OF_A_TERM: usize = 2;
+/// Most free curves that are tried.
+const CURVES: usize = 3;
+/// A start is tried from this part of the best foretold gain on.
+const WORTH: f64 = 0.1;
+/// Most terms that are refitted, of those that gain this part of the best after a few steps.
+const REFITTED: usize = 6;
+const CLOSE: f64 = 0.3;
+/// Terms whose traces left out are predicted by refits in earnest: those that one step speaks for most.
+const IN_EARNEST: usize = 2;
+/// Chance of as much agreement between the parts of the data above which they do not agree.
+const DISAGREEMENT: f64 = 0.1;
+/// Standard errors over the traces that a term on which parts have not voted has to gain, and a free curve over every law.
+const SURE: f64 = 2.0;
+
+/// A search over the terms of the grammar.
+pub(super) struct Climb<'a> {
+    pub(super) search: &'a Search<'a>,
+    pub(super) grammar: &'a Grammar,
+}
+
+/// What a screen says of every term.
+struct Told {
+    /// Chance of as large a score under noise alone; of a law near a free curve that of the curve.
+    chance: Vec<f64>,
+    /// Chance of as much agreement between the parts of the data; none where they have not voted.
+    agreement: Vec<Option<f64>>,
+}
+
+/// A term after a few steps of a fit.
+struct Trial {
+    term: usize,
+    chain: Chain,
+    fit: Solution,
+}
+
+/// A term refitted beside the last model, with the evidence for it.
+struct Weighed {
+    rival: Rival,
+    evidence: Evidence,
+    /// Whether what it leaves is noise.
+    exact: bool,
+}
+
+impl Climb<'_> {
+    /// Adds terms to a model, and no further than to the first that leaves only noise; then takes away what is no longer needed.
+    pub(super) fn from(&self, base: Fitted) -> Found {
+        let screened = self.screened(&base);
+        let evidence = vec![Evidence::of(self.search.problem, &base)];
+        let mut found = Found {
+            base,
+            steps: Vec::new(),
+            models: Vec::new(),
+            last: screened.clone(),
+            first: screened,
+            inexact: true,
+            evidence,
+            refused: Vec::new(),
+        };
+        while self.step_up(&mut found) {
+            let enough = found.steps.len() >= self.search.options.max_effects
+                || self.search.leaves_noise(found.model());
+            if enough {
+                break;
+            }
+            found.last = self.screened(found.model());
+        }
+        self.without_the_superfluous(&mut found);
+        found
+    }
+
+    fn term(&self, index: usize) -> &Term {
+        &self.grammar.terms[index]
+    }
+
+    fn is_free(&self, index: usize) -> bool {
+        self.term(index).shape.is_free()
+    }
+
+    /// Screens the grammar beside a model. The chances are those of the largest score of a portion under noise alone, times the
+    /// number of portions; or those of a score by itself, times the number of all, where that is less: draws know no chance below one
+    /// in their number.
+    fn screened(&self, fitted: &Fitted) -> Screen {
+        let Search { data, candidates, whitening, problem, .. } = *self.search;
+        let candidates = &candidates[..self.grammar.screened];
+        let problem = problem.with_chain(&fitted.chain);
+        let portions = portions(candidates.iter().map(|candidate| {
+            candidate.forms.iter().map(|form| form.grid.len() * form.applied.strengths).sum()
+        }));
+        let mut whole = Screen {
+            directions: Vec::new(),
+            chance: Vec::new(),
+            cosines: DMatrix::zeros(0, 0),
+            scores: DMatrix::zeros(0, 0),
+        };
+        let (mut scores, mut columns) = (Vec::new(), 0);
+        for portion in &portions {
+            let own = &candidates[portion.clone()];
+            let found = screen(&problem, data, &fitted.point, whitening, own);
+            let times = portions.len() as f64;
+            whole.chance.extend(found.chance.iter().map(|chance| (times * chance).min(1.0)));
+            whole.directions.extend(found.directions.into_iter().map(|mut direction| {
+                direction.candidate += portion.start;
+                direction.columns =
+                    direction.columns.start + columns..direction.columns.end + columns;
+                direction
+            }));
+            columns += found.scores.ncols();
+            scores.push(found.scores);
+        }
+        whole.scores = side_by_side(&scores);
+        for direction in &whole.directions {
+            let chance = &mut whole.chance[direction.candidate];
+            *chance = chance.min(by_number(direction.log_chance, whole.directions.len()));
+        }
+        whole
+    }
+
+    /// Adds the term that the traces left out bear out best; of several that do as well, a law before a free curve, and then the one
+    /// with the lowest information criterion. False where there is none.
+    fn step_up(&self, found: &mut Found) -> bool {
+        let level = 0.5 * self.search.options.false_alarms;
+        if found.last.chance.iter().all(|chance| *chance > level) {
+            return false;
+        }
+        let mut told = self.told(&found.last);
+        let mut weighed = self.tried(found, &mut told);
+        weighed.retain(|it| told.chance[it.rival.candidate] <= level);
+        let without =
+            Judged { fitted: found.model(), evidence: &found.evidence[found.steps.len()] };
+        let mut refusals = Vec::new();
+        let mut borne_out: Vec<&Weighed> = Vec::new();
+        for it in &weighed {
+            match self.weigh(without, it, told.agreement[it.rival.candidate]) {
+                Ok(()) => borne_out.push(it),
+                Err(reason) => refusals.push(refused(without, it, reason)),
+            }
+        }
+        let Some((chosen, as_good)) = self.best_of(&borne_out) else {
+            found.refuse(refusals);
+            return false;
+        };
+        let candidate = chosen.rival.candidate;
+        let voted = told.agreement[candidate].filter(|_| !chosen.exact);
+        let p_value = voted.unwrap_or(told.chance[candidate]);
+        let (effect, model) = (chosen.rival.effect.clone(), chosen.rival.fitted.clone());
+        let evidence = chosen.evidence.clone();
+        let rivals = weighed.iter().map(|it| it.rival.clone()).collect();
+        found.refuse(refusals);
+        found.refused.retain(|refused| refused.effect != effect);
+        found.models.push(model);
+        found.evidence.push(evidence);
+        found.steps.push(Step::chosen(effect, p_value, rivals, as_good));
+        true
+    }
+
+    /// The best of the terms that are borne out, and the names of those that predict traces left out as well.
+    fn best_of<'b>(&self, borne_out: &[&'b Weighed]) -> Option<(&'b Weighed, Vec<String>)> {
+        let laws: Vec<&Weighed> =
+            borne_out.iter().copied().filter(|it| !self.is_free(it.rival.candidate)).collect();
+        let ahead =
+            |of: &[&'b Weighed]| of.iter().copied().min_by(|a, b| a.error().total_cmp(&b.error()));
+        let best = ahead(borne_out)?;
+        // A free curve has to predict better than every law, and surely.
+        let best = match ahead(&laws) {
+            Some(law) if law.exact || !best.gains_over(law, SURE) => law,
+            _ => best,
+        };
+        let mut as_good: Vec<&Weighed> =
+            borne_out.iter().copied().filter(|it| !best.gains_over(it, 1.0)).collect();
+        let is_free = self.is_free(best.rival.candidate);
+        as_good.retain(|it| is_free || !self.is_free(it.rival.candidate));
+        as_good.sort_by(|a, b| a.rival.fitted.bic().total_cmp(&b.rival.fitted.bic()));
+        let chosen = as_good.first().copied().unwrap_or(best);
+        Some((chosen, as_good.iter().map(|it| it.rival.effect.clone()).collect()))
+    }
+
+    fn told(&self, screened: &Screen) -> Told {
+        let terms = self.grammar.terms.len();
+        let of_screened = agreement::chances(screened, self.search.candidates);
+        let voted = |k: usize| k < self.grammar.screened && !self.is_free(k);
+        let mut chance = screened.chance.clone();
+        chance.resize(terms, 1.0);
+        let agreement = (0..terms).map(|k| voted(k).then(|| of_screened[k])).collect();
+        Told { chance, agreement }
+    }
+
+    /// The terms that are worth it, refitted, with the evidence for each.
+    fn tried(&self, found: &Found, told: &mut Told) -> Vec<Weighed> {
+        let from = found.model();
+        let (laws, curves) = self.worth_a_try(&found.last);
+        let mut laws = self.trials(from, &laws);
+        let curves = self.trials(from, &curves);
+        let gain = |trial: &Trial| from.cost - trial.fit.normal.cost;
+        let best = |of: &[Trial]| of.iter().map(gain).fold(0.0, f64::max);
+        let ahead: Vec<&Trial> = curves.iter().filter(|it| gain(it) > best(&laws)).collect();
+        let near: Vec<Direction> = ahead.iter().flat_map(|curve| self.near(from, curve)).collect();
+        for (direction, curve) in near.iter().flat_map(|it| ahead.iter().map(move |c| (it, c))) {
+            if self.term(direction.candidate).beside(self.term(curve.term)) {
+                let chance = &mut told.chance[direction.candidate];
+                *chance = chance.min(found.last.chance[curve.term]);
+            }
+        }
+        laws.extend(self.trials(from, &near.iter().collect::<Vec<_>>()));
+        let mut weighed = self.with_evidence(self.refitted(from, laws));
+        // Where a law leaves only noise no curve is wanted, which takes long to refit.
+        if !weighed.iter().any(|it| it.exact) {
+            let likeliest =
+                curves.into_iter().min_by(|a, b| a.fit.normal.cost.total_cmp(&b.fit.normal.cost));
+            let curve = self.refitted(from, likeliest.into_iter().collect());
+            weighed.extend(self.with_evidence(curve));
+        }
+        weighed
+    }
+
+    fn with_evidence(&self, rivals: Vec<Rival>) -> Vec<Weighed> {
+        let weighed = |rival: Rival| Weighed {
+            evidence: Evidence::of(self.search.problem, &rival.fitted),
+            exact: self.search.leaves_noise(&rival.fitted),
+            rival,
+        };
+        rivals.into_iter().map(weighed).collect()
+    }
+
+    /// Laws near a free curve, as starts.
+    fn near(&self, from: &Fitted, curve: &Trial) -> Vec<Direction> {
+        let term = self.term(curve.term);
+        let heights = term.candidate.forms[0].applied.strengths;
+        let point = &curve.fit.point;
+        let shift: Vec<f64> =
+            point.iter().zip(&from.point).map(|(there, here)| there - here).collect();
+        let near = simplify::Found::of(&curve.fit, heights).near(term, &self.grammar.terms);
+        let start = |near: simplify::Near| Direction {
+            candidate: near.term,
+            form: 0,
+            shapes: near.shapes,
+            columns: 0..1,
+            left: 1.0,
+            log_chance: 0.0,
+            gain: near.gain,
+            strengths: vec![near.strength],
+            shift: shift.clone(),
+        };
+        near.into_iter().map(start).collect()
+    }
+
+    /// What speaks against a term. Where it leaves more than noise, its fit must gain by the samples that are independent in what it
+    /// leaves, and the parts of the data must agree.
+    fn weigh(&self, without: Judged, it: &Weighed, agreement: Option<f64>) -> Result<(), Refusal> {
+        let with = Judged { fitted: &it.rival.fitted, evidence: &it.evidence };
+        weigh(without, with, it.exact)?;
+        if it.exact {
+            return Ok(());
+        }
+        if !with.fitted.beats_inexact(without.fitted, DECISIVE) {
+            return Err(Refusal::FitUncertain);
+        }
+        if let Some(chance) = agreement.filter(|chance| *chance > DISAGREEMENT) {
+            return Err(Refusal::Disagreement(chance));
+        }
+        let gain = with.evidence.left_out().zip(without.evidence.left_out());
+        match gain.map(|(after, before)| after.gain(before)) {
+            Some(gain) if agreement.is_none() && !gain.exceeds(SURE) => {
+                Err(Refusal::HeldOutUncertain(gain))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// The starts that the screen foretells most for, of laws and of free curves.
+    fn worth_a_try<'b>(&self, screened: &'b Screen) -> (Vec<&'b Direction>, Vec<&'b Direction>) {
+        let mut directions: Vec<&Direction> =
+            screened.directions.iter().filter(|direction| direction.gain > 0.0).collect();
+        directions.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+        let least = WORTH * directions.first().map_or(0.0, |direction| direction.gain);
+        directions.retain(|direction| direction.gain >= least);
+        let (mut curves, laws): (Vec<&Direction>, Vec<&Direction>) =
+            directions.into_iter().partition(|direction| self.is_free(direction.candidate));
+        curves.sort_by(|a, b| a.log_chance.total_cmp(&b.log_chance));
+        curves.truncate(CURVES);
+        let mut chosen: Vec<&Direction> = Vec::new();
+        for direction in laws {
+            let of_term = chosen.iter().filter(|it| it.candidate == direction.candidate).count();
+            if of_term < OF_A_TERM && chosen.len() < TRIED {
+                chosen.push(direction);
+            }
+        }
+        (chosen, curves)
+    }
+
+    /// A few steps from each start.
+    fn trials(&self, from: &Fitted, chosen: &[&Direction]) -> Vec<Trial> {
+        let trial = |direction: &&Direction| {
+            let (chain, fit) = self.search.try_out(from, direction);
+            Trial { term: direction.candidate, chain, fit }
+        };
+        let tried: Vec<Trial> = chosen.par_iter().map(trial).collect();
+        tried.into_iter().filter(|trial| trial.fit.normal.cost.is_finite()).collect()
+    }
+
+    /// The terms that gain most after a few steps, refitted; of these the ones that traces left out, each in one step from the fit to
+    /// all, and the likelihood speak for most.
+    fn refitted(&self, from: &Fitted, mut tried: Vec<Trial>) -> Vec<Rival> {
+        tried.sort_by(|a, b| a.fit.normal.cost.total_cmp(&b.fit.normal.cost));
+        let gain = |trial: &Trial| from.cost - trial.fit.normal.cost;
+        let most = tried.first().map_or(0.0, gain);
+        let mut seen: Vec<usize> = Vec::new();
+        tried.retain(|trial| {
+            let is_new = !seen.contains(&trial.term);
+            let close = gain(trial) >= CLOSE * most;
+            if is_new && close {
+                seen.push(trial.term);
+            }
+            is_new && close && seen.len() <= REFITTED
+        });
+        let mut rivals: Vec<Rival> = tried
+            .into_par_iter()
+            .map(|Trial { term, chain, fit }| {
+                let problem = self.search.problem.with_chain(&chain);
+                let fitted = Fitted::new(&problem, &fit.point, Effort::QUICK);
+                let effect = self.term(term).candidate.name.clone();
+                Rival { candidate: term, effect, fitted, won: 0.0 }
+            })
+            .filter(|rival| rival.fitted.bic().is_finite() && rival.fitted.rms().is_finite())
+            .collect();
+        rivals.sort_by(|a, b| a.fitted.bic().total_cmp(&b.fitted.bic()));
+        self.most_promising(rivals)
+    }
+
+    fn most_promising(&self, rivals: Vec<Rival>) -> Vec<Rival> {
+        let problem = self.search.problem;
+        let error = |rival: &Rival| {
+            let left_out = held_out_in_one_step(problem, &rival.fitted);
+            left_out.unwrap_or_else(|| over_sections(problem, &rival.fitted)).rms
+        };
+        let mut errors: Vec<(usize, f64)> = rivals.iter().map(error).enumerate().collect();
+        errors.sort_by(|a, b| a.1.total_cmp(&b.1));
+        let mut kept: Vec<usize> =
+            errors.iter().take(IN_EARNEST).map(|(index, _)| *index).collect();
+        // The likeliest may do better once it is refitted in earnest.
+        kept.push(0);
+        let place = |(index, rival)| kept.contains(&index).then_some(rival);
+        rivals.into_iter().enumerate().filter_map(place).collect()
+    }
+
+    /// Takes away every term beside which a later one has made it superfluous: without it, everything refitted, traces left out are
+    /// predicted as well.
+    fn without_the_superfluous(&self, found: &mut Found) {
+        let mut index = 0;
+        while index + 1 < found.steps.len() {
+            match self.without(found, index) {
+                Some(fewer) => *found = fewer,
+                None => index += 1,
+            }
+        }
+    }
+
+    /// The search as if a step had not been taken, where that predicts as well.
+    fn without(&self, found: &Found, index: usize) -> Option<Found> {
+        let place = found.base.chain.effects.len() + index;
+        let (mut models, mut evidence) =
+            (found.models[..index].to_vec(), found.evidence[..=index].to_vec());
+        for model in &found.models[index + 1..] {
+            let range = model.chain.range(place);
+            let chain = model.chain.without(place);
+            let mut start = model.point.clone();
+            start.drain(range);
+            let problem = self.search.problem.with_chain(&chain);
+            models.push(Fitted::new(&problem, &start, Effort::QUICK));
+        }
+        let (last, with) = (models.last()?, found.model());
+        let own = Evidence::of(self.search.problem, last);
+        let worse = found.evidence.last()?.left_out()?.gain(own.left_out()?).exceeds(1.0);
+        if worse || with.beats_inexact(last, DECISIVE) {
+            return None;
+        }
+        let between = &models[index..models.len() - 1];
+        evidence.extend(between.iter().map(|model| Evidence::of(self.search.problem, model)));
+        evidence.push(own);
+        let mut steps = found.steps.clone();
+        steps.remove(index);
+        Some(Found { steps, models, evidence, ..found.clone() })
+    }
+}
+
+impl Weighed {
+    /// Its error on what it was not fitted to.
+    fn error(&self) -> f64 {
+        self.evidence.left_out().map_or(f64::INFINITY, |errors| errors.rms)
+    }
+
+    /// Whether it predicts better than another by more than this many standard errors.
+    fn gains_over(&self, other: &Self, standard_errors: f64) -> bool {
+        let both = self.evidence.left_out().zip(other.evidence.left_out());
+        both.is_none_or(|(own, other)| own.gain(other).exceeds(standard_errors))
+    }
+}
+
+/// The chance that any of so many scores is as large as one whose own chance has this logarithm, at most.
+fn by_number(log_chance: f64, scores: usize) -> f64 {
+    (log_chance + (scores as f64).ln()).exp().clamp(LEAST, 1.0)
+}
+
+/// Neighbours whose numbers of columns sum up to a portion at most, or single ones that have more.
+fn portions(columns: impl Iterator<Item = usize>) -> Vec<std::ops::Range<usize>> {
+    let mut found: Vec<std::ops::Range<usize>> = Vec::new();
+    let mut filled = 0;
+    for (index, columns) in columns.enumerate() {
+        match found.last_mut() {
+            Some(last) if filled + columns <= PORTION => {
+                last.end = index + 1;
+                filled += columns;
+            }
+            _ => {
+                found.push(index..index + 1);
+                filled = columns;
+            }
+        }
+    }
+    found
+}
+
+/// Matrices of as many rows side by side.
+fn side_by_side(parts: &[DMatrix<f64>]) -> DMatrix<f64> {
+    let rows = parts.first().map_or(0, DMatrix::nrows);
+    let columns = parts.iter().map(DMatrix::ncols).sum();
+    let values = parts.iter().flat_map(|part| part.iter().copied());
+    DMatrix::from_iterator(rows, columns, values)
+}
+
+fn refused(without: Judged, it: &Weighed, reason: Refusal) -> Refused {
+    let held_out = |evidence: &Evidence| evidence.held_out.as_ref().map(|held_out| held_out.rms);
+    Refused {
+        effect: it.rival.effect.clone(),
+        law: "own".into(),
+        reason,
+        rms: (without.fitted.rms(), it.rival.fitted.rms()),
+        held_out: held_out(without.evidence).zip(held_out(&it.evidence)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_no_draw_reaches_is_significant_in_however_many_portions() {
+        // A draw tells no less than this, which so many portions would make more than chance allows.
+        assert!(40.0 * LEAST > 0.005);
+        assert!(by_number(-60.0, 3000) < 0.005);
+        assert!(by_number(-5.0, 3000) > 0.5);
+    }
+
+    #[test]
+    fn portions_hold_all_terms_in_order() {
+        let columns = [60, 30, 6, 1, 200, 90, 7];
+        let found = portions(columns.into_iter());
+        assert_eq!(found, [0..3, 3..4, 4..5, 5..6, 6..7]);
+    }
+
+    #[test]
+    fn matrices_stand_side_by_side() {
+        let parts = [DMatrix::from_element(2, 1, 1.0), DMatrix::from_element(2, 2, 2.0)];
+        assert_eq!(
+            side_by_side(&parts),
+            DMatrix::from_row_slice(2, 3, &[1.0, 2.0, 2.0, 1.0, 2.0, 2.0])
+        );
+    }
+}

@@ -1,0 +1,310 @@
+//! The shapes in which a term may depend on its quantity.
+
+use std::f64::consts::{PI, TAU};
+
+use super::reach::{Kind, Quantity, Reach};
+
+/// How a term depends on its quantity.
+#[derive(Debug)]
+pub struct Shape {
+    /// What it is, in words that the quantity follows.
+    pub name: &'static str,
+    pub(super) family: Family,
+    /// What such a term does; names in braces stand for its parameters, `{c}` for the quantity.
+    pub words: &'static str,
+    /// Its value as an expression; `{c}` stands for the quantity.
+    pub(super) text: &'static str,
+    /// The same at one value of the quantity, with the values of its parameters; none for what depends on what was before.
+    pub(super) value: Option<fn(f64, &[f64]) -> f64>,
+    /// The power of the quantity's unit that its value has.
+    pub(super) power: i32,
+    /// Its parameters.
+    pub(super) parameters: &'static [ShapeParameter],
+    /// Largest size over a range, for parameters of that size.
+    pub(super) size: fn(&Reach) -> f64,
+    /// Whether it is tried of quantities that change from trace to trace rather than within one.
+    slow: bool,
+}
+
+/// Shapes that suit the same quantities.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Family {
+    /// Linear in the quantity.
+    Straight,
+    /// Bent alike over the whole range.
+    Curve,
+    /// Away from 0.
+    Decay,
+    /// With a place in the range.
+    Local,
+    /// With a period in the range.
+    Wave,
+    /// A wave that dies away.
+    DyingWave,
+    /// Of what was before.
+    Memory,
+    /// A curve of any shape.
+    Free,
+}
+
+/// A parameter of a shape.
+#[derive(Debug)]
+pub(super) struct ShapeParameter {
+    pub name: &'static str,
+    pub unit: Unit,
+    /// Where it is started.
+    pub grid: fn(&Reach) -> Vec<f64>,
+    pub bounds: fn(&Reach) -> (f64, f64),
+}
+
+/// Unit of a parameter of a shape.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Unit {
+    /// That of the quantity.
+    Quantity,
+    /// A pure number.
+    Number,
+    /// s.
+    Seconds,
+}
+
+const PLACE: ShapeParameter = ShapeParameter {
+    name: "place",
+    unit: Unit::Quantity,
+    grid: |reach| reach.places.clone(),
+    bounds: |reach| (reach.least, reach.most),
+};
+
+const WIDTH: ShapeParameter = ShapeParameter {
+    name: "width",
+    unit: Unit::Quantity,
+    grid: |reach| vec![0.04 * reach.span(), 0.15 * reach.span()],
+    bounds: |reach| (0.002 * reach.span(), 2.0 * reach.span()),
+};
+
+const SCALE: ShapeParameter = ShapeParameter {
+    name: "scale",
+    unit: Unit::Quantity,
+    grid: |reach| [0.02, 0.08, 0.3].map(|part| part * reach.span()).to_vec(),
+    bounds: |reach| (0.001 * reach.span(), 20.0 * reach.span()),
+};
+
+const PERIOD: ShapeParameter = ShapeParameter {
+    name: "period",
+    unit: Unit::Quantity,
+    grid: |reach| reach.periods.clone(),
+    bounds: |reach| (0.01 * reach.span(), 2.0 * reach.span()),
+};
+
+const PHASE: ShapeParameter = ShapeParameter {
+    name: "phase",
+    unit: Unit::Number,
+    grid: |_| vec![0.0, 0.5 * PI],
+    bounds: |_| (-7.0, 7.0),
+};
+
+const ONE: fn(&Reach) -> f64 = |_| 1.0;
+
+/// Every shape but free curves.
+pub const SHAPES: [Shape; 10] = [
+    Shape {
+        name: "proportional to",
+        family: Family::Straight,
+        words: "grows by {size} with the {c}",
+        text: "{c}",
+        value: Some(|c, _| c),
+        power: 1,
+        parameters: &[],
+        size: |reach| reach.size(),
+        slow: true,
+    },
+    Shape {
+        name: "square of",
+        family: Family::Curve,
+        words: "grows with the square of the {c}, by {size}",
+        text: "{c}^2",
+        value: Some(|c, _| c * c),
+        power: 2,
+        parameters: &[],
+        size: |reach| reach.size().powi(2),
+        slow: true,
+    },
+    Shape {
+        name: "saturating with",
+        family: Family::Curve,
+        words: "grows with the {c} and levels off at {size} beyond {scale}",
+        text: "tanh({c} / scale)",
+        value: Some(|c, at| (c / at[0]).tanh()),
+        power: 0,
+        parameters: &[SCALE],
+        size: ONE,
+        slow: false,
+    },
+    Shape {
+        name: "decaying with",
+        family: Family::Decay,
+        words: "is {size} where the {c} is 0 and fades over {scale} of it",
+        text: "exp(-{c} / scale)",
+        value: Some(|c, at| (-c / at[0]).exp()),
+        power: 0,
+        parameters: &[SCALE],
+        size: ONE,
+        slow: true,
+    },
+    Shape {
+        name: "bump at one",
+        family: Family::Local,
+        words: "is a bump of {size} where the {c} is {place}, {width} wide",
+        text: "exp(-(({c} - place) / width)^2)",
+        value: Some(|c, at| (-((c - at[0]) / at[1]).powi(2)).exp()),
+        power: 0,
+        parameters: &[PLACE, WIDTH],
+        size: ONE,
+        slow: false,
+    },
+    Shape {
+        name: "periodic in",
+        family: Family::Wave,
+        words: "repeats every {period} of the {c}, {size} high",
+        text: "sin(2 * PI * {c} / period + phase)",
+        value: Some(|c, at| (TAU * c / at[0] + at[1]).sin()),
+        power: 0,
+        parameters: &[PERIOD, PHASE],
+        size: ONE,
+        slow: false,
+    },
+    Shape {
+        name: "dying wave over",
+        family: Family::DyingWave,
+        words: "repeats every {period} of the {c}, {size} high at first, and dies away over {scale} of it",
+        text: "exp(-{c} / scale) * sin(2 * PI * {c} / period + phase)",
+        value: Some(|c, at| (-c / at[2]).exp() * (TAU * c / at[0] + at[1]).sin()),
+        power: 0,
+        parameters: &[
+            PERIOD,
+            PHASE,
+            ShapeParameter { grid: |reach| vec![0.15 * reach.span()], ..SCALE },
+        ],
+        size: ONE,
+        slow: false,
+    },
+    Shape {
+        name: "step at one",
+        family: Family::Local,
+        words: "is a step of {size} where the {c} passes {place}",
+        text: "0.5 * (1 + tanh(({c} - place) / width))",
+        value: Some(|c, at| 0.5 * (1.0 + ((c - at[0]) / at[1]).tanh())),
+        power: 0,
+        parameters: &[PLACE, ShapeParameter { grid: |reach| vec![0.02 * reach.span()], ..WIDTH }],
+        size: ONE,
+        slow: true,
+    },
+    Shape {
+        name: "from one on proportional to",
+        family: Family::Local,
+        words: "begins where the {c} passes {place} and grows by {size}",
+        text: "max(0, {c} - place)",
+        value: Some(|c, at| (c - at[0]).max(0.0)),
+        power: 1,
+        parameters: &[PLACE],
+        size: |reach| 0.5 * reach.span(),
+        slow: false,
+    },
+    Shape {
+        name: "behind",
+        family: Family::Memory,
+        words: "follows the {c} with a delay of {time}, by {size}",
+        text: "lag({c}, time)",
+        value: None,
+        power: 1,
+        parameters: &[ShapeParameter {
+            name: "time",
+            unit: Unit::Seconds,
+            grid: |reach| reach.times.to_vec(),
+            bounds: |reach| (0.2 * reach.times[0], 20.0 * reach.times[3]),
+        }],
+        size: |reach| reach.size(),
+        slow: false,
+    },
+];
+
+/// A curve of any shape.
+pub(super) static CURVE: Shape = Shape {
+    name: "curve over",
+    family: Family::Free,
+    words: "follows a free curve over the {c}, up to {size}",
+    text: "",
+    value: None,
+    power: 0,
+    parameters: &[],
+    size: ONE,
+    slow: true,
+};
+
+impl Shape {
+    /// Whether it is a curve of any shape.
+    #[must_use]
+    pub fn is_free(&self) -> bool {
+        self.family == Family::Free
+    }
+
+    /// Whether a quantity can be tried in it.
+    pub(super) fn suits(&self, quantity: &Quantity, reach: &Reach) -> bool {
+        use Family::{Curve, Decay, DyingWave, Memory, Straight};
+        // An exponential of what goes far below 0 is no decay.
+        if matches!(self.family, Decay | DyingWave) && reach.least < -0.1 * reach.span() {
+            return false;
+        }
+        match quantity.kind {
+            Kind::Fast => self.family != DyingWave,
+            Kind::Clock => self.family != Memory,
+            Kind::Slow => self.slow,
+            Kind::Rate => matches!(self.family, Straight | Curve | Decay | Memory),
+            Kind::Plain => matches!(self.family, Straight | Memory),
+        }
+    }
+}
+
+/// What a term is multiplied by.
+#[derive(Debug, PartialEq, Eq)]
+pub struct Factor {
+    /// What follows the name of the shape and its quantity.
+    pub name: &'static str,
+    /// What follows the words of the shape.
+    pub words: &'static str,
+    /// As an expression that ends before what it is multiplied by.
+    pub(super) text: &'static str,
+    /// Whether it has the unit of a velocity.
+    pub(super) of_speed: bool,
+}
+
+/// Nothing more.
+pub const ALWAYS: Factor = Factor { name: "", words: "", text: "", of_speed: false };
+/// Only while the tip goes in.
+pub const PRESSING: Factor = Factor {
+    name: " while pressing",
+    words: ", and only while pressing",
+    text: "0.5 * (1 + sign(v)) * ",
+    of_speed: false,
+};
+/// With the sign of the motion.
+pub const TURNING: Factor = Factor {
+    name: " with the direction",
+    words: ", and turns over with the direction of the motion",
+    text: "sign(v) * ",
+    of_speed: false,
+};
+/// Times the velocity.
+pub const VELOCITY: Factor = Factor {
+    name: " times velocity",
+    words: ", for each unit of velocity",
+    text: "v * ",
+    of_speed: true,
+};
+/// Times the speed.
+pub const SPEED: Factor = Factor {
+    name: " times speed",
+    words: ", for each unit of speed either way",
+    text: "abs(v) * ",
+    of_speed: true,
+};
