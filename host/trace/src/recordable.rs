@@ -11,7 +11,7 @@ use shared::fixed::{strain_from_microstrain, temperature_from_celsius};
 use shared::pipeline::{Config, GAUGES, Pipeline};
 use shared::wire::{
     ClockSource, Columns, Counters, FRAME_MAX, Formats, Head, Hello, ResetCause, Rows, SCHEMA,
-    Settings, SettingsError, Source, Status, ToHost, encode,
+    Settings, SettingsByRatio, SettingsError, Source, Status, ToHost, encode,
 };
 
 use super::{GAUGES as NAMES, TEMPERATURE, Trace, recorded, sampling};
@@ -79,8 +79,14 @@ pub enum RecordableError {
 #[must_use]
 pub fn settings_of(trace: &Trace) -> Settings {
     let device = trace.head.other.get("device").and_then(|device| device.get(recorded::SETTINGS));
-    let settings = device.and_then(|settings| settings.clone().try_into().ok());
-    settings.unwrap_or(Settings::DEFAULT)
+    device.and_then(read).unwrap_or(Settings::DEFAULT)
+}
+
+/// Settings in the words of this release, or of 0.1.
+fn read(settings: &toml::Value) -> Option<Settings> {
+    let by_ratio = |settings: SettingsByRatio| settings.settings(SettingsByRatio::CLOCK_HZ);
+    let of_release_0_1 = || settings.clone().try_into().ok().map(by_ratio);
+    settings.clone().try_into().ok().or_else(of_release_0_1)
 }
 
 /// The same settings, but one count is one LSB of strain.
