@@ -113,7 +113,7 @@ fn generate(what: &str) -> miette::Result<()> {
 fn main() -> ExitCode {
     let outcome = match Arguments::parse().task {
         Task::Test => check::run(),
-        Task::Firmware => firmware::release().map(drop),
+        Task::Firmware => firmware::everything(),
         Task::Emulate { steady, update } => {
             emulate::run(steady, update).and_then(|()| modelled::run(1_000))
         }
