@@ -365,6 +365,20 @@ mod tests {
     }
 
     #[test]
+    fn settings_that_release_0_1_wrote_into_a_trace_are_read() {
+        let fast = Settings { interval_ns: 256_000, ..Settings::DEFAULT }.with_gain([64; GAUGES]);
+        let head = |settings| {
+            let device = toml::Table::from_iter([(recorded::SETTINGS.into(), settings)]);
+            let mut trace = Trace::default();
+            trace.head.other.insert("device".into(), device.into());
+            settings_of(&trace)
+        };
+        let by_ratio = SettingsByRatio::of(&fast, SettingsByRatio::CLOCK_HZ);
+        assert_eq!(head(toml::Value::try_from(by_ratio).unwrap()), fast);
+        assert_eq!(head(toml::Value::try_from(fast).unwrap()), fast);
+    }
+
+    #[test]
     fn a_trace_that_no_device_could_have_recorded_is_refused_by_name() {
         let refused = |trace: &Trace| {
             write_recording(trace, &Settings::DEFAULT, io::sink()).unwrap_err().to_string()

@@ -58,11 +58,11 @@ pub use settings::{Settings, SettingsError};
 /// Speed of a serial line, bits per second, 8N1: exact with either clock of the device.
 pub const BAUD: u32 = 1_000_000;
 
-/// How the device introduces itself on USB: the identity that makers of serial ports without one of their own share, told apart by
-/// the two texts below (`USB-IDs-FREE.txt` of V-USB).
-pub const USB_VENDOR: u16 = 0x16c0;
-/// Serial ports (CDC-ACM) of that vendor.
-pub const USB_PRODUCT: u16 = 0x27dd;
+/// How the device introduces itself on USB: numbers that pid.codes keeps for trying things out in private. Whoever gives boards to
+/// others takes a product number of their own there, and writes it here and into the rules for Linux.
+pub const USB_VENDOR: u16 = 0x1209;
+/// The first of those that are for tests.
+pub const USB_PRODUCT: u16 = 0x0001;
 /// Who made it, as it says on USB.
 pub const USB_MAKER: &str = "palpate";
 /// What it is, as it says on USB.
