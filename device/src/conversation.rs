@@ -68,22 +68,24 @@ impl Beginning {
 ///
 /// # Errors
 /// [`SettingsError`] if even the defaults are out of range with this converter.
+#[inline(never)]
 pub fn begin_with(
     record: Option<&[u8]>,
     capabilities: &Capabilities,
 ) -> Result<Beginning, SettingsError> {
-    let made = |settings: Settings, kept| {
-        let config = settings.config(settings.interval_s())?;
-        Ok(Beginning { settings, config, kept })
+    let (settings, kept) = match record.map(Settings::from_record) {
+        None => (capabilities.defaults(), Kept::None),
+        Some((_, kept @ (Kept::None | Kept::Discarded))) => (capabilities.defaults(), kept),
+        Some((settings, kept)) => (capabilities.suited(settings), kept),
     };
-    let defaults = |kept| made(capabilities.defaults(), kept);
-    match record.map(Settings::from_record) {
-        None | Some((_, Kept::None)) => defaults(Kept::None),
-        Some((_, Kept::Discarded)) => defaults(Kept::Discarded),
-        Some((settings, kept)) => {
-            made(capabilities.suited(settings), kept).or_else(|_| defaults(Kept::Discarded))
-        }
-    }
+    begin(&settings, kept).or_else(|_| begin(&capabilities.defaults(), Kept::Discarded))
+}
+
+/// Not in line, because the stack of whoever begins has no room for copies.
+#[inline(never)]
+fn begin(settings: &Settings, kept: Kept) -> Result<Beginning, SettingsError> {
+    let config = settings.config(settings.interval_s())?;
+    Ok(Beginning { settings: *settings, config, kept })
 }
 
 /// A fingertip: takes samples and the host's frames, gives frames for the host.
