@@ -27,8 +27,9 @@ impl Device<'_> {
             ToDevice::Hello(_) => Ok(()),
             ToDevice::Start(start) => self.start(start, board),
             ToDevice::Stop => return self.stop(number, board).map(|()| None),
-            ToDevice::SetRate(oversampling) => {
-                self.convert(Settings { oversampling, ..settings }, board)
+            ToDevice::SetRatio(oversampling) => {
+                let ns = oversampling.interval_ns(self.identity.converter_clock_hz);
+                self.convert(Settings { interval_ns: ns, ..settings }, board)
             }
             ToDevice::SetGain(gain) => self.convert(settings.with_gain(gain), board),
             ToDevice::SetFilter(relaxation) => self.apply(Settings { relaxation, ..settings }),
@@ -45,7 +46,7 @@ impl Device<'_> {
             ToDevice::Tare => self.tare(),
             ToDevice::Untare => self.apply(Settings { tare: [0; GAUGES], ..settings }),
             ToDevice::Save => self.save(board),
-            ToDevice::LoadDefaults => self.convert(Settings::DEFAULT, board),
+            ToDevice::LoadDefaults => self.convert(self.identity.capabilities.defaults(), board),
             ToDevice::Inject(inject) => return self.inject(&inject).map(Some),
             ToDevice::Settings => {
                 self.outgoing.ask(Due::Settings);
@@ -56,6 +57,9 @@ impl Device<'_> {
                 Ok(())
             }
             ToDevice::SelfTest => return self.test(number, now_us, board),
+            ToDevice::SetInterval { ns } => {
+                self.convert(Settings { interval_ns: ns, ..settings }, board)
+            }
             ToDevice::Reboot => self.restart(Restart::Firmware, board),
             ToDevice::Bootloader => self.restart(Restart::Bootloader, board),
         }
@@ -73,7 +77,7 @@ impl Device<'_> {
     fn start(&mut self, start: Start, board: &mut impl Board) -> Result<(), Refusal> {
         self.idle()?;
         let interval_s = match start.source {
-            Source::Converter => self.interval_s(self.settings.oversampling),
+            Source::Converter => self.settings.interval_s(),
             Source::Link { interval_ns: 0 } => return Err(Refusal::Interval),
             Source::Link { interval_ns } => f64::from(interval_ns) * 1e-9,
         };
@@ -109,6 +113,7 @@ impl Device<'_> {
     /// Settings that the converter must take too. Without one they are kept for when it is there.
     fn convert(&mut self, settings: Settings, board: &mut impl Board) -> Result<(), Refusal> {
         let config = self.config(&settings)?;
+        self.suits(&settings)?;
         match self.configure(&settings, board) {
             Err(Refusal::Converter(ConverterFault::Missing)) | Ok(()) => {}
             refused => return refused,
@@ -119,7 +124,7 @@ impl Device<'_> {
                 == settings.calibration
                 && self.settings.tare == settings.tare
                 && self.exchange.as_ref().is_none_or(|before| before.same_strain);
-            let events = felt::config(self.interval_s(settings.oversampling));
+            let events = felt::config(self.interval_s(&settings));
             self.exchange = Some(Exchange { config, events, same_strain });
             self.settings = settings;
         } else {
@@ -128,9 +133,19 @@ impl Device<'_> {
         Ok(())
     }
 
+    /// Whether the converter has such a rate and such gains.
+    fn suits(&self, settings: &Settings) -> Result<(), Refusal> {
+        let capabilities = &self.identity.capabilities;
+        if !capabilities.has_interval(settings.interval_ns) {
+            return Err(self.without_rate());
+        }
+        let has_all = settings.gain.into_iter().all(|gain| capabilities.has_gain(gain));
+        has_all.then_some(()).ok_or(Refusal::Gain)
+    }
+
     fn configure(&mut self, settings: &Settings, board: &mut impl Board) -> Result<(), Refusal> {
-        let Settings { oversampling, gain, .. } = *settings;
-        let outcome = board.configure(Setting { oversampling, gain });
+        let Settings { interval_ns, gain, .. } = *settings;
+        let outcome = board.configure(Setting { interval_ns, gain });
         self.set_converter(outcome.err());
         outcome.map_err(Refusal::Converter)
     }
@@ -167,7 +182,7 @@ impl Device<'_> {
 
     /// Settings as the pipeline takes them, for the stream that is on.
     fn config(&self, settings: &Settings) -> Result<Config, Refusal> {
-        settings.config(self.interval_s(settings.oversampling)).map_err(refused)
+        settings.config(self.interval_s(settings)).map_err(refused)
     }
 
     /// What comes next is of other settings than what came before.
@@ -218,7 +233,7 @@ impl Device<'_> {
         self.idle()?;
         self.configure(&self.settings.clone(), board)?;
         self.count_lost(board.listen(true));
-        let interval_s = self.interval_s(self.settings.oversampling);
+        let interval_s = self.interval_s(&self.settings);
         self.test = Some(SelfTest::begin(number, now_us, interval_s));
         Ok(None)
     }

@@ -3,9 +3,9 @@
 use shared::events;
 use shared::pipeline::{Config, Pipeline};
 use shared::wire::{
-    self, Answer, ClockSource, ConverterFault, Counters, Done, FRAME_MAX, Formats, Head, Hello,
-    Kept, Oversampling, Refusal, ResetCause, Settings, SettingsError, Source, Status, StoreFault,
-    ToDevice, ToHost,
+    self, Answer, Capabilities, ClockSource, ConverterFault, Counters, Done, FRAME_MAX, Formats,
+    Head, Hello, Kept, Refusal, ResetCause, Settings, SettingsByRatio, SettingsError, Source,
+    Status, StoreFault, ToDevice, ToHost,
 };
 
 use crate::board::{Board, Log, Restart};
@@ -34,6 +34,10 @@ pub struct Identity<'a> {
     pub serial: [u32; 3],
     /// Clock of the converter, Hz.
     pub converter_clock_hz: u32,
+    /// The converter, by the name of its part.
+    pub converter: &'a str,
+    /// What it can do.
+    pub capabilities: Capabilities,
     /// Where the processor's clock comes from.
     pub clock: ClockSource,
     /// Why it began.
@@ -59,25 +63,29 @@ impl Beginning {
     }
 }
 
-/// Settings to begin with, at a converter clock (Hz): those of the record that was kept, or the defaults where there is none or
-/// it is out of range.
+/// Settings to begin with, as near as the converter can follow them: those of the record that was kept, or the defaults where there
+/// is none or it is out of range.
 ///
 /// # Errors
-/// [`SettingsError`] if even the defaults are out of range at this clock.
+/// [`SettingsError`] if even the defaults are out of range with this converter.
+#[inline(never)]
 pub fn begin_with(
     record: Option<&[u8]>,
-    converter_clock_hz: u32,
+    capabilities: &Capabilities,
 ) -> Result<Beginning, SettingsError> {
-    let made = |settings: Settings, kept| {
-        let config = settings.config(settings.oversampling.interval_s(converter_clock_hz))?;
-        Ok(Beginning { settings, config, kept })
+    let (settings, kept) = match record.map(Settings::from_record) {
+        None => (capabilities.defaults(), Kept::None),
+        Some((_, kept @ (Kept::None | Kept::Discarded))) => (capabilities.defaults(), kept),
+        Some((settings, kept)) => (capabilities.suited(settings), kept),
     };
-    match record.map(Settings::from_record) {
-        None => made(Settings::DEFAULT, Kept::None),
-        Some((settings, kept)) => {
-            made(settings, kept).or_else(|_| made(Settings::DEFAULT, Kept::Discarded))
-        }
-    }
+    begin(&settings, kept).or_else(|_| begin(&capabilities.defaults(), Kept::Discarded))
+}
+
+/// Not in line, because the stack of whoever begins has no room for copies.
+#[inline(never)]
+fn begin(settings: &Settings, kept: Kept) -> Result<Beginning, SettingsError> {
+    let config = settings.config(settings.interval_s())?;
+    Ok(Beginning { settings: *settings, config, kept })
 }
 
 /// A fingertip: takes samples and the host's frames, gives frames for the host.
@@ -344,6 +352,7 @@ impl<'a> Device<'a> {
         if understood {
             if schema == wire::SCHEMA {
                 self.outgoing.ask(Due::Kept);
+                self.outgoing.ask(Due::Capabilities);
             }
             self.outgoing.ask(Due::Settings);
             self.answer(sequence, Ok(Done::Carried));
@@ -352,10 +361,34 @@ impl<'a> Device<'a> {
         }
     }
 
+    /// Whether the host is of an earlier release.
+    fn is_told_less(&self) -> bool {
+        matches!(self.host, Host::Speaks(schema) if schema != wire::SCHEMA)
+    }
+
+    /// The settings, in words that the host's release has.
+    fn told_settings(&self) -> ToHost<'static> {
+        let (generation, settings) = (self.stream.generation, self.settings);
+        if self.is_told_less() {
+            let settings = SettingsByRatio::of(&settings, self.identity.converter_clock_hz);
+            ToHost::SettingsByRatio { generation, settings }
+        } else {
+            ToHost::Settings { generation, settings }
+        }
+    }
+
+    /// That there is no such rate, in words that the host's release has.
+    pub(crate) fn without_rate(&self) -> Refusal {
+        if self.is_told_less() { Refusal::Interval } else { Refusal::Rate }
+    }
+
     /// What is wrong with the memory, in words that the host's release has.
     pub(crate) fn as_told(&self, fault: StoreFault) -> StoreFault {
-        let older = matches!(self.host, Host::Speaks(schema) if schema != wire::SCHEMA);
-        if older && fault == StoreFault::Supply { StoreFault::NotWritten } else { fault }
+        if self.is_told_less() && fault == StoreFault::Supply {
+            StoreFault::NotWritten
+        } else {
+            fault
+        }
     }
 
     pub(crate) fn answer(&mut self, to: u32, outcome: Result<Done, Refusal>) {
@@ -403,11 +436,12 @@ impl<'a> Device<'a> {
             wire::encode(head, &ToHost::Hello(self.introduction()), frame)
         } else if self.outgoing.take(Due::Kept) {
             wire::encode(head, &ToHost::Kept(self.kept), frame)
+        } else if self.outgoing.take(Due::Capabilities) {
+            let Identity { converter: part, capabilities, .. } = self.identity;
+            wire::encode(head, &ToHost::Converter { part, capabilities }, frame)
         } else if self.outgoing.is_due(Due::Settings) && self.settings_are_next() {
             self.outgoing.take(Due::Settings);
-            let settings =
-                ToHost::Settings { generation: self.stream.generation, settings: self.settings };
-            wire::encode(head, &settings, frame)
+            wire::encode(head, &self.told_settings(), frame)
         } else if let Some(answer) = self.outgoing.next_answer() {
             wire::encode(head, &ToHost::Answer(answer), frame)
         } else if let Some(felt) = self.next_felt() {
@@ -461,7 +495,7 @@ impl<'a> Device<'a> {
             git: identity.git,
             board: identity.board,
             serial: identity.serial,
-            channels: shared::pipeline::GAUGES as u8,
+            channels: identity.capabilities.channels,
             converter_clock_hz: identity.converter_clock_hz,
             clock: identity.clock,
             formats: Formats::OURS,
@@ -488,11 +522,11 @@ impl<'a> Device<'a> {
         }
     }
 
-    /// Time between two rows, s, with an oversampling.
-    pub(crate) fn interval_s(&self, oversampling: Oversampling) -> f64 {
+    /// Time between two rows, s, with some settings.
+    pub(crate) fn interval_s(&self, settings: &Settings) -> f64 {
         match self.stream.source() {
             Some(Source::Link { interval_ns }) => f64::from(interval_ns) * 1e-9,
-            _ => oversampling.interval_s(self.identity.converter_clock_hz),
+            _ => settings.interval_s(),
         }
     }
 }

@@ -1,7 +1,6 @@
 //! Touch, release and slip on their way from the filter to the host.
 
 use heapless::Deque;
-use shared::adaptation::Output;
 use shared::events::{Config, Event, Settings, State};
 use shared::fixed::microstrain;
 use shared::pipeline::{GAUGES, Pipeline};
@@ -57,14 +56,9 @@ impl Feeling {
     #[inline(always)]
     pub(crate) fn step(&mut self, pipeline: &Pipeline) -> Option<Event> {
         let config = self.config.as_ref()?;
-        let outputs = pipeline.outputs().map(|output| Output {
-            signal: output.strain,
-            fa: output.fa,
-            equilibrium: output.equilibrium,
-            elastic: output.elastic,
-        });
-        let at_rest = || State::at_rest(outputs.map(|output| output.equilibrium));
-        self.state.get_or_insert_with(at_rest).step(config, &outputs)
+        let at_rest = || State::at_rest(pipeline.outputs().map(|output| output.equilibrium));
+        let state = self.state.get_or_insert_with(at_rest);
+        state.take(config, &pipeline.outputs().map(|output| (output.strain, output.fa)))
     }
 
     /// An event at this row is to be sent. Without room it is lost, which its number shows.

@@ -3,7 +3,7 @@
 use ads131m04::DrdyWatch;
 use embedded_hal::delay::DelayNs;
 use shared::pipeline::GAUGES;
-use shared::wire::{ConverterFault, Oversampling};
+use shared::wire::{Capabilities, ConverterFault};
 
 use crate::stream::{Lost, Sample};
 
@@ -15,8 +15,8 @@ const RETRY_US: u64 = 1_000_000;
 /// How a converter is to run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Setting {
-    /// Sets the rate.
-    pub oversampling: Oversampling,
+    /// Time between two conversions, ns.
+    pub interval_ns: u32,
     /// Gain of each gauge.
     pub gain: [u8; GAUGES],
 }
@@ -30,10 +30,13 @@ pub enum ReadError {
     Fault(ConverterFault),
 }
 
-/// A converter of all gauges.
+/// A converter of all gauges: what a driver must do to be one.
 pub trait Converter {
-    /// Conversions after a change of gain or rate that mix old and new.
-    const SETTLING: u8;
+    /// The name of the part.
+    const PART: &'static str;
+
+    /// What it can do; settings are of these.
+    fn capabilities(&self) -> Capabilities;
 
     /// Resets it, which needs no answer of it.
     ///
@@ -53,7 +56,7 @@ pub trait Converter {
     /// What is wrong with it.
     fn configure(&mut self, setting: &Setting) -> Result<(), ConverterFault>;
 
-    /// The conversion that is ready.
+    /// The conversion that is ready; 0 for gauges that it has no channel for.
     ///
     /// # Errors
     /// [`ReadError`].
@@ -61,9 +64,6 @@ pub trait Converter {
 
     /// Forgets conversions that were not read in time.
     fn discard_stale(&mut self);
-
-    /// Time between two conversions, ns.
-    fn interval_ns(&self, setting: &Setting) -> u32;
 }
 
 /// A converter, read once per edge of its data-ready line.
@@ -124,6 +124,11 @@ impl<C: Converter, D: DelayNs> FrontEnd<C, D> {
         }
     }
 
+    /// What the converter can do.
+    pub fn capabilities(&self) -> Capabilities {
+        self.converter.capabilities()
+    }
+
     /// Resets a converter that was not begun. [`Self::configure`] does it too, but then all at once.
     ///
     /// # Errors
@@ -153,14 +158,14 @@ impl<C: Converter, D: DelayNs> FrontEnd<C, D> {
         self.is_set = done.is_ok();
         self.retry_us = now_us.saturating_add(RETRY_US);
         if changes {
-            self.settling = C::SETTLING;
+            self.settling = self.converter.capabilities().settling;
         }
         self.lost.exchanged = self.listening;
         if !self.listening {
             self.last_edge_us = now_us;
         }
         self.faulty = 0;
-        self.watch = DrdyWatch::new(self.converter.interval_ns(&setting), self.last_edge_us);
+        self.watch = DrdyWatch::new(setting.interval_ns, self.last_edge_us);
         done
     }
 
@@ -234,8 +239,7 @@ impl<C: Converter, D: DelayNs> FrontEnd<C, D> {
             if self.watch.is_stuck(now_us) {
                 self.fault = self.fault.or(Some(ConverterFault::Stuck));
                 self.lose(overdue);
-                let interval_ns =
-                    self.wanted.map_or(0, |wanted| self.converter.interval_ns(&wanted));
+                let interval_ns = self.wanted.map_or(0, |wanted| wanted.interval_ns);
                 let counted_us = overdue.saturating_mul(interval_ns.into()) / 1_000;
                 self.last_edge_us = self.last_edge_us.saturating_add(counted_us);
                 self.watch = DrdyWatch::new(interval_ns, self.last_edge_us);

@@ -13,6 +13,7 @@ pub(crate) enum Due {
     Settings = 1 << 1,
     Status = 1 << 2,
     Kept = 1 << 4,
+    Capabilities = 1 << 5,
 }
 
 const AN_ANSWER: u8 = 1 << 3;

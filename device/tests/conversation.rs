@@ -9,9 +9,10 @@ use shared::calibration::Sheet;
 use shared::events;
 use shared::pipeline::{GAUGES, Pipeline};
 use shared::wire::{
-    self, Accumulated, Accumulator, ClockSource, Columns, ConverterFault, Done, EARLIER, FRAME_MAX,
-    Felt, Head, HelloToDevice, INJECT_ROWS, Inject, Kept, Oversampling, Refusal, ResetCause, Row,
-    Rows, SCHEMA, Settings, Source, Start, Status, StoreFault, ToDevice, ToHost,
+    self, Accumulated, Accumulator, Capabilities, ClockSource, Columns, ConverterFault, Done,
+    EARLIER, FRAME_MAX, Felt, Head, HelloToDevice, INJECT_ROWS, Inject, Kept, Oversampling,
+    Refusal, ResetCause, Row, Rows, SCHEMA, Settings, Source, Start, Status, StoreFault, ToDevice,
+    ToHost,
 };
 
 const IDENTITY: Identity<'static> = Identity {
@@ -20,6 +21,8 @@ const IDENTITY: Identity<'static> = Identity {
     board: "none",
     serial: [1, 2, 3],
     converter_clock_hz: 8_000_000,
+    converter: "ADS131M04",
+    capabilities: Capabilities::ads131m04(8_000_000),
     clock: ClockSource::Simulated,
     reset: ResetCause::PowerOn,
     panic: "",
@@ -67,6 +70,8 @@ struct Host {
     status: Option<Status>,
     hello: Option<(u64, String)>,
     kept: Option<Kept>,
+    /// Intervals that the converter can be set to, ns.
+    intervals_ns: Vec<u32>,
     felt: Vec<Felt>,
 }
 
@@ -79,7 +84,7 @@ impl Host {
         Self {
             device: Device::new(
                 IDENTITY,
-                &begin_with(record, IDENTITY.converter_clock_hz).unwrap(),
+                &begin_with(record, &IDENTITY.capabilities).unwrap(),
                 Box::leak(Box::default()),
             ),
             board: Bench::default(),
@@ -92,8 +97,13 @@ impl Host {
             status: None,
             hello: None,
             kept: None,
+            intervals_ns: Vec::new(),
             felt: Vec::new(),
         }
+    }
+
+    fn is_older(&self) -> bool {
+        self.hello.as_ref().is_some_and(|(schema, _)| *schema != SCHEMA)
     }
 
     fn introduced() -> Self {
@@ -145,6 +155,14 @@ impl Host {
                         }
                         ToHost::Kept(kept) => self.kept = Some(kept),
                         ToHost::Event(felt) => self.felt.push(felt),
+                        ToHost::Converter { part, capabilities } => {
+                            assert_eq!(part, IDENTITY.converter);
+                            self.intervals_ns = capabilities.intervals_ns().collect();
+                        }
+                        ToHost::SettingsByRatio { generation, settings } => {
+                            assert!(self.is_older(), "only to release 0.1");
+                            self.settings = Some((generation, settings.settings(8_000_000)));
+                        }
                         ToHost::Log(_) => unreachable!("nothing is logged here"),
                     }
                 }
@@ -626,6 +644,26 @@ fn what_is_out_of_range_is_refused_by_kind_and_changes_nothing() {
 }
 
 #[test]
+fn a_rate_that_the_converter_does_not_have_is_refused_in_the_hosts_words() {
+    let mut host = Host::introduced();
+    assert_eq!(host.intervals_ns, [256_000, 512_000, 1_024_000, 2_048_000, 4_096_000]);
+    host.say(&ToDevice::SetInterval { ns: 512_000 }).unwrap();
+    assert_eq!(host.board.set.unwrap().interval_ns, 512_000);
+    assert_eq!(host.say(&ToDevice::SetInterval { ns: 513_000 }), Err(Refusal::Rate));
+    assert_eq!(host.settings.unwrap().1.interval_ns, 512_000);
+}
+
+#[test]
+fn a_host_of_release_0_1_sets_the_rate_by_its_ratio_and_reads_it_back() {
+    let mut host = Host::new();
+    host.say(&ToDevice::Hello(HelloToDevice { schema: EARLIER[0], version: "0.1.0" })).unwrap();
+    assert_eq!((host.settings, host.intervals_ns.len()), (Some((0, Settings::DEFAULT)), 0));
+    host.say(&ToDevice::SetRatio(Oversampling::X16384)).unwrap();
+    assert_eq!(host.board.set.unwrap().interval_ns, 4_096_000);
+    assert_eq!(host.settings.unwrap().1.interval_ns, 4_096_000);
+}
+
+#[test]
 fn without_a_converter_streaming_is_refused_but_rows_can_be_injected_and_rates_set() {
     let mut host = Host::introduced();
     host.board.converter = Some(ConverterFault::Missing);
@@ -634,7 +672,7 @@ fn without_a_converter_streaming_is_refused_but_rows_can_be_injected_and_rates_s
     assert_eq!(host.say(&start(Source::Converter)), missing);
     assert_eq!(host.say(&ToDevice::SelfTest), missing);
     assert_eq!(host.status().converter, Some(ConverterFault::Missing));
-    host.say(&ToDevice::SetRate(Oversampling::X1024)).unwrap();
+    host.say(&ToDevice::SetInterval { ns: 256_000 }).unwrap();
     host.say(&start(LINK)).unwrap();
 }
 

@@ -131,7 +131,7 @@ impl Board {
     /// # Panics
     /// If it is refused.
     pub fn stream(&mut self, rate: Oversampling) {
-        self.ask(&ToDevice::SetRate(rate), 40).outcome.unwrap();
+        self.ask(&ToDevice::SetRatio(rate), 40).outcome.unwrap();
         let start = Start { source: Source::Converter, columns: Columns::Parts };
         self.ask(&ToDevice::Start(start), 100).outcome.unwrap();
     }
@@ -207,6 +207,7 @@ impl Heard {
                 self.last_words = hello.panic.to_owned();
                 self.hello = Some(format!("{} {:?} {:?}", hello.board, hello.clock, hello.reset));
             }
+            ToHost::SettingsByRatio { .. } | ToHost::Converter { .. } => {}
             ToHost::Log(_) | ToHost::Kept(_) | ToHost::Event(_) => {}
         }
     }

@@ -16,7 +16,7 @@ fn plugged_in() -> Board {
 }
 
 fn stream(board: &mut Board, rate: Oversampling, columns: Columns) {
-    board.ask(&ToDevice::SetRate(rate), 40).outcome.unwrap();
+    board.ask(&ToDevice::SetRatio(rate), 40).outcome.unwrap();
     let start = Start { source: Source::Converter, columns };
     board.ask(&ToDevice::Start(start), 100).outcome.unwrap();
 }

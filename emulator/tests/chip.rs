@@ -125,20 +125,20 @@ fn a_breakpoint_stops_the_watchdog_too() {
 fn rate(board: &mut Board) -> Oversampling {
     board.ask(&ToDevice::Settings, 20);
     board.listen_ms(10);
-    board.heard.settings.unwrap().oversampling
+    Oversampling::nearest(board.heard.settings.unwrap().interval_ns, 8_000_000)
 }
 
 #[test]
 fn settings_outlive_a_loss_of_power_and_one_while_they_are_saved_leaves_old_or_new() {
     let mut board = Board::started(&Setup::new());
-    board.ask(&ToDevice::SetRate(Oversampling::X2048), 40).outcome.unwrap();
+    board.ask(&ToDevice::SetRatio(Oversampling::X2048), 40).outcome.unwrap();
     board.ask(&ToDevice::Save, 200).outcome.unwrap();
     let kept = Setup { flash: board.flash(), ..Setup::new() };
     let mut board = Board::started(&kept);
     assert_eq!(rate(&mut board), Oversampling::X2048);
     for cut_us in [300, 700, 1_100] {
         let mut board = Board::started(&kept);
-        board.ask(&ToDevice::SetRate(Oversampling::X1024), 40).outcome.unwrap();
+        board.ask(&ToDevice::SetRatio(Oversampling::X1024), 40).outcome.unwrap();
         board.tell(&ToDevice::Save);
         board.run_ns(cut_us * 1_000);
         let cut = Setup { flash: board.flash(), ..Setup::new() };
@@ -157,7 +157,7 @@ fn the_flash_is_written_in_words_of_32_bits_which_halves_the_time_of_an_erasure(
 #[test]
 fn with_a_supply_too_low_to_write_the_flash_nothing_is_saved_and_that_is_said() {
     let mut board = Board::started(&Setup::new());
-    board.ask(&ToDevice::SetRate(Oversampling::X2048), 40).outcome.unwrap();
+    board.ask(&ToDevice::SetRatio(Oversampling::X2048), 40).outcome.unwrap();
     board.ask(&ToDevice::Save, 200).outcome.unwrap();
     let before = board.flash();
     // Words of 32 bits need 2.7 V.

@@ -105,7 +105,7 @@ fn a_data_ready_line_that_stands_still_for_long_resets_nothing() {
     let mut board = Board::new(&setup);
     board.run_ns(500 * MS);
     board.hello();
-    board.ask(&ToDevice::SetRate(Oversampling::X16384), 400).outcome.unwrap();
+    board.ask(&ToDevice::SetRatio(Oversampling::X16384), 400).outcome.unwrap();
     let start = Start { source: Source::Converter, columns: Columns::Parts };
     board.ask(&ToDevice::Start(start), 400).outcome.unwrap();
     board.listen_ms(200);
@@ -123,7 +123,7 @@ fn a_change_of_rate_under_load_is_no_press_and_what_it_costs_is_counted() {
     board.listen_ms(300);
     let before = *board.heard.rows.last().unwrap();
     board.heard.clear();
-    board.ask(&ToDevice::SetRate(Oversampling::X1024), 20).outcome.unwrap();
+    board.ask(&ToDevice::SetRatio(Oversampling::X1024), 20).outcome.unwrap();
     board.listen_ms(100);
     let steps: Vec<_> =
         board.heard.rows.windows(2).map(|rows| rows[1].time_us - rows[0].time_us).collect();

@@ -5,9 +5,9 @@ use device::{Board as Hardware, Device, Identity, Lost, Restart, Room, Setting, 
 use emulator::{Board, Setup};
 use shared::pipeline::GAUGES;
 use shared::wire::{
-    Accumulated, Accumulator, ClockSource, Columns, ConverterFault, FRAME_MAX, Head, HelloToDevice,
-    INJECT_ROWS, Inject, ResetCause, SCHEMA, Source, Start, StoreFault, ToDevice, ToHost, decode,
-    encode, pack,
+    Accumulated, Accumulator, Capabilities, ClockSource, Columns, ConverterFault, FRAME_MAX, Head,
+    HelloToDevice, INJECT_ROWS, Inject, ResetCause, SCHEMA, Source, Start, StoreFault, ToDevice,
+    ToHost, decode, encode, pack,
 };
 
 const ROWS: usize = 640;
@@ -88,11 +88,13 @@ fn here() -> Vec<u8> {
         board: "",
         serial: [0; 3],
         converter_clock_hz: 8_000_000,
+        converter: "ADS131M04",
+        capabilities: Capabilities::ads131m04(8_000_000),
         clock: ClockSource::Simulated,
         reset: ResetCause::PowerOn,
         panic: "",
     };
-    let beginning = begin_with(None, identity.converter_clock_hz).unwrap();
+    let beginning = begin_with(None, &identity.capabilities).unwrap();
     let mut room = Room::new();
     let mut device = Device::new(identity, &beginning, &mut room);
     let (mut said, mut sequence) = (Vec::new(), 0);

@@ -48,7 +48,7 @@ mod app {
     use cortex_m::peripheral::scb::SystemHandler;
     use defmt::{Debug2Format, info, warn};
     use device::converters::FourChannels;
-    use device::{Device, FrontEnd, Identity, Restart, Room, Sample, begin_with};
+    use device::{Converter, Device, FrontEnd, Identity, Restart, Room, Sample, begin_with};
     use embedded_hal_bus::spi::{ExclusiveDevice, NoDelay};
     use embedded_hal_nb::serial::Write;
     use heapless::spsc::{Consumer, Producer, Queue};
@@ -82,7 +82,8 @@ mod app {
     }
 
     type Bus = ExclusiveDevice<Spi<SPI2>, PB9<Output>, NoDelay>;
-    type Board = Hardware<FourChannels<Bus, PB8<Output>>>;
+    type Chip = FourChannels<Bus, PB8<Output>>;
+    type Board = Hardware<Chip>;
 
     #[shared]
     struct Shared {
@@ -163,6 +164,7 @@ mod app {
         reset_line.set_speed(Speed::Low);
         let Ok(bus) = ExclusiveDevice::new_no_delay(spi, select);
         let converter = FourChannels::new(bus, reset_line, board::CONVERTER_CLOCK_HZ);
+        let capabilities = converter.capabilities();
         let front_end = FrontEnd::new(converter, time::Delay);
         let mut drdy = c.pc7.into_alternate::<{ edge::FUNCTION }>().internal_pull_up(true);
         drdy.make_interrupt_source(&mut p.SYSCFG.constrain(&mut rcc));
@@ -192,7 +194,7 @@ mod app {
         let mut memory = Memory::new(p.FLASH, fingerprint.is_some());
         let mut record = [0; Settings::RECORD];
         let kept = memory.load(&mut record);
-        let Ok(beginning) = begin_with(kept, board::CONVERTER_CLOCK_HZ) else {
+        let Ok(beginning) = begin_with(kept, &capabilities) else {
             reset::die("the default settings are out of range");
         };
         let identity = Identity {
@@ -201,6 +203,8 @@ mod app {
             board: board::NAME,
             serial,
             converter_clock_hz: board::CONVERTER_CLOCK_HZ,
+            converter: <Chip as Converter>::PART,
+            capabilities,
             clock,
             reset: why,
             panic,

@@ -58,7 +58,7 @@ impl Device {
         let (identity, settings) = (link.0.identity(), link.0.settings().1);
         serde_json::json!({
             "device": IdentityAnswer::from(identity),
-            "settings": SettingsAnswer::of(settings, identity.converter_clock_hz),
+            "settings": SettingsAnswer::of(settings),
         })
         .to_string()
     }

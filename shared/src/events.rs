@@ -80,11 +80,16 @@ impl<const N: usize> State<N> {
     /// Takes what the filter says of the next sample of each channel. Where several events fall on one sample, a touch or a
     /// release is told before a slip.
     pub fn step(&mut self, config: &Config, outputs: &[Output; N]) -> Option<Event> {
+        self.take(config, &outputs.each_ref().map(|output| (output.signal, output.fa)))
+    }
+
+    /// The same of signals and FA alone: nothing else is looked at.
+    pub fn take(&mut self, config: &Config, parts: &[(i32, i32); N]) -> Option<Event> {
         self.now = self.now.wrapping_add(1);
         let (mut changed, mut slips) = (None, None);
-        for (index, (channel, output)) in self.channels.iter_mut().zip(outputs).enumerate() {
+        for (index, (channel, part)) in self.channels.iter_mut().zip(parts).enumerate() {
             let index = index as u8;
-            match channel.step(config, output, self.now, self.holds) {
+            match channel.step(config, *part, self.now, self.holds) {
                 Change::Touched(ago) if !self.holds => {
                     changed = changed.or(Some(Event {
                         kind: Kind::Touch,

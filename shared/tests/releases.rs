@@ -4,8 +4,8 @@ use palpate_shared::adaptation::Relaxation;
 use palpate_shared::pipeline::{self, GAUGES};
 use palpate_shared::wire::{
     Answer, ClockSource, Columns, ConverterFault, Counters, Done, FRAME_MAX, Formats, Head, Hello,
-    HelloToDevice, Inject, Log, Oversampling, Refusal, ResetCause, SelfTest, Settings, Source,
-    Start, Status, StoreFault, ToDevice, ToHost, decode, encode,
+    HelloToDevice, Inject, Log, Oversampling, Refusal, ResetCause, SelfTest, Settings,
+    SettingsByRatio, Source, Start, Status, StoreFault, ToDevice, ToHost, decode, encode,
 };
 
 const HEAD: Head = Head { sequence: 7, time_us: 1_234_567 };
@@ -84,10 +84,11 @@ fn from_the_device() -> Vec<ToHost<'static>> {
         Err(Refusal::Store(StoreFault::Flash)),
         Err(Refusal::NotHere),
     ];
+    let by_ratio = SettingsByRatio::of(&Settings::DEFAULT, hello.converter_clock_hz);
     let mut all = vec![
         ToHost::Hello(hello),
         ToHost::Status(status),
-        ToHost::Settings { generation: 3, settings: Settings::DEFAULT },
+        ToHost::SettingsByRatio { generation: 3, settings: by_ratio },
         ToHost::Log(Log { bytes: &[1, 2, 3] }),
     ];
     all.extend(outcomes.map(|outcome| ToHost::Answer(Answer { to: 9, outcome })));
@@ -103,7 +104,7 @@ fn from_the_host() -> Vec<ToDevice<'static>> {
         start(Source::Converter, Columns::Parts),
         start(Source::Link { interval_ns: 5 }, Columns::All),
         ToDevice::Stop,
-        ToDevice::SetRate(Oversampling::X16384),
+        ToDevice::SetRatio(Oversampling::X16384),
         ToDevice::SetGain([1, 2, 64, 128]),
         ToDevice::SetFilter(Relaxation { c1: 0.25, v1: 4.0, c2: 0.27, v2: 0.5 }),
         ToDevice::SetThresholds(Settings::DEFAULT.thresholds),

@@ -120,7 +120,7 @@ fn commands_of_a_session_are_written() {
     let session = [
         ToDevice::Hello(HelloToDevice { schema: SCHEMA, version: "1" }),
         ToDevice::Settings,
-        ToDevice::SetRate(Oversampling::X2048),
+        ToDevice::SetRatio(Oversampling::X2048),
         ToDevice::SetGain([1, 2, 4, 8]),
         ToDevice::Start(Start { source: Source::Converter, columns: Columns::All }),
         ToDevice::Tare,

@@ -238,7 +238,7 @@ impl Life<'_, '_> {
             Event::Rate { fast } => {
                 self.end();
                 let rate = if *fast { Oversampling::X1024 } else { Oversampling::X4096 };
-                self.say(&ToDevice::SetRate(rate));
+                self.say(&ToDevice::SetRatio(rate));
                 self.begin(false, false);
             }
             Event::Started { injected, all } => {

@@ -72,3 +72,14 @@ fn the_converter_is_wired_as_the_firmware_has_its_pins() {
         }
     }
 }
+
+#[test]
+fn the_rules_for_linux_name_the_device_as_it_names_itself() {
+    use shared::wire::{USB_NAME, USB_PRODUCT, USB_VENDOR};
+    let rule = format!(
+        r#"ATTRS{{idVendor}}=="{USB_VENDOR:04x}", ATTRS{{idProduct}}=="{USB_PRODUCT:04x}", ATTRS{{product}}=="{USB_NAME}""#
+    );
+    assert!(file("udev/70-palpate.rules").contains(&rule), "{rule}");
+    let readme = file("README.md");
+    assert!(readme.contains(&format!("vendor {USB_VENDOR:04x}, product {USB_PRODUCT:04x}")));
+}

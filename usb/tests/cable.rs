@@ -13,9 +13,9 @@ use proptest::prelude::*;
 use scripted::Bus;
 use shared::calibration::Calibration;
 use shared::wire::{
-    Accumulated, Accumulator, ClockSource, Columns, ConverterFault, FRAME_MAX, Head, HelloToDevice,
-    ResetCause, Rows, SCHEMA, Settings, Source, Start, StoreFault, ToDevice, ToHost, USB_MAKER,
-    USB_NAME, USB_PRODUCT, USB_VENDOR, decode, encode,
+    Accumulated, Accumulator, Capabilities, ClockSource, Columns, ConverterFault, FRAME_MAX, Head,
+    HelloToDevice, ResetCause, Rows, SCHEMA, Settings, Source, Start, StoreFault, ToDevice, ToHost,
+    USB_MAKER, USB_NAME, USB_PRODUCT, USB_VENDOR, decode, encode,
 };
 use usb_device::bus::UsbBusAllocator;
 
@@ -303,6 +303,8 @@ const IDENTITY: Identity<'static> = Identity {
     board: "none",
     serial: SERIAL,
     converter_clock_hz: 8_000_000,
+    converter: "ADS131M04",
+    capabilities: Capabilities::ads131m04(8_000_000),
     clock: ClockSource::Simulated,
     reset: ResetCause::PowerOn,
     panic: "",
@@ -323,7 +325,7 @@ struct Fingertip {
 
 impl Fingertip {
     fn new() -> Self {
-        let beginning = begin_with(None, IDENTITY.converter_clock_hz).unwrap();
+        let beginning = begin_with(None, &IDENTITY.capabilities).unwrap();
         let device = Device::new(IDENTITY, &beginning, leaked(Room::new()));
         Self {
             port: Port::configured(),

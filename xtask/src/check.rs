@@ -49,6 +49,7 @@ pub fn run() -> miette::Result<()> {
         let strict = [&lints[..], &["--", "-D", "warnings"]].concat();
         firmware::cargo("lints of the firmware", &strict)?;
     }
+    firmware::check_pico2()?;
     emulate::run(STEADY_S, false)?;
     modelled::check()?;
     modelled::run(modelled::KILLS)

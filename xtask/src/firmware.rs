@@ -14,6 +14,9 @@ use crate::uf2::{self, Family};
 
 /// The processor's target.
 const TARGET: &str = "thumbv7em-none-eabihf";
+/// That of the port to the Raspberry Pi Pico 2, and where its flash begins.
+const PICO2_TARGET: &str = "thumbv8m.main-none-eabihf";
+const PICO2_FLASH: u32 = 0x1000_0000;
 /// Where the flash begins and where the RAM does.
 const FLASH: u32 = 0x0800_0000;
 const RAM: u32 = 0x2000_0000;
@@ -58,11 +61,43 @@ fn cargo_with(name: &str, arguments: &[&str], more: &[(&str, &str)]) -> miette::
 
 /// Installs the target where it is missing.
 pub fn set_up() -> miette::Result<()> {
+    set_up_for(TARGET)
+}
+
+fn set_up_for(target: &str) -> miette::Result<()> {
     let installed = Command::new("rustup").args(["target", "list", "--installed"]).output();
     let present = installed.is_ok_and(|output| {
-        String::from_utf8_lossy(&output.stdout).lines().any(|line| line == TARGET)
+        String::from_utf8_lossy(&output.stdout).lines().any(|line| line == target)
     });
-    if present { Ok(()) } else { rustup("target", TARGET, "to build the firmware") }
+    if present { Ok(()) } else { rustup("target", target, "to build the firmware") }
+}
+
+/// Runs cargo in the workspace of the port to the Pico 2.
+fn pico2(name: &str, arguments: &[&str]) -> miette::Result<()> {
+    let target = target().join("pico2");
+    let environment = [("CARGO_TARGET_DIR", &*target.to_string_lossy())];
+    rust(name, &folder().join("pico2"), arguments, &environment)
+}
+
+/// Checks format and lints of the port to the Pico 2.
+pub fn check_pico2() -> miette::Result<()> {
+    set_up_for(PICO2_TARGET)?;
+    pico2("format of the firmware of the Pico 2", &["fmt", "--all", "--check"])?;
+    let lints = ["clippy", "--release", "--", "-D", "warnings"];
+    pico2("lints of the firmware of the Pico 2", &lints)?;
+    build_pico2()
+}
+
+/// Builds the port to the Pico 2 and leaves it as the file that is drawn onto its disk.
+fn build_pico2() -> miette::Result<()> {
+    set_up_for(PICO2_TARGET)?;
+    pico2("firmware of the Pico 2", &["build", "--release"])?;
+    let elf = target().join("pico2").join(PICO2_TARGET).join("release/palpate-pico2");
+    let elf = fs::read(&elf).into_diagnostic().wrap_err_with(|| elf.display().to_string())?;
+    let file = uf2::file(&image(&elf, PICO2_FLASH)?, PICO2_FLASH, Family::Rp2350);
+    let out = workspace().join("target/firmware");
+    fs::create_dir_all(&out).into_diagnostic()?;
+    write(&out.join("palpate-pico2.uf2"), &file)
 }
 
 /// Builds the firmware and leaves it in `target/firmware/`, with its sizes.
@@ -83,7 +118,13 @@ pub fn build() -> miette::Result<Sizes> {
     Ok(sizes)
 }
 
-/// Builds everything that is given to users: what [`build`] leaves, and files for loaders that show a disk.
+/// Builds everything that is given to users, for every board.
+pub fn everything() -> miette::Result<()> {
+    build_pico2()?;
+    release().map(drop)
+}
+
+/// Builds what is given to users of boards with an STM32F405: what [`build`] leaves, and a file for loaders that show a disk.
 pub fn release() -> miette::Result<Sizes> {
     set_up()?;
     let origin = format!("{BEHIND_LOADER:#010x}");

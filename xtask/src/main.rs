@@ -113,11 +113,11 @@ fn generate(what: &str) -> miette::Result<()> {
 fn main() -> ExitCode {
     let outcome = match Arguments::parse().task {
         Task::Test => check::run(),
-        Task::Firmware => firmware::release().map(drop),
+        Task::Firmware => firmware::everything(),
         Task::Emulate { steady, update } => {
             emulate::run(steady, update).and_then(|()| modelled::run(1_000))
         }
-        Task::Model { kills } => firmware::build().and_then(|_| modelled::run(kills)),
+        Task::Model { kills } => firmware::release().and_then(|_| modelled::run(kills)),
         Task::Browser { steady } => browser::run(steady),
         Task::Steady { rounds, suites } => steady::run(rounds, &suites),
         Task::Pictures => browser::pictures(),

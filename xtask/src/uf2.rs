@@ -16,6 +16,8 @@ const PAYLOAD: usize = 256;
 pub enum Family {
     /// STM32F4, with the loader TinyUF2.
     Stm32F4 = 0x5775_5a57,
+    /// RP2350, its Arm cores, with the loader in ROM.
+    Rp2350 = 0xe48b_ff59,
 }
 
 /// The file for an image that begins at an address.

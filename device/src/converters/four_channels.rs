@@ -1,10 +1,10 @@
 //! The ADS131M04.
 
-use ads131m04::{Ads131m04, Clock, Config, Error, Gain, PowerMode, SETTLING_SAMPLES};
+use ads131m04::{Ads131m04, Clock, Config, Error, Gain, Oversampling, PowerMode};
 use embedded_hal::delay::DelayNs;
 use embedded_hal::digital::OutputPin;
 use embedded_hal::spi::SpiDevice;
-use shared::wire::ConverterFault;
+use shared::wire::{Capabilities, ConverterFault};
 
 use crate::front_end::{Converter, ReadError, Setting};
 
@@ -23,20 +23,21 @@ impl<SPI: SpiDevice, RESET: OutputPin> FourChannels<SPI, RESET> {
 
     fn config(&self, setting: &Setting) -> Option<Config> {
         let clock = Clock::new(self.clock_hz, PowerMode::HighResolution).ok()?;
-        let ratio = setting.oversampling.ratio();
-        let oversampling = ads131m04::Oversampling::ALL.into_iter().find(|it| it.ratio() == ratio);
         let gain = |wanted: u8| Gain::ALL.into_iter().find(|it| it.factor() == u32::from(wanted));
         let [a, b, c, d] = setting.gain;
-        Some(Config {
-            clock,
-            oversampling: oversampling?,
-            gains: [gain(a)?, gain(b)?, gain(c)?, gain(d)?],
-        })
+        let gains = [gain(a)?, gain(b)?, gain(c)?, gain(d)?];
+        let with = |oversampling| Config { clock, oversampling, gains };
+        let is_set = |config: &Config| config.sample_interval_ns() == setting.interval_ns;
+        Oversampling::ALL.into_iter().map(with).find(is_set)
     }
 }
 
 impl<SPI: SpiDevice, RESET: OutputPin> Converter for FourChannels<SPI, RESET> {
-    const SETTLING: u8 = SETTLING_SAMPLES as u8;
+    const PART: &'static str = "ADS131M04";
+
+    fn capabilities(&self) -> Capabilities {
+        Capabilities::ads131m04(self.clock_hz)
+    }
 
     fn reset(&mut self, delay: &mut impl DelayNs, setting: &Setting) -> Result<(), ConverterFault> {
         let config = self.config(setting).ok_or(ConverterFault::Register)?;
@@ -64,10 +65,6 @@ impl<SPI: SpiDevice, RESET: OutputPin> Converter for FourChannels<SPI, RESET> {
     fn discard_stale(&mut self) {
         // A line that is dead will say so when it is read.
         let _ = self.part.discard_stale();
-    }
-
-    fn interval_ns(&self, setting: &Setting) -> u32 {
-        self.config(setting).map_or(0, |config| config.sample_interval_ns())
     }
 }
 

@@ -19,7 +19,11 @@ struct Script {
 }
 
 impl Converter for Script {
-    const SETTLING: u8 = 3;
+    const PART: &'static str = "script";
+
+    fn capabilities(&self) -> Capabilities {
+        Capabilities::ads131m04(8_000_000)
+    }
 
     fn reset(&mut self, _: &mut impl DelayNs, _: &Setting) -> Result<(), ConverterFault> {
         self.resets += 1;
@@ -43,13 +47,9 @@ impl Converter for Script {
     }
 
     fn discard_stale(&mut self) {}
-
-    fn interval_ns(&self, _: &Setting) -> u32 {
-        INTERVAL_US as u32 * 1_000
-    }
 }
 
-const SETTING: Setting = Setting { oversampling: Oversampling::X4096, gain: [128; GAUGES] };
+const SETTING: Setting = Setting { interval_ns: INTERVAL_US as u32 * 1_000, gain: [128; GAUGES] };
 
 /// A front end, the time, and everything that was sent or counted.
 struct Bench {

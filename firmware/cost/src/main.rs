@@ -19,8 +19,8 @@ use panic_semihosting as _;
 use shared::adaptation;
 use shared::pipeline::{Config, GAUGES, Pipeline};
 use shared::wire::{
-    self, ClockSource, ConverterFault, FRAME_MAX, Head, HelloToDevice, ResetCause, SCHEMA, Source,
-    Start, StoreFault, ToDevice,
+    self, Capabilities, ClockSource, ConverterFault, FRAME_MAX, Head, HelloToDevice, ResetCause,
+    SCHEMA, Source, Start, StoreFault, ToDevice,
 };
 
 /// Samples that are measured, after so many that are not.
@@ -46,7 +46,7 @@ fn main() -> ! {
 
 fn measure_all() {
     rivals();
-    let Ok(beginning) = begin_with(None, IDENTITY.converter_clock_hz) else { return };
+    let Ok(beginning) = begin_with(None, &IDENTITY.capabilities) else { return };
     let config = black_box(*beginning.config());
     decomposition(&config.adaptation);
     pipeline(&config);
@@ -151,6 +151,8 @@ const IDENTITY: Identity<'static> = Identity {
     board: "",
     serial: [0; 3],
     converter_clock_hz: 8_000_000,
+    converter: "ADS131M04",
+    capabilities: Capabilities::ads131m04(8_000_000),
     clock: ClockSource::Internal,
     reset: ResetCause::PowerOn,
     panic: "",

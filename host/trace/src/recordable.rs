@@ -11,7 +11,7 @@ use shared::fixed::{strain_from_microstrain, temperature_from_celsius};
 use shared::pipeline::{Config, GAUGES, Pipeline};
 use shared::wire::{
     ClockSource, Columns, Counters, FRAME_MAX, Formats, Head, Hello, ResetCause, Rows, SCHEMA,
-    Settings, SettingsError, Source, Status, ToHost, encode,
+    Settings, SettingsByRatio, SettingsError, Source, Status, ToHost, encode,
 };
 
 use super::{GAUGES as NAMES, TEMPERATURE, Trace, recorded, sampling};
@@ -79,8 +79,14 @@ pub enum RecordableError {
 #[must_use]
 pub fn settings_of(trace: &Trace) -> Settings {
     let device = trace.head.other.get("device").and_then(|device| device.get(recorded::SETTINGS));
-    let settings = device.and_then(|settings| settings.clone().try_into().ok());
-    settings.unwrap_or(Settings::DEFAULT)
+    device.and_then(read).unwrap_or(Settings::DEFAULT)
+}
+
+/// Settings in the words of this release, or of 0.1.
+fn read(settings: &toml::Value) -> Option<Settings> {
+    let by_ratio = |settings: SettingsByRatio| settings.settings(SettingsByRatio::CLOCK_HZ);
+    let of_release_0_1 = || settings.clone().try_into().ok().map(by_ratio);
+    settings.clone().try_into().ok().or_else(of_release_0_1)
 }
 
 /// The same settings, but one count is one LSB of strain.
@@ -356,6 +362,20 @@ mod tests {
         let found = back(&trace(time.collect(), |time| time));
         assert_eq!(found.head.other["recording"]["rows_lost"].as_integer(), Some(50));
         assert_eq!(crate::gaps(&found.time).len(), 1);
+    }
+
+    #[test]
+    fn settings_that_release_0_1_wrote_into_a_trace_are_read() {
+        let fast = Settings { interval_ns: 256_000, ..Settings::DEFAULT }.with_gain([64; GAUGES]);
+        let head = |settings| {
+            let device = toml::Table::from_iter([(recorded::SETTINGS.into(), settings)]);
+            let mut trace = Trace::default();
+            trace.head.other.insert("device".into(), device.into());
+            settings_of(&trace)
+        };
+        let by_ratio = SettingsByRatio::of(&fast, SettingsByRatio::CLOCK_HZ);
+        assert_eq!(head(toml::Value::try_from(by_ratio).unwrap()), fast);
+        assert_eq!(head(toml::Value::try_from(fast).unwrap()), fast);
     }
 
     #[test]

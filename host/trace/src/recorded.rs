@@ -16,7 +16,9 @@ use std::path::Path;
 
 use shared::calibration::Calibration;
 use shared::pipeline::GAUGES;
-use shared::wire::{Block, Head as FrameHead, Hello, Rows, Settings, Source, ToHost};
+use shared::wire::{
+    Block, Head as FrameHead, Hello, Rows, Settings, SettingsByRatio, Source, ToHost,
+};
 
 use self::columns::{Origin, Stretch};
 use super::{Error, Trace};
@@ -108,6 +110,7 @@ struct Device {
     serial: String,
     firmware: String,
     git: String,
+    gauges: usize,
 }
 
 impl Device {
@@ -118,6 +121,7 @@ impl Device {
             serial: serial.concat(),
             firmware: hello.version.into(),
             git: hello.git.into(),
+            gauges: hello.channels.into(),
         }
     }
 }
@@ -164,15 +168,21 @@ impl Stream {
                 self.settings.clear();
                 self.source = None;
             }
-            ToHost::Settings { generation, settings } => {
-                let calibrated = calibration(settings).map(|gauges| (*settings, gauges));
-                self.settings.extend(calibrated.map(|settings| (*generation, settings)));
+            ToHost::Settings { generation, settings } => self.set(*generation, settings),
+            ToHost::SettingsByRatio { generation, settings } => {
+                self.set(*generation, &settings.settings(SettingsByRatio::CLOCK_HZ));
             }
             ToHost::Status(status) => self.source = status.streaming,
             ToHost::Samples(block) => self.hear_rows(head, block),
             // Events follow from the rows.
             ToHost::Answer(_) | ToHost::Log(_) | ToHost::Kept(_) | ToHost::Event(_) => {}
+            ToHost::Converter { .. } => {}
         }
+    }
+
+    fn set(&mut self, generation: u32, settings: &Settings) {
+        let calibrated = calibration(settings).map(|gauges| (*settings, gauges));
+        self.settings.extend(calibrated.map(|settings| (generation, settings)));
     }
 
     fn hear_rows(&mut self, head: FrameHead, block: &Block<'_>) {
@@ -309,6 +319,29 @@ mod tests {
 
     fn traces(entries: &[Result<Vec<u8>, Note<'_>>]) -> Vec<Trace> {
         recorded(entries, &Options::default()).unwrap().traces
+    }
+
+    #[test]
+    fn gauges_that_the_device_does_not_have_are_no_columns() {
+        let hello = ToHost::Hello(Hello {
+            schema: shared::wire::SCHEMA,
+            version: "1",
+            git: "",
+            board: "",
+            serial: [0; 3],
+            channels: 1,
+            converter_clock_hz: 0,
+            clock: shared::wire::ClockSource::Crystal,
+            formats: shared::wire::Formats::OURS,
+            reset: shared::wire::ResetCause::PowerOn,
+            panic: "",
+            counters: shared::wire::Counters::default(),
+        });
+        let rows = block(10, 2_000_000, 7, 3, &[QUIET; GAUGES]);
+        let found = traces(&[Ok(said(0, &hello)), Ok(settings(7)), Ok(rows)]);
+        let [trace] = &found[..] else { panic!("{} traces", found.len()) };
+        assert!(trace.column("gauge1_ustrain").is_some());
+        assert_eq!(trace.columns.iter().filter(|it| it.name.starts_with("gauge2")).count(), 0);
     }
 
     #[test]

@@ -2,7 +2,6 @@
 
 use super::config::{Config, JOLTS_MOST};
 use super::vibration::{LowPass, Vibration, raised};
-use crate::adaptation::Output;
 
 /// What a sample changes, with how many samples ago that showed first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,7 +26,8 @@ pub(super) struct Channel {
     lowest: i32,
     /// More than half of what was held is gone, with FA out of its resting band.
     fallen: bool,
-    /// Since when FA is on its present side of the resting band, or within it.
+    /// On which side of the resting band FA is, 0 within it, and since when.
+    side: i32,
     on_this_side: u32,
     /// A burst that was told makes no second event.
     spent: bool,
@@ -68,6 +68,7 @@ impl Channel {
             before_fall: 0,
             lowest: 0,
             fallen: false,
+            side: 0,
             on_this_side: 0,
             spent: false,
             unquiet: 0,
@@ -93,25 +94,28 @@ impl Channel {
         self.jolts = Jolts::NONE;
     }
 
-    /// Takes a sample; `holds` says whether the fingertip does.
+    /// Takes a sample, reading and FA; `holds` says whether the fingertip does.
+    #[inline(always)]
     pub(super) fn step(
         &mut self,
         config: &Config,
-        output: &Output,
+        (signal, fa): (i32, i32),
         now: u32,
         holds: bool,
     ) -> Change {
-        let side = |fa: i32| if fa.saturating_abs() < config.band { 0 } else { fa.signum() };
-        let last = side(self.smooth.level());
-        let fa = self.smooth.follow(config.smoothing, raised(output.fa));
-        if side(fa) != last {
+        // Within 2^27, so that none of the differences wraps.
+        let (signal, rough) = (raised(signal), raised(fa));
+        let fa = self.smooth.follow(config.smoothing, rough);
+        let strength = fa.wrapping_abs();
+        let side = if strength < config.band { 0 } else { fa.signum() };
+        if side != self.side {
+            self.side = side;
             self.on_this_side = now;
             self.spent = false;
         }
-        let jolt = self.vibration.jolts(config, raised(output.fa), fa, now);
-        let signal = raised(output.signal);
-        let above_rest = signal.saturating_sub(self.rest.level());
-        let bursts = fa.saturating_abs() >= config.burst;
+        let jolt = self.vibration.jolts(config, rough, fa, now);
+        let above_rest = signal.wrapping_sub(self.rest.level());
+        let bursts = strength >= config.burst;
         let change = match self.held {
             None => self.untouched(config, fa, above_rest, bursts, signal, now),
             Some(sense) => self.touched(config, sense.turn(fa), sense.turn(above_rest), now),

@@ -5,8 +5,9 @@ use crate::fixed::product;
 
 /// Levels are held in 2^-3 LSB, so that averages are finer than a sample.
 const RAISED: u32 = 3;
-/// Largest signal or FA admitted, LSB: with it the differences of three stages still fit in 32 bits.
-const LARGEST: i32 = 1 << 24;
+/// Largest signal or FA admitted, LSB: 25 bits, so that the differences of three stages still fit in 32.
+const LARGEST: i32 = (1 << 24) - 1;
+const LEAST: i32 = -1 << 24;
 /// A jolt weaker than the strongest of late, or than the largest FA of late, by more than this, as a power of two, does not
 /// count.
 const MASKED: u32 = 2;
@@ -16,36 +17,39 @@ const DROWNED: u32 = 10;
 pub(super) const fn raised(value: i32) -> i32 {
     let admitted = if value > LARGEST {
         LARGEST
-    } else if value < -LARGEST {
-        -LARGEST
+    } else if value < LEAST {
+        LEAST
     } else {
         value
     };
     admitted << RAISED
 }
 
-/// A low pass of first order; its level has 31 fractional bits more than a raised value.
+/// A low pass of first order; its level has 32 fractional bits more than a raised value, so that the upper word is one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct LowPass(i64);
 
 impl LowPass {
     pub(super) const fn at(level: i32) -> Self {
-        Self((level as i64) << 31)
+        Self((level as i64) << 32)
     }
 
     pub(super) const fn level(self) -> i32 {
-        (self.0 >> 31) as i32
+        (self.0 >> 32) as i32
     }
 
     /// Follows a value with a share (31 fractional bits) of the way; gives its new level.
+    #[inline(always)]
     pub(super) const fn follow(&mut self, share: i32, value: i32) -> i32 {
-        // Levels and values of one stage are within 2^30, so their difference and the product fit.
-        let way = value.saturating_sub(self.level());
-        self.0 = self.0.saturating_add(product(way, share));
+        // Levels and values of one stage are within 2^29, so twice their difference fits; and a share is less than the whole, so
+        // that the new level lies between the two.
+        let way = value.wrapping_sub(self.level());
+        self.0 = self.0.wrapping_add(product(way << 1, share));
         self.level()
     }
 
     /// Falls towards zero with a share of the way, but not below a value; gives its new level.
+    #[inline(always)]
     fn at_least(&mut self, share: i32, value: i32) -> i32 {
         if self.follow(share, 0) < value {
             *self = Self::at(value);
@@ -75,14 +79,15 @@ impl Vibration {
     };
 
     /// Takes a raised FA, and smoothed; whether a jolt comes with it.
+    #[inline(always)]
     pub(super) fn jolts(&mut self, config: &Config, fa: i32, smooth: i32, now: u32) -> bool {
         let mut rest = fa;
         for stage in &mut self.stages {
-            rest = rest.saturating_sub(stage.follow(config.corner, rest));
+            rest = rest.wrapping_sub(stage.follow(config.corner, rest));
         }
-        let strength = rest.saturating_abs();
+        let strength = rest.wrapping_abs();
         let strongest = self.strongest.at_least(config.masking, strength);
-        let largest = self.largest.at_least(config.masking, smooth.saturating_abs());
+        let largest = self.largest.at_least(config.masking, smooth.wrapping_abs());
         let masked = (strongest >> MASKED).max(largest >> DROWNED);
         let counts = strength >= config.jolt.max(masked);
         let apart = self.last.is_none_or(|last| now.wrapping_sub(last) >= config.apart);

@@ -3,9 +3,11 @@
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
 
+use super::by_ratio::{Oversampling, SettingsByRatio};
+use super::capabilities::Capabilities;
 use super::record::Kept;
 use super::samples::Block;
-use super::settings::{Oversampling, Settings};
+use super::settings::Settings;
 use crate::adaptation::Relaxation;
 use crate::calibration::Sheet;
 use crate::events;
@@ -24,12 +26,12 @@ pub enum ToHost<'a> {
     Samples(Block<'a>),
     /// How it is, once a second and when asked.
     Status(Status),
-    /// All settings: after `Hello`, when asked, and after every change, before the first block that they made.
-    Settings {
+    /// All settings, to a host of release 0.1; as [`ToHost::Settings`].
+    SettingsByRatio {
         /// Grows by one with every change; blocks carry it.
         generation: u32,
         /// The settings.
-        settings: Settings,
+        settings: SettingsByRatio,
     },
     /// A piece of its log.
     Log(Log<'a>),
@@ -37,6 +39,20 @@ pub enum ToHost<'a> {
     Kept(Kept),
     /// A touch, a release or a slip, as soon as it is known: before the block that its row is in.
     Event(Felt),
+    /// What its converter is and can do; after `Hello`.
+    Converter {
+        /// The name of the part.
+        part: &'a str,
+        /// What it can do.
+        capabilities: Capabilities,
+    },
+    /// All settings: after `Hello`, when asked, and after every change, before the first block that they made.
+    Settings {
+        /// Grows by one with every change; blocks carry it.
+        generation: u32,
+        /// The settings.
+        settings: Settings,
+    },
 }
 
 /// What the host says: commands, each answered by one [`Answer`].
@@ -49,8 +65,8 @@ pub enum ToDevice<'a> {
     Start(Start),
     /// End the stream; rows that are waiting are sent first.
     Stop,
-    /// Set the sample rate of the converter.
-    SetRate(Oversampling),
+    /// Set the sample rate as release 0.1 does; as [`ToDevice::SetInterval`].
+    SetRatio(Oversampling),
     /// Set the converter's gains; the calibration follows, so that strain stays what it is.
     SetGain([u8; GAUGES]),
     /// Set the relaxation function, between two samples.
@@ -84,6 +100,11 @@ pub enum ToDevice<'a> {
     Reboot,
     /// Begin the loader in ROM, to be written anew over USB or this line.
     Bootloader,
+    /// Set the time between two samples of the converter, one of [`Capabilities::intervals_ns`].
+    SetInterval {
+        /// The time, ns.
+        ns: u32,
+    },
 }
 
 /// How to introduce oneself, the same in every version: both `Hello` begin with these fields.
@@ -119,7 +140,7 @@ pub struct Hello<'a> {
     pub serial: [u32; 3],
     /// Gauges.
     pub channels: u8,
-    /// Clock of the converter, Hz; with the oversampling it gives the rate.
+    /// Clock of the converter, Hz; with an [`Oversampling`] it gives the rate.
     pub converter_clock_hz: u32,
     /// Where the processor's clock comes from.
     pub clock: ClockSource,
@@ -283,7 +304,7 @@ pub enum Refusal {
     Gauge(u8),
     /// The interval of injected rows must be positive.
     Interval,
-    /// A gain is no power of two from 1 to 128.
+    /// A gain is no power of two from 1 to 128, or the converter does not have it.
     Gain,
     /// The relaxation function is out of range, or does not suit the rate.
     Filter,
@@ -301,6 +322,8 @@ pub enum Refusal {
     Store(StoreFault),
     /// This device cannot do that.
     NotHere,
+    /// The converter has no such rate.
+    Rate,
 }
 
 /// What is wrong with the converter.
@@ -400,7 +423,7 @@ pub struct Log<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::wire::{FRAME_MAX, Head, SCHEMA, decode, encode, introduction, open};
+    use crate::wire::{FRAME_MAX, Head, RATES, SCHEMA, decode, encode, introduction, open};
 
     const LONGEST: Counters = Counters {
         conversions_missed: u32::MAX,
@@ -461,6 +484,9 @@ mod tests {
         settings.calibration =
             settings.calibration.map(|sheet| Sheet { offset: i32::MIN, ..sheet });
         fits(&ToHost::Settings { generation: u32::MAX, settings });
+        let capabilities =
+            Capabilities { intervals_ns: [u32::MAX; RATES], ..Capabilities::ads131m04(1) };
+        fits(&ToHost::Converter { part: "a part with a long name", capabilities });
     }
 
     #[test]
@@ -475,6 +501,6 @@ mod tests {
     #[test]
     fn the_schema_changes_with_the_messages_and_with_nothing_else() {
         // A change of any message must change this number, and this number must not change without one.
-        assert_eq!(SCHEMA, 0xd904_012d_a005_8063, "{SCHEMA:#018x}");
+        assert_eq!(SCHEMA, 0x3554_873f_253c_6e95, "{SCHEMA:#018x}");
     }
 }

@@ -25,6 +25,8 @@
 //! Every command is answered by one [`Answer`] that carries the sequence number of the command. A command that comes again
 //! with the same number is not carried out again, only its answer is repeated: a host that hears nothing asks again safely.
 
+mod by_ratio;
+mod capabilities;
 mod check;
 mod differences;
 mod frame;
@@ -36,6 +38,8 @@ mod samples;
 mod settings;
 mod stuffing;
 
+pub use by_ratio::{Oversampling, SettingsByRatio};
+pub use capabilities::{Capabilities, RATES};
 pub use differences::{CodingError, Gauges, pack, unpack};
 pub use frame::{
     Accumulated, Accumulator, FRAME_MAX, FrameError, HEAD, Head, MAX_CONTENT, decode, encode,
@@ -49,16 +53,16 @@ pub use message::{
 pub use record::Kept;
 pub use releases::{EARLIER, is_of_core, is_understood};
 pub use samples::{Block, Made, REFERENCE_TEMPERATURE, Row, RowState, Rows};
-pub use settings::{Oversampling, Settings, SettingsError};
+pub use settings::{Settings, SettingsError};
 
 /// Speed of a serial line, bits per second, 8N1: exact with either clock of the device.
 pub const BAUD: u32 = 1_000_000;
 
-/// How the device introduces itself on USB: the identity that makers of serial ports without one of their own share, told apart by
-/// the two texts below (`USB-IDs-FREE.txt` of V-USB).
-pub const USB_VENDOR: u16 = 0x16c0;
-/// Serial ports (CDC-ACM) of that vendor.
-pub const USB_PRODUCT: u16 = 0x27dd;
+/// How the device introduces itself on USB: numbers that pid.codes keeps for trying things out in private. Whoever gives boards to
+/// others takes a product number of their own there, and writes it here and into the rules for Linux.
+pub const USB_VENDOR: u16 = 0x1209;
+/// The first of those that are for tests.
+pub const USB_PRODUCT: u16 = 0x0001;
 /// Who made it, as it says on USB.
 pub const USB_MAKER: &str = "palpate";
 /// What it is, as it says on USB.

@@ -7,7 +7,8 @@
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
 
-use super::settings::{Oversampling, Settings};
+use super::by_ratio::SettingsByRatio;
+use super::settings::Settings;
 use crate::adaptation::Relaxation;
 use crate::calibration::Sheet;
 use crate::phase::Thresholds;
@@ -37,7 +38,7 @@ struct Measured {
 /// Version 1 of the rest.
 #[derive(Serialize, Deserialize)]
 struct Rest {
-    oversampling: Oversampling,
+    interval_ns: u32,
     relaxation: Relaxation,
     thresholds: Thresholds,
 }
@@ -54,13 +55,13 @@ impl Settings {
     /// The settings as they are kept: the record, and how many of its bytes are used.
     #[must_use]
     pub fn record(&self) -> ([u8; Self::RECORD], usize) {
-        let Self { oversampling, gain, calibration, tare, relaxation, thresholds } = *self;
+        let Self { interval_ns, gain, calibration, tare, relaxation, thresholds } = *self;
         let mut record = [0; Self::RECORD];
         let length = record.split_first_chunk_mut().and_then(|(mark, parts)| {
             *mark = MARK;
             let measured = write_part(parts, &Measured { gain, calibration, tare })?;
             let rest = parts.get_mut(measured..)?;
-            let rest = write_part(rest, &Rest { oversampling, relaxation, thresholds })?;
+            let rest = write_part(rest, &Rest { interval_ns, relaxation, thresholds })?;
             Some(MARK.len().saturating_add(measured).saturating_add(rest))
         });
         (record, length.unwrap_or(0))
@@ -76,29 +77,18 @@ impl Settings {
     }
 
     fn of_release_0_1(record: &[u8]) -> Option<Self> {
-        #[derive(Deserialize)]
-        struct All {
-            oversampling: Oversampling,
-            gain: [u8; GAUGES],
-            calibration: [Sheet; GAUGES],
-            tare: [i32; GAUGES],
-            relaxation: Relaxation,
-            thresholds: Thresholds,
-        }
-        let all = postcard::from_bytes(record.strip_prefix(&RELEASE_0_1)?).ok()?;
-        let All { oversampling, gain, calibration, tare, relaxation, thresholds } = all;
-        Some(Self { oversampling, gain, calibration, tare, relaxation, thresholds })
+        let all: SettingsByRatio = postcard::from_bytes(record.strip_prefix(&RELEASE_0_1)?).ok()?;
+        Some(all.settings(SettingsByRatio::CLOCK_HZ))
     }
 
     fn of_parts(parts: &[u8]) -> Option<(Self, Kept)> {
         let (measured, parts) = read_part::<Measured>(parts)?;
         let Measured { gain, calibration, tare } = measured?;
         let measured = Self { gain, calibration, tare, ..Self::DEFAULT };
-        let Some((Some(Rest { oversampling, relaxation, thresholds }), _)) = read_part(parts)
-        else {
+        let Some((Some(Rest { interval_ns, relaxation, thresholds }), _)) = read_part(parts) else {
             return Some((measured, Kept::Calibration));
         };
-        Some((Self { oversampling, relaxation, thresholds, ..measured }, Kept::All))
+        Some((Self { interval_ns, relaxation, thresholds, ..measured }, Kept::All))
     }
 }
 
@@ -131,14 +121,14 @@ mod tests {
 
     #[test]
     fn a_record_gives_the_settings_back() {
-        let settings = Settings { oversampling: Oversampling::X1024, ..measured() };
+        let settings = Settings { interval_ns: 256_000, ..measured() };
         let (record, length) = settings.record();
         assert_eq!(Settings::from_record(&record[..length]), (settings, Kept::All));
     }
 
     #[test]
     fn a_release_that_adds_a_setting_keeps_the_calibration_and_says_what_it_did_not() {
-        let settings = Settings { oversampling: Oversampling::X1024, ..measured() };
+        let settings = Settings { interval_ns: 256_000, ..measured() };
         let (mut record, length) = settings.record();
         let rest = 4 + 2 + usize::from(record[5]);
         record[rest] = 2;

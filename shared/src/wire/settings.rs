@@ -10,45 +10,11 @@ use crate::calibration::{Calibration, CalibrationError, Sheet};
 use crate::phase::{self, Thresholds};
 use crate::pipeline::{Config, GAUGES};
 
-/// Oversampling ratio of the converter: it gives one sample for so many of its modulator.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
-#[allow(missing_docs)]
-pub enum Oversampling {
-    X1024,
-    X2048,
-    X4096,
-    X8192,
-    X16384,
-}
-
-impl Oversampling {
-    /// All, the fastest first.
-    pub const ALL: [Self; 5] = [Self::X1024, Self::X2048, Self::X4096, Self::X8192, Self::X16384];
-
-    /// Modulator samples in one sample.
-    #[must_use]
-    pub const fn ratio(self) -> u32 {
-        match self {
-            Self::X1024 => 1_024,
-            Self::X2048 => 2_048,
-            Self::X4096 => 4_096,
-            Self::X8192 => 8_192,
-            Self::X16384 => 16_384,
-        }
-    }
-
-    /// Time between two samples, s, with a converter clock (Hz); the modulator runs at half of it.
-    #[must_use]
-    pub fn interval_s(self, converter_clock_hz: u32) -> f64 {
-        2.0 * f64::from(self.ratio()) / f64::from(converter_clock_hz)
-    }
-}
-
 /// Everything that can be set on a device.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 pub struct Settings {
-    /// Sets the sample rate.
-    pub oversampling: Oversampling,
+    /// Time between two samples of the converter, ns.
+    pub interval_ns: u32,
     /// Gain of the converter, gauge by gauge: a power of two, 1 … 128.
     pub gain: [u8; GAUGES],
     /// Counts to strain, gauge by gauge; true for the gain above.
@@ -105,7 +71,7 @@ impl Settings {
     /// Those of a device that was never set: about 1 kHz, a gain of 128, quarter bridges of gauge factor 2 at 2.5 V on a
     /// converter of ±1.2 V (ε = 4 V / (2.5 V × 2)), the relaxation function of eq. 3.6.
     pub const DEFAULT: Self = Self {
-        oversampling: Oversampling::X4096,
+        interval_ns: 1_024_000,
         gain: [128; GAUGES],
         calibration: [Sheet {
             gain: 4.0 * 1.2 / 128.0 / 8_388_608.0 / (2.5 * 2.0) * 1e6,
@@ -126,6 +92,12 @@ impl Settings {
             recovery_limit_s: 20.0,
         },
     };
+
+    /// Time between two samples of the converter, s. A quotient, so that it is the same as of a ratio and a clock, to the last bit.
+    #[must_use]
+    pub const fn interval_s(&self) -> f64 {
+        self.interval_ns as f64 / 1e9
+    }
 
     /// The settings as the pipeline takes them, for samples `interval_s` apart.
     ///
@@ -176,18 +148,19 @@ impl Settings {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::wire::Capabilities;
 
     #[test]
     fn the_defaults_are_in_range_at_every_rate() {
-        for oversampling in Oversampling::ALL {
-            Settings::DEFAULT.config(oversampling.interval_s(8_000_000)).unwrap();
+        for interval_ns in Capabilities::ads131m04(8_000_000).intervals_ns() {
+            let settings = Settings { interval_ns, ..Settings::DEFAULT };
+            settings.config(settings.interval_s()).unwrap();
         }
     }
 
     #[test]
     fn the_default_rate_is_about_a_kilohertz() {
-        let interval = Settings::DEFAULT.oversampling.interval_s(8_000_000);
-        assert_eq!(1.0 / interval, 976.562_5);
+        assert_eq!(1.0 / Settings::DEFAULT.interval_s(), 976.562_5);
     }
 
     #[test]

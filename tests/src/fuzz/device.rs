@@ -1,7 +1,7 @@
 //! A device on a desk: its program with made-up hardware.
 
 use device::{Board, Device, Identity, Lost, Restart, Room, Setting, begin_with};
-use shared::wire::{ClockSource, ConverterFault, ResetCause, StoreFault};
+use shared::wire::{Capabilities, ClockSource, ConverterFault, ResetCause, StoreFault};
 
 /// Clock of its converter, Hz.
 pub const CONVERTER_CLOCK_HZ: u32 = 8_000_000;
@@ -12,6 +12,8 @@ const IDENTITY: Identity<'static> = Identity {
     board: "desk",
     serial: [1, 2, 3],
     converter_clock_hz: CONVERTER_CLOCK_HZ,
+    converter: "ADS131M04",
+    capabilities: Capabilities::ads131m04(CONVERTER_CLOCK_HZ),
     clock: ClockSource::Simulated,
     reset: ResetCause::PowerOn,
     panic: "",
@@ -45,7 +47,7 @@ impl Board for Desk {
 
 /// Does something with a device that was just switched on.
 pub fn desk<T>(with: impl FnOnce(&mut Device<'_>, &mut Desk) -> T) -> T {
-    let begun = begin_with(None, CONVERTER_CLOCK_HZ).expect("the defaults are in range");
+    let begun = begin_with(None, &IDENTITY.capabilities).expect("the defaults are in range");
     let mut room = Room::new();
     let mut device = Device::new(IDENTITY, &begun, &mut room);
     with(&mut device, &mut Desk::default())

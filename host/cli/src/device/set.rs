@@ -83,9 +83,8 @@ fn parse_threshold(text: &str) -> Result<(Threshold, f64), String> {
 pub fn run(args: &Args) -> Result<(), Failure> {
     let change = change(args)?;
     let (_, mut session) = args.at.open()?;
-    let clock_hz = session.identity().converter_clock_hz;
     let (_, before) = session.settings();
-    let (_, commands) = change.of(before, clock_hz).map_err(Failure::input)?;
+    let (_, commands) = change.of(before, session.identity()).map_err(Failure::input)?;
     session.quiet().map_err(failed)?;
     for command in &commands {
         session.command(command).map_err(failed)?;
@@ -96,13 +95,13 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     session.command(&ToDevice::Settings).map_err(failed)?;
     session.status().map_err(failed)?;
     let (_, now) = session.settings();
-    if let Some(note) = args.rate.and_then(|wanted| rate_note(wanted, now, clock_hz)) {
+    if let Some(note) = args.rate.and_then(|wanted| rate_note(wanted, now)) {
         eprintln!("! {note}");
     }
     if args.json {
-        return print_json(&answers::json(&SetAnswer::of(now, clock_hz, args.save)));
+        return print_json(&answers::json(&SetAnswer::of(now, args.save)));
     }
-    let blocks = settings_blocks(now, clock_hz);
+    let blocks = settings_blocks(now);
     print_sections(&[Section { title: "Settings".into(), blocks }])
 }
 

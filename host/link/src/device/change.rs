@@ -3,7 +3,9 @@
 use shared::adaptation::Relaxation;
 use shared::fixed::strain_from_microstrain;
 use shared::pipeline::GAUGES;
-use shared::wire::{Oversampling, Settings, SettingsError, ToDevice};
+use shared::wire::{Oversampling, SCHEMA, Settings, SettingsError, ToDevice};
+
+use super::heard::Identity;
 
 /// A threshold of the regions, by name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -86,20 +88,21 @@ impl Change {
     pub fn of(
         &self,
         before: &Settings,
-        converter_clock_hz: u32,
+        device: &Identity,
     ) -> Result<(Settings, Vec<ToDevice<'static>>), SettingsError> {
-        let mut after = if self.defaults { Settings::DEFAULT } else { *before };
+        let capabilities = &device.capabilities;
+        let mut after = if self.defaults { capabilities.defaults() } else { *before };
         let mut commands = Vec::new();
         if self.defaults {
             commands.push(ToDevice::LoadDefaults);
         }
         if let Some(rate_hz) = self.rate_hz {
-            after.oversampling = nearest(rate_hz, converter_clock_hz);
-            commands.push(ToDevice::SetRate(after.oversampling));
+            after.interval_ns = capabilities.nearest_ns(rate_hz.recip());
+            commands.push(device.set_interval(after.interval_ns));
         }
         if let Some(gain) = self.gain {
             // Checked before the calibration follows it.
-            Settings { gain, ..after }.config(after.oversampling.interval_s(converter_clock_hz))?;
+            Settings { gain, ..after }.config(after.interval_s())?;
             after = after.with_gain(gain);
             commands.push(ToDevice::SetGain(gain));
         }
@@ -113,54 +116,53 @@ impl Change {
         if !self.thresholds.is_empty() {
             commands.push(ToDevice::SetThresholds(after.thresholds));
         }
-        after.config(after.oversampling.interval_s(converter_clock_hz))?;
+        after.config(after.interval_s())?;
         Ok((after, commands))
+    }
+}
+
+impl Identity {
+    /// The command for another interval, in words that the firmware's release has.
+    fn set_interval(&self, ns: u32) -> ToDevice<'static> {
+        if self.schema == SCHEMA {
+            ToDevice::SetInterval { ns }
+        } else {
+            ToDevice::SetRatio(Oversampling::nearest(ns, self.converter_clock_hz))
+        }
     }
 }
 
 /// Sample rate, Hz.
 #[must_use]
-pub fn rate_hz(oversampling: Oversampling, converter_clock_hz: u32) -> f64 {
-    oversampling.interval_s(converter_clock_hz).recip()
+pub fn rate_hz(settings: &Settings) -> f64 {
+    settings.interval_s().recip()
 }
 
 /// What to say where the rate that was taken is not the one that was wanted.
 #[must_use]
-pub fn rate_note(wanted_hz: f64, now: &Settings, converter_clock_hz: u32) -> Option<String> {
-    let rate = rate_hz(now.oversampling, converter_clock_hz);
+pub fn rate_note(wanted_hz: f64, now: &Settings) -> Option<String> {
+    let rate = rate_hz(now);
     let is_off = (rate / wanted_hz - 1.0).abs() > 1e-3;
     is_off.then(|| format!("the rate nearest to {wanted_hz} Hz is {rate} Hz"))
-}
-
-/// The oversampling whose rate is nearest, by ratio.
-#[must_use]
-pub fn nearest(wanted_hz: f64, converter_clock_hz: u32) -> Oversampling {
-    let off = |of: &Oversampling| (rate_hz(*of, converter_clock_hz) / wanted_hz).ln().abs();
-    let nearer = |a: Oversampling, b: Oversampling| if off(&b) < off(&a) { b } else { a };
-    Oversampling::ALL.into_iter().reduce(nearer).unwrap_or(Oversampling::X4096)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use shared::wire::{Capabilities, EARLIER};
 
-    #[test]
-    fn the_nearest_rate_is_taken_by_ratio() {
-        let taken = |wanted| rate_hz(nearest(wanted, 8_000_000), 8_000_000);
-        assert_eq!(taken(1_000.0), 976.562_5);
-        assert_eq!(taken(1.0), 244.140_625);
-        assert_eq!(taken(1e6), 3_906.25);
-        // Nearer to 976.6 by difference, to 488.3 by ratio.
-        assert_eq!(taken(680.0), 488.281_25);
+    fn device() -> Identity {
+        let schema = SCHEMA;
+        Identity { schema, capabilities: Capabilities::ads131m04(8_000_000), ..Identity::unknown() }
     }
 
     #[test]
     fn a_change_out_of_range_is_refused_before_anything_is_sent() {
         let change = Change { gain: Some([3, 1, 1, 1]), ..Change::default() };
-        let refused = change.of(&Settings::DEFAULT, 8_000_000).unwrap_err().to_string();
+        let refused = change.of(&Settings::DEFAULT, &device()).unwrap_err().to_string();
         assert!(refused.contains("gauge 1: a gain of 3"), "{refused}");
         let change = Change { thresholds: vec![(Threshold::Touch, 5.0)], ..Change::default() };
-        let refused = change.of(&Settings::DEFAULT, 8_000_000).unwrap_err().to_string();
+        let refused = change.of(&Settings::DEFAULT, &device()).unwrap_err().to_string();
         assert!(refused.starts_with("thresholds:"), "{refused}");
     }
 
@@ -172,14 +174,23 @@ mod tests {
             thresholds: vec![(Threshold::Touch, 40.0), (Threshold::Release, 30.0)],
             ..Change::default()
         };
-        let (after, commands) = change.of(&Settings::DEFAULT, 8_000_000).unwrap();
+        let (after, commands) = change.of(&Settings::DEFAULT, &device()).unwrap();
         let kinds: Vec<_> = commands.iter().map(std::mem::discriminant).collect();
         let expected = [
             ToDevice::LoadDefaults,
-            ToDevice::SetRate(Oversampling::X8192),
+            ToDevice::SetInterval { ns: 2_048_000 },
             ToDevice::SetThresholds(after.thresholds),
         ];
         assert_eq!(kinds, expected.each_ref().map(std::mem::discriminant));
         assert_eq!(Threshold::Touch.of(&after), 40.0);
+    }
+
+    #[test]
+    fn firmware_of_release_0_1_is_told_a_ratio() {
+        let change = Change { rate_hz: Some(500.0), ..Change::default() };
+        let old = Identity { schema: EARLIER[0], converter_clock_hz: 8_000_000, ..device() };
+        let (after, commands) = change.of(&Settings::DEFAULT, &old).unwrap();
+        assert_eq!(commands, [ToDevice::SetRatio(Oversampling::X8192)]);
+        assert_eq!(after.interval_ns, 2_048_000);
     }
 }

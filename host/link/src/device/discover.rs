@@ -143,21 +143,13 @@ fn only(found: Vec<Found>) -> Result<PathBuf, DiscoverError> {
 mod tests {
     use super::*;
     use serialport::UsbPortInfo;
-    use shared::wire::{ClockSource, Counters, ResetCause};
 
     fn device(port: &str) -> Found {
         let identity = Identity {
             version: "1.0.0".into(),
-            git: String::new(),
             board: "feather".into(),
             serial: [1, 2, 3],
-            channels: 4,
-            converter_clock_hz: 8_000_000,
-            clock: ClockSource::Crystal,
-            reset: ResetCause::PowerOn,
-            panic: String::new(),
-            counters: Counters::default(),
-            kept: None,
+            ..Identity::unknown()
         };
         Found { port: port.into(), answer: Ok(identity) }
     }

@@ -4,7 +4,8 @@ use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
 use shared::wire::{
-    EARLIER, FRAME_MAX, Head, HelloToDevice, Kept, Refusal, SCHEMA, Settings, ToDevice, encode,
+    Capabilities, EARLIER, FRAME_MAX, Head, HelloToDevice, Kept, Refusal, SCHEMA, Settings,
+    ToDevice, encode,
 };
 
 use super::heard::{Heard, Identity, Said};
@@ -64,6 +65,7 @@ struct Meeting {
     identity: Option<Identity>,
     settings: Option<(u32, Settings)>,
     kept: Option<Kept>,
+    converter: Option<(String, Capabilities)>,
     answered: bool,
     refused: Option<u64>,
     damaged: usize,
@@ -77,6 +79,9 @@ impl Meeting {
             }
             Ok((_, Said::Hello(identity))) => self.identity = Some((**identity).clone()),
             Ok((_, Said::Kept(kept))) => self.kept = Some(*kept),
+            Ok((_, Said::Converter(part, capabilities))) => {
+                self.converter = Some((part.clone(), **capabilities));
+            }
             Ok((_, Said::Settings(generation, settings))) => {
                 self.settings = Some((*generation, **settings));
             }
@@ -96,7 +101,10 @@ impl Meeting {
             return None;
         }
         let (generation, settings) = self.settings?;
-        let identity = Identity { kept: self.kept, ..self.identity.take()? };
+        let mut identity = Identity { kept: self.kept, ..self.identity.take()? };
+        if let Some((converter, capabilities)) = self.converter.take() {
+            identity = Identity { converter, capabilities, ..identity };
+        }
         Some(Met { generation, settings, identity })
     }
 

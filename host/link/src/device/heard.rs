@@ -3,8 +3,9 @@
 use std::time::Instant;
 
 use shared::wire::{
-    Answer, ClockSource, Counters, Felt, FrameError, Head, Hello, Introduction, Kept, ResetCause,
-    Rows, Settings, Status, ToHost, introduction, is_understood, open, read,
+    Answer, Capabilities, ClockSource, Counters, Felt, FrameError, Head, Hello, Introduction, Kept,
+    ResetCause, Rows, Settings, SettingsByRatio, Status, ToHost, introduction, is_understood, open,
+    read,
 };
 
 use super::line::Arrival;
@@ -46,11 +47,15 @@ pub enum Said {
     Kept(Kept),
     /// A touch, a release or a slip.
     Event(Felt),
+    /// Its converter, by the name of the part, and what that can do.
+    Converter(String, Box<Capabilities>),
 }
 
 /// Who a device is.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Identity {
+    /// Hash of the messages that it speaks.
+    pub schema: u64,
     /// Version of the firmware.
     pub version: String,
     /// Git state it was made from: a short hash, and `+` if something was not committed.
@@ -63,6 +68,10 @@ pub struct Identity {
     pub channels: u8,
     /// Clock of the converter, Hz.
     pub converter_clock_hz: u32,
+    /// The converter, by the name of its part.
+    pub converter: String,
+    /// What the converter can do.
+    pub capabilities: Capabilities,
     /// Where the processor's clock comes from.
     pub clock: ClockSource,
     /// Why it began.
@@ -79,12 +88,15 @@ impl Identity {
     /// Of a device of which only the core is understood.
     pub(crate) fn unknown() -> Self {
         Self {
+            schema: 0,
             version: String::new(),
             git: String::new(),
             board: String::new(),
             serial: [0; 3],
             channels: 0,
             converter_clock_hz: 0,
+            converter: String::new(),
+            capabilities: Capabilities::ads131m04(0),
             clock: ClockSource::Internal,
             reset: ResetCause::PowerOn,
             panic: String::new(),
@@ -103,12 +115,16 @@ impl Identity {
 impl From<Hello<'_>> for Identity {
     fn from(hello: Hello<'_>) -> Self {
         Self {
+            schema: hello.schema,
             version: hello.version.into(),
             git: hello.git.into(),
             board: hello.board.into(),
             serial: hello.serial,
             channels: hello.channels,
             converter_clock_hz: hello.converter_clock_hz,
+            // Firmware that has another says so.
+            converter: "ADS131M04".into(),
+            capabilities: Capabilities::ads131m04(hello.converter_clock_hz),
             clock: hello.clock,
             reset: hello.reset,
             panic: hello.panic.into(),
@@ -151,6 +167,12 @@ fn understand(frame: &mut [u8]) -> Result<(Head, Said), FrameError> {
         }
         ToHost::Status(status) => Said::Status(Box::new(status)),
         ToHost::Settings { generation, settings } => Said::Settings(generation, Box::new(settings)),
+        ToHost::SettingsByRatio { generation, settings } => {
+            Said::Settings(generation, Box::new(settings.settings(SettingsByRatio::CLOCK_HZ)))
+        }
+        ToHost::Converter { part, capabilities } => {
+            Said::Converter(part.into(), Box::new(capabilities))
+        }
         ToHost::Log(log) => Said::Log(log.bytes.into()),
         ToHost::Kept(kept) => Said::Kept(kept),
         ToHost::Event(felt) => Said::Event(felt),

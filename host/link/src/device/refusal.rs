@@ -23,6 +23,9 @@ impl fmt::Display for Refused {
                 write!(f, "there is no gauge {}; they are 1 to 4", u16::from(gauge) + 1)
             }
             Refusal::Interval => f.write_str("the interval between rows must be positive"),
+            Refusal::Rate => f.write_str(
+                "the converter has no such rate; `palpate device info` lists those it has",
+            ),
             Refusal::Gain => f.write_str("a gain must be a power of two from 1 to 128"),
             Refusal::Filter => f.write_str(
                 "the relaxation function is out of range or too fast for the sample rate",

@@ -149,7 +149,7 @@ impl Session {
     /// Time between two samples of the converter, s.
     #[must_use]
     pub fn interval_s(&self) -> f64 {
-        self.settings().1.oversampling.interval_s(self.identity.converter_clock_hz)
+        self.settings().1.interval_s()
     }
 
     /// What was read and not yet taken.

@@ -32,23 +32,23 @@ pub fn device_sections(identity: &Identity, settings: &Settings, status: &Status
         .temperature
         .map_or("no sensor".into(), |temperature| format!("{:.1} °C", celsius(temperature)));
     who.push(text("temperature", temperature));
-    who.push(text(
-        "converter",
-        status.converter.map_or("OK".into(), |fault| Fault(fault).to_string()),
-    ));
+    let health = status.converter.map_or("OK".into(), |fault| Fault(fault).to_string());
+    who.push(text("converter", format!("{}, {health}", identity.converter)));
+    let rates = identity.capabilities.intervals_ns().map(|ns| (1e9 / f64::from(ns)).to_string());
+    who.push(text("rates", format!("{} Hz", rates.collect::<Vec<_>>().join(", "))));
     if status.stack_used > 0 {
         who.push(text("stack used", format!("{} bytes at most", status.stack_used)));
     }
     let mut blocks = vec![Block::Definitions(who)];
-    blocks.extend(settings_blocks(settings, identity.converter_clock_hz));
+    blocks.extend(settings_blocks(settings));
     blocks.push(Block::Table(counters(&status.counters)));
     vec![Section { title: "Device".into(), blocks }]
 }
 
 /// The settings of a device.
 #[must_use]
-pub fn settings_blocks(settings: &Settings, converter_clock_hz: u32) -> Vec<Block> {
-    let rate = rate_hz(settings.oversampling, converter_clock_hz);
+pub fn settings_blocks(settings: &Settings) -> Vec<Block> {
+    let rate = rate_hz(settings);
     let relaxation = settings.relaxation;
     let filter = format!(
         "c1 {}, v1 {} 1/s, c2 {}, v2 {} 1/s",

@@ -21,10 +21,9 @@ impl Feed {
         setting: &Setting,
         session: &mut Session,
     ) -> Result<Value, Trouble> {
-        let clock_hz = session.identity().converter_clock_hz;
         let change = change(setting).map_err(Trouble::Words)?;
         let (_, commands) = change
-            .of(session.settings().1, clock_hz)
+            .of(session.settings().1, session.identity())
             .map_err(|error| Trouble::Words(error.to_string()))?;
         let send = |session: &mut Session| {
             commands.iter().try_for_each(|command| session.command(command).map(drop))?;
@@ -45,12 +44,12 @@ impl Feed {
         session.command(&ToDevice::Settings)?;
         session.status()?;
         let now = session.settings().1;
-        let note = setting.rate_hz.and_then(|wanted| rate_note(wanted, now, clock_hz));
+        let note = setting.rate_hz.and_then(|wanted| rate_note(wanted, now));
         let words =
             if setting.save { "settings are set and saved" } else { "other settings from here on" };
         lock(&self.store).say(words);
         Ok(json!({
-            "settings": SettingsAnswer::of(now, clock_hz),
+            "settings": SettingsAnswer::of(now),
             "note": note,
             "saved": setting.save,
         }))

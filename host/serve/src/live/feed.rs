@@ -135,7 +135,7 @@ impl Feed {
             (store.health.linked, store.health.streaming) = (true, goes_on);
             store.health.identify(session.identity());
             store.health.status(&status);
-            store.health.set(session.settings().1, session.identity().converter_clock_hz);
+            store.health.set(session.settings().1);
             store.health.log = self.log.words();
             store.bench.release = Some(verdict(&session.identity().version, true));
             store.bench.generation = session.settings().0;
@@ -229,7 +229,7 @@ impl Feed {
             Said::Status(status) => store.health.status(status),
             Said::Settings(generation, settings) => {
                 store.bench.generation = *generation;
-                store.health.set(settings, session.identity().converter_clock_hz);
+                store.health.set(settings);
             }
             Said::Hello(identity) => store.health.identify(identity),
             Said::Log(piece) => {
@@ -242,7 +242,7 @@ impl Feed {
                 }
                 store.say(felt_in_words(felt));
             }
-            Said::Answer(_) | Said::Foreign { .. } | Said::Kept(_) => {}
+            Said::Answer(_) | Said::Foreign { .. } | Said::Kept(_) | Said::Converter(..) => {}
         }
     }
 

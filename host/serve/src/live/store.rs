@@ -122,8 +122,8 @@ impl Health {
     }
 
     /// Its settings.
-    pub fn set(&mut self, settings: &Settings, converter_clock_hz: u32) {
-        self.settings = answers::json(&SettingsAnswer::of(settings, converter_clock_hz));
+    pub fn set(&mut self, settings: &Settings) {
+        self.settings = answers::json(&SettingsAnswer::of(settings));
     }
 
     /// What it last said of itself.

@@ -98,8 +98,11 @@ impl Stretch {
         let rows = self.len();
         let first = self.time_us.first().copied().unwrap_or_default();
         let time = self.time_us.iter().map(|time_us| (time_us - first) as f64 / 1e6).collect();
+        // Rows hold zeros for gauges that the device does not have.
+        let there = self.origin.device.map_or(GAUGES, |device| device.gauges);
+        let gauges = (1..).zip(self.gauges).take(there);
         let mut columns: Vec<Column> =
-            (1..).zip(self.gauges).flat_map(|(number, gauge)| gauge.into_columns(number)).collect();
+            gauges.flat_map(|(number, gauge)| gauge.into_columns(number)).collect();
         columns.push(Column { name: TEMPERATURE.into(), values: self.temperature });
         columns.retain(|column| column.values.len() == rows);
         Trace { path: None, head, time, columns }

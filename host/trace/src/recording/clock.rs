@@ -99,6 +99,8 @@ impl Clock {
             ToHost::Samples(block) => self.hear_rows(head, block, host_us),
             ToHost::Answer(_)
             | ToHost::Settings { .. }
+            | ToHost::SettingsByRatio { .. }
+            | ToHost::Converter { .. }
             | ToHost::Log(_)
             | ToHost::Kept(_)
             | ToHost::Event(_) => self.anchor(head.time_us, host_us),

@@ -41,8 +41,12 @@ pub struct IdentityAnswer {
     pub serial: String,
     /// Number of gauges.
     pub channels: u8,
+    /// The converter, by the name of its part.
+    pub converter: String,
     /// Clock of the converter, Hz.
     pub converter_clock_hz: u32,
+    /// Sample rates that can be set, Hz.
+    pub rates_hz: Vec<f64>,
     /// What the processor's clock comes from, in words.
     pub clock: &'static str,
     /// Reset cause, in words.
@@ -66,7 +70,7 @@ impl DeviceAnswer {
             palpate_device: 1,
             port: port.display().to_string(),
             device: identity.into(),
-            settings: SettingsAnswer::of(settings, identity.converter_clock_hz),
+            settings: SettingsAnswer::of(settings),
             generation,
             status: status.into(),
         }
@@ -81,7 +85,9 @@ impl From<&Identity> for IdentityAnswer {
             git: identity.git.clone(),
             serial: identity.serial_number(),
             channels: identity.channels,
+            converter: identity.converter.clone(),
             converter_clock_hz: identity.converter_clock_hz,
+            rates_hz: identity.capabilities.intervals_ns().map(|ns| 1e9 / f64::from(ns)).collect(),
             clock: clock_in_words(identity.clock),
             reset: reset_in_words(identity.reset),
             panic: identity.panic.clone(),

@@ -104,8 +104,8 @@ pub struct GaugeAnswer {
 impl SetAnswer {
     /// Of settings that were changed, and saved or not.
     #[must_use]
-    pub fn of(settings: &Settings, converter_clock_hz: u32, saved: bool) -> Self {
-        let settings = SettingsAnswer::of(settings, converter_clock_hz);
+    pub fn of(settings: &Settings, saved: bool) -> Self {
+        let settings = SettingsAnswer::of(settings);
         Self { palpate_settings: 1, saved, settings }
     }
 }
@@ -119,11 +119,11 @@ impl TareAnswer {
 }
 
 impl SettingsAnswer {
-    /// Of settings, and of the clock that the sample rate comes from.
+    /// Of settings.
     #[must_use]
-    pub fn of(settings: &Settings, converter_clock_hz: u32) -> Self {
+    pub fn of(settings: &Settings) -> Self {
         Self {
-            rate_hz: rate_hz(settings.oversampling, converter_clock_hz),
+            rate_hz: rate_hz(settings),
             relaxation: settings.relaxation.into(),
             thresholds: settings.into(),
             gauges: std::array::from_fn(|gauge| GaugeAnswer::of(settings, gauge)),

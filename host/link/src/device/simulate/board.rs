@@ -8,7 +8,7 @@ use device::{Lost, Restart, Setting};
 use shared::pipeline::GAUGES;
 use shared::wire::{ConverterFault, Kept, Settings, StoreFault};
 
-use super::{CONVERTER_CLOCK_HZ, SimulationError};
+use super::SimulationError;
 use palpate_trace::files::write_whole;
 
 /// With nothing to do, it looks so often for something.
@@ -29,8 +29,8 @@ pub(super) struct Board {
 
 impl Board {
     pub(super) fn new(settings: Option<PathBuf>) -> Self {
-        let Settings { oversampling, gain, .. } = Settings::DEFAULT;
-        let setting = Setting { oversampling, gain };
+        let Settings { interval_ns, gain, .. } = Settings::DEFAULT;
+        let setting = Setting { interval_ns, gain };
         Self { settings, setting, exchanged: false, listening: false, next_us: None }
     }
 
@@ -64,7 +64,7 @@ impl Board {
     }
 
     fn interval_us(&self) -> u64 {
-        (self.setting.oversampling.interval_s(CONVERTER_CLOCK_HZ) * 1e6) as u64
+        u64::from(self.setting.interval_ns) / 1_000
     }
 
     /// Time of the sample that comes next, µs; none before the first.

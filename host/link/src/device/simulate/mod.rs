@@ -8,7 +8,9 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use device::{Device, Identity, Restart, Room, Sample, begin_with};
-use shared::wire::{Accumulated, Accumulator, ClockSource, FRAME_MAX, ResetCause, SettingsError};
+use shared::wire::{
+    Accumulated, Accumulator, Capabilities, ClockSource, FRAME_MAX, ResetCause, SettingsError,
+};
 
 use self::board::Board;
 use self::grasp::Grasp;
@@ -178,11 +180,13 @@ impl<'b> Body<'b> {
             board: "simulated",
             serial: [0; 3],
             converter_clock_hz: CONVERTER_CLOCK_HZ,
+            converter: "ADS131M04",
+            capabilities: Capabilities::ads131m04(CONVERTER_CLOCK_HZ),
             clock: ClockSource::Simulated,
             reset,
             panic: "",
         };
-        let beginning = begin_with(kept, CONVERTER_CLOCK_HZ)?;
+        let beginning = begin_with(kept, &identity.capabilities)?;
         let mut device = Device::new(identity, &beginning, room);
         device.set_temperature(Some(TEMPERATURE));
         Ok(Self {
