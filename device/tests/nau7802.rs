@@ -100,7 +100,7 @@ impl I2c for Bus {
             match operation {
                 Operation::Write([first, values @ ..]) => {
                     register = usize::from(*first);
-                    for value in &**values {
+                    for value in values {
                         part.write(register, *value);
                         register += 1;
                     }

@@ -1,6 +1,7 @@
 //! Which data sets are made.
 
 use palpate::trace::Trace;
+use palpate_tests::hidden::laws::beyond::BEYOND;
 use palpate_tests::hidden::laws::{CROSSTALK, EFFECTS, Effect, INEXACT, OUTSIDE, OUTSIDE_MORE};
 use palpate_tests::hidden::random::{Subject, stream};
 use palpate_tests::hidden::{
@@ -56,6 +57,7 @@ pub const GROUPS: &[Group] = &[
     Group { name: "inexact", kind: Kind::One(LawKind::Inexact), r: &[0.5, 1.0, 2.0, 5.0], noise: NoiseKind::Correlated },
     Group { name: "foreign-more", kind: Kind::One(LawKind::ForeignMore), r: &[0.5, 1.0, 2.0], noise: NoiseKind::Correlated },
     Group { name: "outside-more", kind: Kind::One(LawKind::OutsideMore), r: &[0.5, 1.0, 2.0], noise: NoiseKind::Correlated },
+    Group { name: "outside-beyond", kind: Kind::One(LawKind::Beyond), r: &[0.5, 1.0, 2.0], noise: NoiseKind::Correlated },
 ];
 
 /// Draws of a scenario before it is taken although its R is not reached.
@@ -102,6 +104,7 @@ impl Group {
             Kind::One(LawKind::OutsideMore) => {
                 one(OUTSIDE_MORE[turn % OUTSIDE_MORE.len()].0, LawKind::OutsideMore)
             }
+            Kind::One(LawKind::Beyond) => one(BEYOND[turn % BEYOND.len()].name, LawKind::Beyond),
             Kind::One(LawKind::Inexact) => one(INEXACT, LawKind::Inexact),
             Kind::One(kind) => one(next, kind),
             Kind::Crosstalk if turn.is_multiple_of(2) => one(CROSSTALK, LawKind::Reference),

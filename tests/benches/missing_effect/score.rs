@@ -151,7 +151,8 @@ pub fn print(all: &[Outcome]) {
         let of_group: Vec<&Outcome> = all.iter().filter(|o| o.group == *group).collect();
         print_group(group, &of_group);
     }
-    let no_effect = [LawKind::Outside, LawKind::OutsideMore, LawKind::Inexact].map(Kind::One);
+    let no_effect =
+        [LawKind::Outside, LawKind::OutsideMore, LawKind::Beyond, LawKind::Inexact].map(Kind::One);
     let inside = all.iter().filter(|o| !no_effect.contains(&o.kind));
     let unknown = Share::count(inside.map(|o| o.verdict() == "unknown"));
     row("all inside", "wrong unknown", unknown, "at most 2 %");
@@ -174,7 +175,7 @@ fn print_group(name: &str, all: &[&Outcome]) {
             let goal = if name.starts_with("null-flicker") { "at most 2 %" } else { "at most 1 %" };
             row(name, "false alarm", share(Outcome::alarm), goal);
         }
-        Kind::One(LawKind::Outside | LawKind::OutsideMore) => {
+        Kind::One(LawKind::Outside | LawKind::OutsideMore | LawKind::Beyond) => {
             print_verdicts(name, all);
             row(name, "unknown", share(|o| o.verdict() == "unknown"), "95 %");
         }

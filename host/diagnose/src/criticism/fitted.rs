@@ -55,7 +55,7 @@ impl Fitted {
             rows: None,
             independent: independent(&blocks),
             free: (0..found.point.len()).map(|j| !found.at_bound[j] && !given(j)).collect(),
-            pushed: of_last_effect(&problem.chain)
+            pushed: of_last_effect(problem.chain)
                 .find(|&j| found.at_bound[j] && !given(j) && pushed(problem, &found, j)),
             parameters: (0..found.point.len()).filter(|&j| !given(j)).count(),
             converged: found.stop.converged(),
