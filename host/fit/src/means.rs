@@ -8,6 +8,7 @@
 use std::ops::Range;
 
 use super::data::{Data, Known, Piece};
+use super::slope::velocity;
 use super::straight::{Reach, USUAL_NOISE, begins};
 use palpate_model::{Channel, Motion};
 
@@ -21,6 +22,9 @@ const FEWEST: usize = 100;
 /// as one sample, and long holds keep their weight beside the motions.
 const EVEN: usize = 3000;
 const FEWEST_EVEN: usize = 300;
+
+/// Slopes on both sides of a block that differ by more than this factor have a jump between them.
+const JUMP: f64 = 4.0;
 
 /// The block means of a data set.
 #[derive(Clone, Debug)]
@@ -57,8 +61,10 @@ impl Means {
         let even = (EVEN / data.labels.len().max(1)).max(FEWEST_EVEN);
         let fewest = noise.map_or(even, |_| FEWEST) as f64;
         let noise = noise.map_or(USUAL_NOISE, |noise| noise / most.max(f64::MIN_POSITIVE));
+        let speeds = data.pieces.iter().flat_map(|piece| velocity(&piece.motion));
         let reach = Reach {
             compression: data.largest_compression(),
+            speed: speeds.fold(0.0, |most, speed| speed.abs().max(most)),
             rates: (0.5 / data.shortest_interval(), 1.0 / data.longest()),
             noise,
             longest: data.longest() / fewest,
@@ -118,13 +124,14 @@ impl Means {
 
 impl Blocks {
     fn of(data: &Data, piece: &Piece, reach: Reach) -> Self {
+        let known = piece.derive(data.reference_temperature);
         let (time, x) = (&piece.motion.time[..], &piece.motion.displacement[..]);
         let channels = piece.channels().iter().map(|channel| channel.values);
         let recorded: Vec<&[f64]> = piece.temperature().into_iter().chain(channels).collect();
-        let begins = begins(time, x, &recorded, reach);
+        let begins = begins(time, (x, &known.velocity), &recorded, reach);
         let of = |values: &[f64]| means(&begins, values);
         let channel = |channel: &Channel| (of(channel.values), of(&channel.slope));
-        let known = |known: Known| Known {
+        let known = Known {
             velocity: of(&known.velocity),
             acceleration: of(&known.acceleration),
             // Loadings are counted from their beginning.
@@ -138,7 +145,7 @@ impl Blocks {
             measured: of(piece.measured),
             temperature: piece.temperature().map(of),
             channels: piece.channels().iter().map(channel).collect(),
-            known: known(piece.derive(data.reference_temperature)),
+            known,
             begins,
         }
     }
@@ -166,12 +173,22 @@ impl Blocks {
         found
     }
 
-    /// Slope of the signal over a block, from the means of its neighbours.
+    /// Slope of the signal over a block, from the means of its neighbours; where a jump stands beside it, which is no slope within, the
+    /// smaller of the slopes to the two, or none where they differ in sign.
     fn slope(&self, block: usize) -> f64 {
         let last = self.time.len() - 1;
         let (before, after) = (block.saturating_sub(1), (block + 1).min(last));
-        let apart = self.time[after] - self.time[before];
-        if apart > 0.0 { (self.measured[after] - self.measured[before]) / apart } else { 0.0 }
+        let between = |a: usize, b: usize| {
+            let apart = self.time[b] - self.time[a];
+            if apart > 0.0 { (self.measured[b] - self.measured[a]) / apart } else { 0.0 }
+        };
+        let (into, out_of) = (between(before, block), between(block, after));
+        let (least, most) = (into.abs().min(out_of.abs()), into.abs().max(out_of.abs()));
+        match into * out_of > 0.0 {
+            true if most < JUMP * least => between(before, after),
+            true => least.copysign(into),
+            false => 0.0,
+        }
     }
 }
 
@@ -222,6 +239,22 @@ mod tests {
         };
         let (slow, fast) = (count(100.0), count(1000.0));
         assert!(fast < 2 * slow, "{fast} for {slow}");
+    }
+
+    #[test]
+    fn a_jump_beside_a_block_is_no_scatter_within_it() {
+        // A damper lets its whole force go when a motion turns round.
+        let course = |t: f64| if t < 30.0 { 4.0 } else { 4.0 - 0.2 * (t - 30.0) };
+        let time: Vec<f64> = (0..4500).map(|k| f64::from(k) / 100.0).collect();
+        let x: Vec<f64> = time.iter().map(|t| course(*t)).collect();
+        let force = time.iter().map(|t| if *t < 30.0 { 2.0 } else { 1.0 }).collect();
+        let column = |name: &str, values| Column { name: name.into(), values };
+        let columns = vec![column(DISPLACEMENT, x), column(FORCE, force)];
+        let traces = [Trace { time, columns, ..Trace::default() }];
+        let data = Data::of(&traces, FORCE).unwrap();
+        let means = Means::of(&data, Some(0.01)).unwrap();
+        let scatter = means.stretches[0].scatter(&data.pieces[0]);
+        assert!(scatter.iter().all(|value| value.abs() < 1e-12));
     }
 
     #[test]

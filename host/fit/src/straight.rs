@@ -21,11 +21,20 @@ const SCATTERS: f64 = 3.0;
 const MOVES: f64 = 1.0 / 64.0;
 const OFF: f64 = 4.0;
 
+/// Part of the largest speed that counts as rest: of a clean motion, and at most where it scatters by so many times less.
+const AT_REST: (f64, f64) = (1e-3, 0.1);
+const STEADY: f64 = 10.0;
+/// Logarithm of the factor by which the speed changes within a block at most: where a motion begins, ends or turns round, friction and
+/// dampers jump. A sample at a corner has half the speed, and so stands alone.
+const TURNS: f64 = 0.5;
+
 /// How far blocks may go.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Reach {
     /// Largest compression of the set, mm.
     pub compression: f64,
+    /// Largest speed of the set, mm/s.
+    pub speed: f64,
     /// Fastest and slowest rate that can be seen, 1/s.
     pub rates: (f64, f64),
     /// Noise over the range of the signal.
@@ -44,16 +53,29 @@ struct Probe {
 }
 
 /// Where the blocks of a stretch begin, and the number of its samples. The first and the last sample stand alone.
-pub(super) fn begins(time: &[f64], x: &[f64], recorded: &[&[f64]], reach: Reach) -> Vec<usize> {
+pub(super) fn begins(
+    time: &[f64],
+    (x, velocity): (&[f64], &[f64]),
+    recorded: &[&[f64]],
+    reach: Reach,
+) -> Vec<usize> {
     let probes = probes(time, x, recorded, reach);
+    let scattered = STEADY * scatter(time, x) * 2.0 * reach.rates.0;
+    let at_rest = (AT_REST.0 * reach.speed).max(scattered.min(AT_REST.1 * reach.speed));
+    let speed = |k: usize| if at_rest > 0.0 { (velocity[k] / at_rest).asinh() } else { 0.0 };
     let count = time.len();
+    // The first and the last sample of a contact stand alone, and those beside them: what depends on the speed jumps there.
+    let touches = |k: usize| k > 0 && k < count && (x[k] > 0.0) != (x[k - 1] > 0.0);
     let mut begins = vec![0];
     let mut begin = 0;
     for k in 1..count {
         let apart = begin == 0
             || k + 1 == count
-            || (x[k] > 0.0) != (x[begin] > 0.0)
+            || touches(k)
+            || touches(k - 1)
+            || touches(k + 1)
             || (x[k] - x[begin]).abs() > MOVES * (reach.compression + OFF * (-x[k]).max(0.0))
+            || (speed(k) - speed(begin)).abs() > TURNS
             || time[k] - time[begin] > reach.longest;
         if apart || !straight(time, &probes, begin, k, reach.noise) {
             begins.push(k);
@@ -130,6 +152,7 @@ mod tests {
 
     const REACH: Reach = Reach {
         compression: 4.0,
+        speed: 4.0,
         rates: (100.0, 1e-4),
         noise: USUAL_NOISE,
         longest: f64::INFINITY,
@@ -144,6 +167,13 @@ mod tests {
         (time, x)
     }
 
+    /// The blocks of a motion, with the speed between neighbours.
+    fn blocks(time: &[f64], x: &[f64]) -> Vec<usize> {
+        let speed = |k: usize| (x[k] - x[k - 1]) / (time[k] - time[k - 1]);
+        let velocity: Vec<f64> = (0..x.len()).map(|k| speed(k.max(1))).collect();
+        begins(time, (x, &velocity), &[], REACH)
+    }
+
     fn lengths(begins: &[usize]) -> Vec<usize> {
         begins.windows(2).map(|pair| pair[1] - pair[0]).collect()
     }
@@ -151,7 +181,7 @@ mod tests {
     #[test]
     fn every_sample_is_in_one_block_and_a_corner_is_left_as_it_is() {
         let (time, x) = press(100.0, 60.0);
-        let found = begins(&time, &x, &[], REACH);
+        let found = blocks(&time, &x);
         assert!(found.windows(2).all(|pair| pair[0] < pair[1]));
         assert_eq!((found[0], found[found.len() - 1]), (0, time.len()));
         // The press begins at sample 100 and ends at sample 200.
@@ -159,13 +189,14 @@ mod tests {
             let block = found.partition_point(|begin| *begin <= corner);
             assert!(found[block] - found[block - 1] <= 3, "{:?}", lengths(&found));
         }
+        assert!(found.contains(&201), "{found:?}");
     }
 
     #[test]
     fn blocks_grow_like_the_logarithm_of_a_hold_and_hardly_with_the_rate() {
         let count = |rate: f64, hold: f64| {
             let (time, x) = press(rate, hold);
-            begins(&time, &x, &[], REACH).len()
+            blocks(&time, &x).len()
         };
         let (short, long) = (count(50.0, 60.0), count(50.0, 6000.0));
         assert!(long < 3 * short, "{long} for {short}");
@@ -178,7 +209,7 @@ mod tests {
         let count = |rate: usize| {
             let time: Vec<f64> = (0..100 * rate).map(|k| k as f64 / rate as f64).collect();
             let x: Vec<f64> = time.iter().map(|t| 2.0 - 2.0 * (0.3 * t).cos()).collect();
-            begins(&time, &x, &[], REACH).len()
+            blocks(&time, &x).len()
         };
         let (slow, fast) = (count(50), count(400));
         assert!(slow < 2500 && fast < 2 * slow, "{fast} for {slow}");
@@ -192,7 +223,7 @@ mod tests {
             seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
             *x += 1e-2 * ((seed >> 40) as f64 / f64::from(1u32 << 24) - 0.5);
         }
-        let found = begins(&time, &x, &[], REACH);
+        let found = blocks(&time, &x);
         assert!(10 * found.len() < time.len(), "{}", found.len());
     }
 }

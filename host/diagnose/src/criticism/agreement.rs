@@ -26,6 +26,7 @@ const MOST_STRENGTHS: usize = 3;
 const KINDS: usize = 2 * MOST_STRENGTHS + 2;
 
 /// A direction that parts vote on.
+#[derive(Clone)]
 struct Vote<'a> {
     direction: &'a Direction,
     /// Parts × strengths.
@@ -61,20 +62,31 @@ impl Vote<'_> {
 /// candidate; 1 where parts cannot vote on it.
 #[must_use]
 pub fn chances(screen: &Screen, candidates: &[Candidate]) -> Vec<f64> {
-    let parts = screen.scores.nrows();
-    let votes: Vec<Vote> =
-        screen.directions.iter().filter_map(|d| vote(screen, d, candidates)).collect();
-    let mut own = vec![0.0f64; candidates.len()];
-    let unchanged = DVector::from_element(parts, 1.0);
-    for vote in &votes {
-        let candidate = vote.direction.candidate;
-        let log_chance = vote.square(&unchanged).map_or(0.0, |square| vote.log_chance(square));
-        own[candidate] = own[candidate].min(log_chance);
-    }
+    let votes = votes(screen, candidates);
+    let null = null(&votes, &flips(screen.scores.nrows()));
+    (0..candidates.len()).map(|candidate| chance(&null, of(&votes, candidate))).collect()
+}
+
+/// The same of a protected test: where the parts agree about any effect, the chance of as much agreement about this one alone, but not
+/// below that of the one they agree about most.
+#[must_use]
+pub fn protected_chances(screen: &Screen, candidates: &[Candidate]) -> Vec<f64> {
+    let any = chances(screen, candidates).into_iter().fold(1.0, f64::min);
+    let votes = votes(screen, candidates);
+    let flips = flips(screen.scores.nrows());
+    let alone = |candidate: usize| {
+        let own: Vec<Vote> = of(&votes, candidate).cloned().collect();
+        chance(&null(&own, &flips), own.iter()).max(any)
+    };
+    (0..candidates.len()).map(alone).collect()
+}
+
+/// The least nominal chance of these votes under each of some flips.
+fn null(votes: &[Vote], flips: &[DVector<f64>]) -> Vec<f64> {
     let least = |signs: &DVector<f64>| {
         // Of each kind the largest square has the least chance.
         let mut largest: [Option<(f64, &Vote)>; KINDS] = [None; KINDS];
-        for vote in &votes {
+        for vote in votes {
             let known = &mut largest[vote.kind()];
             let square = vote.square(signs).filter(|own| known.is_none_or(|(most, _)| *own > most));
             *known = square.map(|square| (square, vote)).or(*known);
@@ -82,12 +94,27 @@ pub fn chances(screen: &Screen, candidates: &[Candidate]) -> Vec<f64> {
         let chances = largest.iter().flatten().map(|(square, vote)| vote.log_chance(*square));
         chances.fold(0.0, f64::min)
     };
-    let null: Vec<f64> = flips(parts).par_iter().map(least).collect();
-    let chance = |&own: &f64| {
-        let as_extreme = null.iter().filter(|&&drawn| drawn <= own + 1e-9).count();
-        if own < 0.0 { as_extreme.max(1) as f64 / null.len() as f64 } else { 1.0 }
+    flips.par_iter().map(least).collect()
+}
+
+/// The part of the null distribution that is as extreme as the votes without flips.
+fn chance<'v>(null: &[f64], votes: impl Iterator<Item = &'v Vote<'v>>) -> f64 {
+    let log_chance = |vote: &Vote| {
+        let unchanged = DVector::from_element(vote.scores.nrows(), 1.0);
+        vote.square(&unchanged).map_or(0.0, |square| vote.log_chance(square))
     };
-    own.iter().map(chance).collect()
+    let own = votes.map(log_chance).fold(0.0, f64::min);
+    let as_extreme = null.iter().filter(|&&drawn| drawn <= own + 1e-9).count();
+    if own < 0.0 { as_extreme.max(1) as f64 / null.len() as f64 } else { 1.0 }
+}
+
+fn votes<'a>(screen: &'a Screen, candidates: &[Candidate]) -> Vec<Vote<'a>> {
+    screen.directions.iter().filter_map(|it| vote(screen, it, candidates)).collect()
+}
+
+/// The votes on one candidate.
+fn of<'v, 'a>(votes: &'v [Vote<'a>], candidate: usize) -> impl Iterator<Item = &'v Vote<'a>> {
+    votes.iter().filter(move |vote| vote.direction.candidate == candidate)
 }
 
 fn vote<'a>(

@@ -13,7 +13,7 @@ use super::screen::ABSORBED;
 use super::search::{Found, Search};
 use super::verdict::{Assessed, FAR_BEYOND_NEIGHBOURS, beyond_noise};
 use palpate_fit::data::{Data, DataError};
-use palpate_fit::least_squares::Effort;
+use palpate_fit::least_squares::{Effort, LeastSquares};
 use palpate_fit::means::Means;
 use palpate_fit::problem::Problem;
 use palpate_fit::whitening::Whitening;
@@ -125,6 +125,11 @@ pub fn diagnose_with(
     let stays = thinned.is_some() || hums || known.as_ref().is_some_and(dwarfs);
     let level = known.as_ref().map(|noise| noise.level);
     let means = if stays { None } else { Means::of(&all, level) };
+    let stand_in = |means: &Means| {
+        let noise = known.as_ref().filter(|_| !long);
+        noise.is_none_or(|noise| stand_for_rows(&chain, &values, (means, &all), noise))
+    };
+    let means = means.filter(stand_in);
     let few = thinned.or_else(|| means.as_ref().map(|means| means.data(&all)));
     let data = few.as_ref().unwrap_or(&all);
     let weighted = means.as_ref().filter(|_| known.is_some());
@@ -342,6 +347,25 @@ impl<'a> Course<'a> {
             found: self.found,
         }
     }
+}
+
+/// Part of a sum of squares over all rows by which that over means may differ.
+const INEXACT_MEANS: f64 = 0.02;
+
+/// Whether the sum of squares of a model over means is that over all rows: the force of a damper follows the speed at once, and jumps
+/// within them.
+fn stand_for_rows(
+    chain: &Chain,
+    values: &[f64],
+    (means, all): (&Means, &Data),
+    noise: &NoiseModel,
+) -> bool {
+    let few = means.data(all);
+    let rows = Problem::new(chain, all, &noise.whitening, None);
+    let point = rows.point(values);
+    let costs = (rows.on_weighted_means(means, &few).cost(&point), rows.cost(&point));
+    tracing::debug!("sum of squares over means and over rows: {costs:?}");
+    (costs.0 - costs.1).abs() < INEXACT_MEANS * costs.1
 }
 
 /// Whether what a law leaves dwarfs the scatter of neighbours, so that it tells nothing of the noise.

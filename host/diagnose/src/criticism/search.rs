@@ -26,9 +26,12 @@ use palpate_model::effects::Candidate;
 pub const DECISIVE: f64 = 10.0;
 /// Chance of as much agreement between the parts of the data above which they do not agree.
 const DISAGREEMENT: f64 = 0.1;
+/// Chance of as much agreement about one effect by itself, where the parts agree about any, up to which that speaks for it.
+const OWN_AGREEMENT: f64 = 0.05;
 /// Rivals that are refitted without each trace in earnest: those that one step speaks for most.
 const IN_EARNEST: usize = 4;
-/// Likeliest rivals that are refitted without each trace in earnest whatever one step says.
+/// Rivals that are refitted without each trace in earnest whatever one step says: the likeliest, and those on which the parts of
+/// the data agree most.
 const LIKELIEST: usize = 2;
 /// Part of all that was explained so far that a further effect must explain: less is how a law's form
 /// differs from the specimen's.
@@ -353,7 +356,7 @@ impl Search<'_> {
             (found.judged(found.steps.len()), Judged { fitted: &fitted, evidence: &evidence });
         let candidate = self.candidates.iter().position(|candidate| candidate.name == effect);
         let Some(candidate) = candidate else { return };
-        let p_value = agreement::chances(&found.last, self.candidates)[candidate];
+        let p_value = self.voted(&found.last)[candidate];
         let exact = self.leaves_noise(&fitted);
         if let Err(reason) = weigh_where(exact, without, with, p_value) {
             let refused = refused(&effect, without, with, reason);
@@ -377,8 +380,8 @@ impl Search<'_> {
         let mut rivals = self.refit(found.model(), &found.last, &BROAD);
         resample(self.problem, &mut rivals, self.options.seed);
         // Where the law is inexact, noise alone is no measure of chance: the parts of the data vote.
-        let agreement = agreement::chances(&found.last, self.candidates);
-        self.most_promising(&mut rivals);
+        let agreement = self.voted(&found.last);
+        self.most_promising(&mut rivals, &agreement);
         let evidence: Vec<Evidence> =
             rivals.iter().map(|rival| self.evidence(&rival.fitted)).collect();
         let exact: Vec<bool> =
@@ -399,14 +402,19 @@ impl Search<'_> {
         let error = |index: usize| evidence[index].left_out().map_or(f64::INFINITY, |it| it.rms);
         borne_out.sort_by(|&a, &b| error(a).total_cmp(&error(b)));
         found.refuse(refusals);
-        let Some(&best) = borne_out.first() else { return false };
-        let as_good =
-            |&&index: &&usize| match (evidence[best].left_out(), evidence[index].left_out()) {
-                (Some(best), Some(other)) => !best.gain(other).exceeds(1.0),
-                _ => false,
-            };
-        let mut names: Vec<String> =
-            borne_out.iter().filter(as_good).map(|&index| rivals[index].effect.clone()).collect();
+        let Some(&ahead) = borne_out.first() else { return false };
+        let as_good = |best: usize, index: usize, standard_errors: f64| {
+            let both = evidence[best].left_out().zip(evidence[index].left_out());
+            both.is_some_and(|(best, other)| !best.gain(other).exceeds(standard_errors))
+        };
+        // Where none predicts surely better, one that the parts agree on by the measure of the whole library.
+        let library = agreement::chances(&found.last, self.candidates);
+        let agreed =
+            |&&index: &&usize| exact[index] || library[rivals[index].candidate] <= DISAGREEMENT;
+        let sure = borne_out.iter().filter(agreed).find(|&&index| as_good(ahead, index, 2.0));
+        let best = sure.copied().unwrap_or(ahead);
+        let as_good = borne_out.iter().filter(|&&index| as_good(best, index, 1.0));
+        let mut names: Vec<String> = as_good.map(|&index| rivals[index].effect.clone()).collect();
         let effect = rivals[best].effect.clone();
         names.retain(|name| *name != effect);
         names.insert(0, effect.clone());
@@ -422,19 +430,30 @@ impl Search<'_> {
         true
     }
 
-    /// Keeps the rivals that traces left out, each in one step from the fit to all, and the likelihood
-    /// speak for most: a refit to the others in earnest is for these.
-    fn most_promising(&self, rivals: &mut Vec<Rival>) {
+    /// Chance of as much agreement between the parts of the data about each candidate: about any of the library, or about it by itself
+    /// where that is small.
+    fn voted(&self, screen: &Screen) -> Vec<f64> {
+        let library = agreement::chances(screen, self.candidates);
+        let own = agreement::protected_chances(screen, self.candidates);
+        let voted = |(library, own)| if own <= OWN_AGREEMENT { own } else { library };
+        library.into_iter().zip(own).map(voted).collect()
+    }
+
+    /// Keeps the rivals that traces left out, each in one step from the fit to all, the likelihood, and the parts of the data speak
+    /// for most: a refit to the others in earnest is for these.
+    fn most_promising(&self, rivals: &mut Vec<Rival>, agreement: &[f64]) {
         let error = |rival: &Rival| {
             let left_out = held_out_in_one_step(self.problem, &rival.fitted);
             left_out.unwrap_or_else(|| over_sections(self.problem, &rival.fitted)).rms
         };
-        let mut errors: Vec<(f64, usize)> =
-            rivals.iter().map(error).enumerate().map(|(index, error)| (error, index)).collect();
-        errors.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let mut kept: Vec<usize> =
-            errors.iter().take(IN_EARNEST).map(|(_, index)| *index).collect();
-        kept.extend((0..rivals.len()).take(LIKELIEST));
+        let errors: Vec<f64> = rivals.iter().map(error).collect();
+        let chances: Vec<f64> = rivals.iter().map(|rival| agreement[rival.candidate]).collect();
+        let mut kept: Vec<usize> = (0..rivals.len()).take(LIKELIEST).collect();
+        for (measure, count) in [(errors, IN_EARNEST), (chances, LIKELIEST)] {
+            let mut order: Vec<usize> = (0..rivals.len()).collect();
+            order.sort_by(|&a, &b| measure[a].total_cmp(&measure[b]));
+            kept.extend(order.into_iter().take(count));
+        }
         let mut index = 0;
         rivals.retain(|_| {
             index += 1;

@@ -70,7 +70,10 @@ struct Weighed {
 
 impl Climb<'_> {
     /// Adds terms to a model, and no further than to the first that leaves only noise; then takes away what is no longer needed.
-    pub(super) fn from(&self, base: Fitted) -> Found {
+    pub(super) fn from(&self, base: &Fitted) -> Found {
+        // A diagnosis may have been searched on means, whose sums of squares are those of all rows but for a little.
+        let problem = self.search.problem.with_chain(&base.chain);
+        let base = Fitted::new(&problem, &problem.point(&base.values), Effort::QUICK);
         let screened = self.screened(&base);
         let evidence = vec![Evidence::of(self.search.problem, &base)];
         let mut found = Found {

@@ -134,7 +134,7 @@ pub fn discover(
     let climb = Climb { search: &search, grammar: &grammar };
     let found = match known {
         // The library has the name; what it leaves may have a formula.
-        true => climb.from(library.model().clone()),
+        true => climb.from(library.model()),
         false => best_climb(&climb, library),
     };
     if known && found.steps.is_empty() {
@@ -147,11 +147,11 @@ pub fn discover(
 /// The climb from the model without effects; or from what the library explains of it, where that predicts traces left out better by
 /// more than its uncertainty over the traces: an effect of the library that was named for want of a better one is no part of a formula.
 fn best_climb(climb: &Climb, library: &Found) -> Found {
-    let alone = climb.from(library.base.clone());
+    let alone = climb.from(&library.base);
     if library.steps.is_empty() || climb.search.leaves_noise(alone.model()) {
         return alone;
     }
-    let beside = climb.from(library.model().clone());
+    let beside = climb.from(library.model());
     let left_out = |found: &Found| found.evidence.last().and_then(|it| it.left_out().cloned());
     let better = match (left_out(&beside), left_out(&alone)) {
         (Some(beside), Some(alone)) => beside.gain(&alone).exceeds(1.0),

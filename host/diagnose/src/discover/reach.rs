@@ -131,7 +131,7 @@ impl Reach {
         let (short, long) = (3.0 * scales.interval, 0.5 * scales.duration);
         let ratio = (long / short).max(1.0).powf(1.0 / 3.0);
         let wavy = matches!(quantity.kind, Kind::Fast | Kind::Clock);
-        let periods = if wavy { periods(&values, left, most - least) } else { Vec::new() };
+        let periods = if wavy { periods(&values, left, (least, most - least)) } else { Vec::new() };
         let even = EVEN_PLACES.map(|part| least + part * (most - least));
         let mut places = even.to_vec();
         if wavy {
@@ -186,14 +186,27 @@ pub fn values(quantity: &Quantity, data: &Data, predicted: &[Vec<f64>]) -> Optio
     Some(data.pieces.iter().zip(predicted).map(of).collect())
 }
 
-/// The periods at which waves over a quantity take most out of a residual: the highest peaks of its periodogram.
-fn periods(values: &[Vec<f64>], left: &[Vec<f64>], span: f64) -> Vec<f64> {
+/// The periods at which waves over a quantity take most out of a residual: the highest peaks of the periodogram of its means over
+/// narrow classes, in which a long hold counts no more than a passage.
+fn periods(values: &[Vec<f64>], left: &[Vec<f64>], (least, span): (f64, f64)) -> Vec<f64> {
+    const CLASSES: usize = 4 * *HALVES.end();
+    let mut classes = vec![(0.0, 0.0); CLASSES];
+    for (value, left) in values.iter().flatten().zip(left.iter().flatten()) {
+        let class = ((value - least) / span * CLASSES as f64) as usize;
+        let (sum, count) = &mut classes[class.min(CLASSES - 1)];
+        (*sum, *count) = (*sum + left, *count + 1.0);
+    }
+    let means: Vec<(f64, f64)> = (0..CLASSES)
+        .filter(|&k| classes[k].1 > 0.0)
+        .map(|k| ((k as f64 + 0.5) / CLASSES as f64 * span, classes[k].0 / classes[k].1))
+        .collect();
+    let middle = means.iter().map(|(_, mean)| mean).sum::<f64>() / means.len().max(1) as f64;
     let power = |halves: usize| {
         let turns = TAU * halves as f64 / (2.0 * span);
         let (mut cosine, mut sine) = (0.0, 0.0);
-        for (value, left) in values.iter().flatten().zip(left.iter().flatten()) {
+        for (value, mean) in &means {
             let (s, c) = (turns * value).sin_cos();
-            (cosine, sine) = (cosine + c * left, sine + s * left);
+            (cosine, sine) = (cosine + c * (mean - middle), sine + s * (mean - middle));
         }
         cosine * cosine + sine * sine
     };
@@ -289,6 +302,18 @@ mod tests {
         let found = speeds(&[velocities]);
         assert_eq!(found.len(), 2, "{found:?}");
         assert!((found[0] - 5.0).abs() < 0.1 && (found[1] - 20.0).abs() < 0.4, "{found:?}");
+    }
+
+    #[test]
+    fn a_period_is_found_beside_long_holds() {
+        let wave = |x: f64| (TAU * x / 0.9).sin();
+        let ramp = (0..300).map(|k| f64::from(k) / 25.0);
+        // Holds at places that have another period in common.
+        let holds = [4.0, 8.0, 12.0].iter().flat_map(|x| std::iter::repeat_n(*x, 2000));
+        let at: Vec<f64> = ramp.chain(holds).collect();
+        let left: Vec<f64> = at.iter().map(|x| wave(*x)).collect();
+        let found = periods(&[at], &[left], (0.0, 12.0));
+        assert!((found[0] - 0.9).abs() < 0.03, "{found:?}");
     }
 
     #[test]

@@ -44,6 +44,9 @@ impl Rows {
         (head.setup.sequence, head.setup.start_s) = (None, None);
         let schema = file.metadata().file_metadata().schema_descr();
         let columns = taken::columns(schema, names).map_err(|what| refused(path, what))?;
+        if !columns.iter().any(|column| column.names.iter().any(|name| name == TIME)) {
+            return Err(refused(path, format!("there is no column `{TIME}` of numbers")));
+        }
         let mut starts = vec![0];
         for group in file.metadata().row_groups() {
             starts.push(starts[starts.len() - 1] + group.num_rows() as u64);

@@ -159,9 +159,19 @@ impl DiagnosisSummary<'_> {
     fn sureness(&self) -> String {
         let steps = &self.diagnosis.found.steps;
         let largest = steps.iter().map(|step| step.p_value).fold(0.0, f64::max);
-        let mut text =
-            format!("Noise alone shows as much with a chance of at most {}", percent(largest, 2));
-        if let [step] = &steps[..]
+        let inexact = self.diagnosis.found.inexact;
+        let mut text = format!(
+            "{} with a chance of at most {}",
+            match inexact {
+                true => "Parts of the data that have nothing in common agree as much",
+                false => "Noise alone shows as much",
+            },
+            percent(largest, 2)
+        );
+        if inexact {
+            text +=
+                "; no law leaves noise alone, and so the error on traces left out chose the name";
+        } else if let [step] = &steps[..]
             && step.credible.len() == 1
         {
             let own = step.rivals.iter().find(|rival| rival.effect == step.effect);
