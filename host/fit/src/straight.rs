@@ -21,9 +21,11 @@ const SCATTERS: f64 = 3.0;
 const MOVES: f64 = 1.0 / 64.0;
 const OFF: f64 = 4.0;
 
-/// Part of the largest speed that counts as rest: of a clean motion, and at most where it scatters by so many times less.
-const AT_REST: (f64, f64) = (1e-3, 0.1);
+/// Part of the largest speed that counts as rest, and so many times the scatter of the velocity between samples that are so far apart
+/// that no slope was taken over both.
+const AT_REST: f64 = 1e-3;
 const STEADY: f64 = 10.0;
+const SMOOTHED: usize = 17;
 /// Logarithm of the factor by which the speed changes within a block at most: where a motion begins, ends or turns round, friction and
 /// dampers jump. A sample at a corner has half the speed, and so stands alone.
 const TURNS: f64 = 0.5;
@@ -60,8 +62,9 @@ pub(super) fn begins(
     reach: Reach,
 ) -> Vec<usize> {
     let probes = probes(time, x, recorded, reach);
-    let scattered = STEADY * scatter(time, x) * 2.0 * reach.rates.0;
-    let at_rest = (AT_REST.0 * reach.speed).max(scattered.min(AT_REST.1 * reach.speed));
+    let apart = |values: &[f64]| values.iter().step_by(SMOOTHED).copied().collect::<Vec<f64>>();
+    let scattered = scatter(&apart(time), &apart(velocity));
+    let at_rest = (AT_REST * reach.speed).max(STEADY * scattered);
     let speed = |k: usize| if at_rest > 0.0 { (velocity[k] / at_rest).asinh() } else { 0.0 };
     let count = time.len();
     // The first and the last sample of a contact stand alone, and those beside them: what depends on the speed jumps there.

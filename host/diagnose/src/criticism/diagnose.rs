@@ -260,15 +260,15 @@ impl<'a> Course<'a> {
 
     /// Takes the errors of every step over all rows, where the search was on their means.
     fn score_all_rows(&mut self, rows: &Problem, count: usize) {
-        let problem = self.search.problem;
+        let search = self.search;
         let steps = self.found.steps.len();
-        self.found.score(problem, rows);
+        self.found.score(search, rows);
         if self.found.steps.len() < steps {
             // What describes the means to the noise need not describe the rows.
             if !self.inexact {
                 let denied = std::mem::take(&mut self.found.refused);
                 self.keep_what_is_borne_out(denied);
-                self.found.score(problem, rows);
+                self.found.score(search, rows);
             }
             self.assess();
         }

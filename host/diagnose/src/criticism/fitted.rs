@@ -70,6 +70,14 @@ impl Fitted {
         self.converged
     }
 
+    /// Takes the parameters that describe best the samples that the means of the search stand for, a few steps from those that describe
+    /// the means: these smooth what repeats within a block.
+    pub fn confirm(&mut self, samples: &Problem) {
+        let problem = samples.with_chain(&self.chain);
+        self.point = minimise_with(&problem, &self.point, Effort::TRIAL).point;
+        self.values = problem.declared(&self.point);
+    }
+
     /// Takes the error over all rows, where the data that it was fitted to are their means.
     pub fn score(&mut self, rows: &Problem) {
         let problem = rows.with_chain(&self.chain);

@@ -161,9 +161,13 @@ impl Found {
         step.credible.iter().filter_map(member).collect()
     }
 
-    /// Takes the errors of every rung over all rows, where the data of the search are their means, and
-    /// goes back to the rung before the first at which one of them rises.
-    pub fn score(&mut self, problem: &Problem, rows: &Problem) {
+    /// Takes the parameters of the last model from the samples that the data of the search stand for, and the errors of every rung over
+    /// all rows; goes back to the rung before the first at which one of them rises.
+    pub fn score(&mut self, search: &Search, rows: &Problem) {
+        let problem = search.problem;
+        if problem.stands_for_samples() {
+            self.models.last_mut().unwrap_or(&mut self.base).confirm(search.samples);
+        }
         let rungs = std::iter::once(&mut self.base).chain(&mut self.models);
         for (fitted, evidence) in rungs.zip(&mut self.evidence) {
             fitted.score(rows);
