@@ -221,6 +221,14 @@ impl Browser {
         self.runtime.block_on(self.client.perform_actions(mouse)).expect("the pointer moves");
     }
 
+    /// Points at an element, and again where it has moved since, until another says these words.
+    pub fn point_until(&self, at: &str, css: &str, words: &str) {
+        self.until_so(&format!("{css} says {words:?}"), || {
+            self.point(at);
+            self.text(css).contains(words)
+        });
+    }
+
     /// Drags over an element, from one part of its width to another.
     pub fn drag(&self, css: &str, from: f64, to: f64) {
         let element = self.element(css);

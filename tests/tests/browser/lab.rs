@@ -34,8 +34,7 @@ fn a_first_time_user_names_the_effect_and_sees_the_error_fall_with_the_mouse_alo
     browser.says(".lab-next", "Add");
     let named = browser.text(".lab-next").replace("Add ", "");
     // What it would change is shown before it is done.
-    browser.point(".lab-next");
-    browser.says(".lab-legend", &format!("with {named}"));
+    browser.point_until(".lab-next", ".lab-legend", &format!("with {named}"));
     browser.click(".lab-next");
     browser.says(".lab-floor-reached", "nothing but noise");
     println!("from `palpate serve --demo` to {named} in {:.1} s", begun.elapsed().as_secs_f64());
