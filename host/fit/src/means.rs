@@ -1,8 +1,8 @@
 //! Recordings in block means, as effects see them: what a contact model can tell apart, whatever the rate.
 //!
-//! Blocks end where the motion, or what can be remembered of it, bends ([`super::straight`]); so a hold of half an hour is told by a
+//! Blocks end where the motion, or what can be remembered of it, bends (`straight`); so a hold of half an hour is told by a
 //! few hundred means, and a slow ramp by as many as a fast one. Samples count by their number and by the noise between
-//! them: the means are whitened as their samples are ([`super::whitened_blocks`]), so that the sum of squares is that of all
+//! them: the means are whitened as their samples are (`whitened_blocks`), so that the sum of squares is that of all
 //! samples. Searches go far on the means; what they find is confirmed on all samples.
 
 use std::ops::Range;
