@@ -1,20 +1,39 @@
 //! The dissertation recomputed, through the command.
 
 use std::fs;
+use std::path::Path;
+use std::sync::OnceLock;
 
 use palpate_tests::{follows_schema, palpate, workspace};
 use serde_json::Value;
+use tempfile::TempDir;
+
+/// Recomputes it into a folder, on so many threads; the answer.
+fn recompute(folder: &Path, threads: &str) -> Value {
+    let mut command = palpate();
+    command.args(["dissertation", "--json", "-o"]).arg(folder).env("RAYON_NUM_THREADS", threads);
+    let output = command.output().unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{said}");
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+/// A folder whose `new/folder` holds it recomputed on two threads, and the answer.
+fn recomputed() -> &'static (TempDir, Value) {
+    static ONCE: OnceLock<(TempDir, Value)> = OnceLock::new();
+    ONCE.get_or_init(|| {
+        let place = tempfile::tempdir().unwrap();
+        let answer = recompute(&place.path().join("new/folder"), "2");
+        (place, answer)
+    })
+}
 
 #[test]
 fn kinds_of_evidence_are_told_apart_and_the_report_has_every_chapter() {
-    let place = tempfile::tempdir().unwrap();
+    let (place, answer) = recomputed();
     let folder = place.path().join("new/folder");
-    let output = palpate().args(["dissertation", "--json", "-o"]).arg(&folder).output().unwrap();
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{said}");
-    let answer: Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(answer["palpate_dissertation"], 1);
-    follows_schema("dissertation", &answer);
+    follows_schema("dissertation", answer);
     // Kinds of evidence are told apart, and only what should agree must.
     let kind = |name: &str| {
         let kinds = answer["kinds"].as_array().unwrap();
@@ -84,16 +103,9 @@ fn kinds_of_evidence_are_told_apart_and_the_report_has_every_chapter() {
 
 #[test]
 fn the_report_is_the_same_on_every_run() {
-    let place = tempfile::tempdir().unwrap();
-    let run = |threads: &str| {
-        let folder = place.path().join(threads);
-        palpate()
-            .args(["dissertation", "-o"])
-            .arg(&folder)
-            .env("RAYON_NUM_THREADS", threads)
-            .assert()
-            .success();
-        fs::read_to_string(folder.join("comparisons.csv")).unwrap()
-    };
-    assert_eq!(run("1"), run("2"));
+    let (place, answer) = recomputed();
+    let alone = tempfile::tempdir().unwrap();
+    assert_eq!(recompute(alone.path(), "1"), *answer);
+    let written = |folder: &Path| fs::read_to_string(folder.join("comparisons.csv")).unwrap();
+    assert_eq!(written(alone.path()), written(&place.path().join("new/folder")));
 }

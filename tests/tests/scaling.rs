@@ -4,8 +4,14 @@
 use std::sync::Arc;
 
 use palpate::criticism::diagnose::diagnose;
+use palpate::criticism::fitted::Fitted;
+use palpate::criticism::held_out::held_out;
+use palpate::effects::candidates;
 use palpate::fit::data::Data;
+use palpate::fit::least_squares::Effort;
+use palpate::fit::problem::Problem;
 use palpate::fit::watch::{Watch, under};
+use palpate::fit::whitening::Whitening;
 use palpate::fit::whole_motion::fit;
 use palpate::model::{BaseLaw, Model, Separation};
 use palpate::trace::{DISPLACEMENT, FORCE, Trace};
@@ -66,4 +72,30 @@ fn a_diagnosis_costs_hardly_more_at_a_higher_rate() {
     assert!(ratio < 16f64.powf(EXPONENT), "{ratio} times the evaluations for 16 times the rows");
     // Most is done on means, whose number follows the motion.
     assert!(ratio < 4.0, "{ratio} times the evaluations for 16 times the rows");
+}
+
+/// Samples that are predicted to leave traces out of a model in which each has a zero of its own.
+fn cost_of_leaving_out(traces: usize) -> f64 {
+    let traces = presses(traces, 20.0);
+    let data = Data::of(&traces, FORCE).unwrap();
+    let base = fit(LAW, &data).unwrap();
+    let mut library = candidates(&data.setting(), &[]).unwrap().into_iter();
+    let zeros = library.find(|candidate| candidate.name == "zero-shift").unwrap();
+    let chain = base.chain.with(zeros.forms[0].applied.clone());
+    let mut values = base.values.clone();
+    values.resize(chain.parameters().len(), 0.0);
+    let white = Whitening::none();
+    let problem = Problem::new(&chain, &data, &white, None);
+    let fitted = Fitted::new(&problem, &problem.point(&values), Effort::QUICK);
+    let seen = Arc::new(Watch::default());
+    let held_out = under(&seen, || held_out(&problem, &fitted)).unwrap().unwrap();
+    assert_eq!(held_out.squares.len(), traces.len(), "each trace has its error");
+    assert!(held_out.rms > fitted.rms());
+    seen.evaluations() as f64
+}
+
+#[test]
+fn leaving_out_each_of_many_traces_costs_hardly_more_than_each_of_few() {
+    let ratio = cost_of_leaving_out(104) / cost_of_leaving_out(13);
+    assert!(ratio < 8f64.powf(EXPONENT), "{ratio} times the evaluations for 8 times the traces");
 }

@@ -10,6 +10,8 @@ use crate::golden::Golden;
 use crate::packages;
 
 const QEMU: &str = "qemu-system-arm";
+/// Emulators that run at the same time.
+const AT_ONCE: u32 = 2;
 
 /// Sets up, builds and runs everything that the firmware promises, with a steady stream of so many seconds.
 pub fn run(steady_s: u32, update: bool) -> miette::Result<()> {
@@ -18,7 +20,7 @@ pub fn run(steady_s: u32, update: bool) -> miette::Result<()> {
     firmware::check(&mut golden)?;
     cost(&mut golden)?;
     golden.close()?;
-    set_up_tests("emulated device", "emulated", 1, steady_s, &[])
+    set_up_tests("emulated device", "emulated", AT_ONCE, steady_s, &[])
 }
 
 fn install() -> miette::Result<()> {

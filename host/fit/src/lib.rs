@@ -34,6 +34,7 @@ pub mod coordinates;
 pub mod data;
 pub mod elastic_law;
 pub mod exponentials;
+pub mod fold;
 pub mod fourier;
 pub mod hold;
 mod jackknife;

@@ -17,6 +17,7 @@ use super::columns::Products;
 use super::compression::Compressed;
 use super::coordinates::Coordinates;
 use super::data::{Data, Piece};
+use super::fold::Fold;
 use super::least_squares::{HARDLY, LeastSquares, Normal, bounded_step_of};
 use super::levels::LevelSums;
 use super::means::Means;
@@ -41,8 +42,8 @@ pub struct Problem<'a> {
     constant: f64,
     /// What means tell of each stretch beside their values; empty where the data are samples.
     means: Arc<Vec<Meant>>,
-    /// A trace that is predicted but not fitted.
-    left_out: Option<usize>,
+    /// Traces that are predicted but not fitted.
+    left_out: Option<Fold>,
     /// Whether a search goes over shape and rates alone, the forces being always the best.
     projects: bool,
     coordinates: Coordinates,
@@ -55,13 +56,13 @@ const AT_A_TIME: usize = 1024;
 const STEP: (f64, f64) = (1e-6, 1e-8);
 
 impl<'a> Problem<'a> {
-    /// The residuals of `chain`, whitened, on every trace but the one left out.
+    /// The residuals of `chain`, whitened, on every trace but those left out.
     #[must_use]
     pub fn new(
         chain: &'a Chain,
         data: &'a Data<'a>,
         whitening: &'a Whitening,
-        left_out: Option<usize>,
+        left_out: Option<Fold>,
     ) -> Self {
         let coordinates = Coordinates::new(chain.base, data.largest_compression());
         let logarithms_of = |piece: &Piece| {
@@ -128,11 +129,11 @@ impl<'a> Problem<'a> {
         self
     }
 
-    /// The same without the residuals of one trace.
+    /// The same without the residuals of some traces.
     #[must_use]
-    pub fn leaving_out(&self, trace: usize) -> Self {
+    pub fn leaving_out(&self, fold: Fold) -> Self {
         Self {
-            left_out: Some(trace),
+            left_out: Some(fold),
             coordinates: self.coordinates.clone(),
             bounds: self.bounds.clone(),
             ..self.with_chain(self.chain)
@@ -244,25 +245,29 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// The whitened sum of squares over the traces that are fitted, and the error on one trace.
+    /// The whitened sum of squares over the traces that are fitted, and the error on each that is left out, in order.
     #[must_use]
-    pub fn apart(&self, point: &[f64], trace: usize) -> (f64, Apart) {
-        let mut apart = Apart::default();
-        let mut stretches: Vec<(usize, Vec<f64>)> = Vec::new();
+    pub fn apart(&self, point: &[f64]) -> (f64, Vec<Apart>) {
+        let count = self.data.labels.len();
+        let traces: Vec<usize> = self.left_out.iter().flat_map(|fold| fold.traces(count)).collect();
+        let mut aparts = vec![Apart::default(); traces.len()];
+        let mut stretches: Vec<Vec<(usize, Vec<f64>)>> = vec![Vec::new(); traces.len()];
         let cost = self.fitted_cost(point, |index, piece, residual| {
-            if piece.trace == trace {
-                let mut weighted = residual.to_vec();
-                self.weigh(index, &mut weighted);
-                let scatter: f64 = self.scatter(index).iter().sum();
-                apart.square += scatter + weighted.iter().map(|r| r * r).sum::<f64>();
-                apart.samples += self.rows_of(index, 0..usize::MAX);
-                let touch = piece.motion.displacement.iter().position(|&x| x > 0.0);
-                apart.before.extend_from_slice(&weighted[..touch.unwrap_or(0)]);
-                stretches.push((index, residual.to_vec()));
-            }
+            let Ok(place) = traces.binary_search(&piece.trace) else { return };
+            let apart = &mut aparts[place];
+            let mut weighted = residual.to_vec();
+            self.weigh(index, &mut weighted);
+            let scatter: f64 = self.scatter(index).iter().sum();
+            apart.square += scatter + weighted.iter().map(|r| r * r).sum::<f64>();
+            apart.samples += self.rows_of(index, 0..usize::MAX);
+            let touch = piece.motion.displacement.iter().position(|&x| x > 0.0);
+            apart.before.extend_from_slice(&weighted[..touch.unwrap_or(0)]);
+            stretches[place].push((index, residual.to_vec()));
         });
-        apart.whitened = self.whitened_square(trace, &mut stretches);
-        (cost, apart)
+        for ((&trace, apart), stretches) in traces.iter().zip(&mut aparts).zip(&mut stretches) {
+            apart.whitened = self.whitened_square(trace, stretches);
+        }
+        (cost, aparts)
     }
 
     /// The whitened sum of squares over the traces that are fitted; `seen` gets the residual of every
@@ -832,7 +837,7 @@ impl<'a> Problem<'a> {
     }
 
     fn fitted(&self, piece: &Piece) -> bool {
-        self.left_out != Some(piece.trace)
+        self.left_out.is_none_or(|fold| !fold.holds(piece.trace))
     }
 }
 

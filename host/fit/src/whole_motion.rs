@@ -8,6 +8,7 @@ use rayon::prelude::*;
 
 use super::compression::Compressed;
 use super::data::{Data, DataError, Piece};
+use super::fold::Fold;
 use super::least_squares::{
     HARDLY, LeastSquares, Normal, Solution, Stop, bounded_step, finish, minimise, race,
 };
@@ -226,7 +227,9 @@ pub fn held_out(fit: &MotionFit, data: &Data) -> Vec<f64> {
                 let own = belongs.contains(&j);
                 if own && zero { 0.0 } else { x + if own { 0.0 } else { *dx } }
             });
-            let found = minimise(&searched.leaving_out(trace), &start.collect::<Vec<_>>()).point;
+            let found =
+                minimise(&searched.leaving_out(Fold::alone(trace)), &start.collect::<Vec<_>>())
+                    .point;
             let moved = point.iter().zip(&found).zip(&from).map(|((x, to), from)| x + (to - from));
             let moved =
                 moved.zip(problem.bounds()).map(|(x, (lower, upper))| x.clamp(*lower, *upper));

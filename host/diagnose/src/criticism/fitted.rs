@@ -201,22 +201,25 @@ impl Fitted {
         gauss_newton(normal, |j| self.free[j] && !fixed.contains(&j))
     }
 
-    /// Sum of squares that the uncertainty of the coordinates adds to the error on a `trace` to which they were not fitted:
-    /// the trace of its curvature times the covariance that the `normal` equations of the fit give.
+    /// Sum of squares that the uncertainty of the coordinates adds to the error on each of some `traces` to which they were not
+    /// fitted: the trace of its curvature times the covariance that the `normal` equations of the fit give.
     #[must_use]
-    pub fn foretold_error(&self, normal: &Normal, trace: usize, fixed: &[usize]) -> f64 {
-        let mut left_out = Normal::zeros(self.point.len());
-        for block in self.blocks.iter().filter(|block| block.trace == trace) {
-            left_out.add_those_of(&block.coordinates, &block.raw, 1.0);
-        }
+    pub fn foretold_errors(&self, normal: &Normal, traces: &[usize], fixed: &[usize]) -> Vec<f64> {
         let Some(known) = Scaled::of(normal, |j| self.free[j] && !fixed.contains(&j)) else {
-            return 0.0;
+            return vec![0.0; traces.len()];
         };
         let (free, scale) = (&known.free, &known.scale);
-        let matrix = DMatrix::from_fn(free.len(), free.len(), |a, b| {
-            left_out.curvature[(free[a], free[b])] / (scale[a] * scale[b])
-        });
-        known.factor.solve(&matrix).trace()
+        let error_on = |trace: &usize| {
+            let mut left_out = Normal::zeros(self.point.len());
+            for block in self.blocks.iter().filter(|block| block.trace == *trace) {
+                left_out.add_those_of(&block.coordinates, &block.raw, 1.0);
+            }
+            let matrix = DMatrix::from_fn(free.len(), free.len(), |a, b| {
+                left_out.curvature[(free[a], free[b])] / (scale[a] * scale[b])
+            });
+            known.factor.solve(&matrix).trace()
+        };
+        traces.iter().map(error_on).collect()
     }
 
     /// Standard errors of the parameters, with the variance that the whitened residuals show; where the

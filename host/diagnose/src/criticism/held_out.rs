@@ -1,16 +1,17 @@
 //! Errors on traces left out of the fit.
 //!
-//! Every trace in turn is predicted by a fit to the others. One Gauss–Newton step from the fit to all
-//! leads there where the model is nearly straight over that step; where the sum of squares over the
-//! other traces is not what the step foretells, they are refitted in earnest. What a trace has of its
-//! own (its zero, the phase of a hum) is taken from what it shows before its touch, as a user would.
+//! Every trace in turn is predicted by a fit to the others; where there are many, those of a fold in turn by a fit to all outside
+//! it. One Gauss–Newton step from the fit to all leads there where the model is nearly straight over that step; where the sum of
+//! squares over the other traces is not what the step foretells, they are refitted in earnest. What a trace has of its own (its
+//! zero, the phase of a hum) is taken from what it shows before its touch, as a user would.
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::fitted::Fitted;
+use palpate_fit::fold::Fold;
 use palpate_fit::least_squares::{Effort, LeastSquares, minimise_with};
-use palpate_fit::problem::Problem;
+use palpate_fit::problem::{Apart, Problem};
 
 /// Errors of a model on traces that it was not fitted to.
 #[derive(Clone, Debug, PartialEq)]
@@ -132,14 +133,17 @@ fn held_out_with(
         Some(rows) if problem.stands_for_samples() => (None, unseen(&problem, rows, fitted)),
         rows => (rows.as_ref(), vec![0.0; traces]),
     };
-    let errors: Vec<TraceError> = (0..traces)
+    let errors: Vec<Vec<TraceError>> = Fold::all(traces)
         .into_par_iter()
-        .map(|trace| {
-            let mut error = left_out(&problem, fitted, trace, in_earnest, instead);
-            error.square = (error.square + unseen[trace]).max(0.0);
-            error
-        })
+        .map(|fold| left_out(&problem, fitted, fold, in_earnest, instead))
         .collect();
+    let mut of_fold: Vec<_> = errors.into_iter().map(Vec::into_iter).collect();
+    let folds = of_fold.len();
+    let mut errors: Vec<TraceError> =
+        (0..traces).filter_map(|trace| of_fold[trace % folds].next()).collect();
+    for (error, unseen) in errors.iter_mut().zip(unseen) {
+        error.square = (error.square + unseen).max(0.0);
+    }
     let total: f64 = errors.iter().map(|error| error.square).sum();
     let samples: f64 = errors.iter().map(|error| error.samples).sum();
     Some(HeldOut {
@@ -167,18 +171,22 @@ struct TraceError {
     samples: f64,
 }
 
-/// The error on one trace of a fit to the others.
+/// The errors on the traces of a fold by a fit to the others.
 fn left_out(
     problem: &Problem,
     fitted: &Fitted,
-    trace: usize,
+    fold: Fold,
     in_earnest: bool,
     rows: Option<&Problem>,
-) -> TraceError {
-    let others = problem.leaving_out(trace);
-    let own = fitted.chain.own_of_trace(trace);
-    let rest = fitted.total(&others, |block| f64::from(u8::from(block.trace != trace)));
-    let step = fitted.step(&rest, &own);
+) -> Vec<TraceError> {
+    let others = problem.leaving_out(fold);
+    let traces: Vec<usize> = fold.traces(problem.data().labels.len()).collect();
+    let own: Vec<Vec<usize>> =
+        traces.iter().map(|&trace| fitted.chain.own_of_trace(trace)).collect();
+    let all_own = own.concat();
+    let rest = fitted.total(&others, |block| f64::from(u8::from(!fold.holds(block.trace))));
+    let step = fitted.step(&rest, &all_own);
+    let uncertain = fitted.foretold_errors(&rest, &traces, &all_own);
     let foretold =
         rest.cost + 2.0 * rest.gradient.dot(&step) + step.dot(&(&rest.curvature * &step));
     let mut point: Vec<f64> = fitted
@@ -191,37 +199,43 @@ fn left_out(
     let inside =
         point.iter().zip(&fitted.point).zip(step.iter()).all(|((to, x), step)| *to == x + step);
     let change = step.dot(&(&rest.curvature * &step));
-    let straight = change <= SMALL * SMALL * rest.cost && own.is_empty() && rows.is_none();
+    let straight = change <= SMALL * SMALL * rest.cost && all_own.is_empty() && rows.is_none();
     if straight && inside && fitted.blocks.iter().all(|block| block.levels.is_none()) {
-        let by_uncertainty = fitted.foretold_error(&rest, trace, &own);
-        return TraceError { by_uncertainty, ..along_the_line(fitted, trace, &step) };
+        let error = |(&trace, by_uncertainty)| TraceError {
+            by_uncertainty,
+            ..along_the_line(fitted, trace, &step)
+        };
+        return traces.iter().zip(uncertain).map(error).collect();
     }
-    for &j in &own {
+    for &j in &all_own {
         point[j] = 0.0;
     }
-    let (mut cost, mut apart) = others.apart(&point, trace);
+    let (mut cost, mut aparts) = others.apart(&point);
     let variance = rest.cost / (fitted.samples as f64).max(1.0);
     if in_earnest && (cost.is_nan() || cost > foretold.max(0.0) + SAME * variance) {
         point = minimise_with(&others, &point, Effort::QUICK).point;
-        (cost, apart) = others.apart(&point, trace);
+        (cost, aparts) = others.apart(&point);
     }
     if !cost.is_finite() {
         let (square, whitened) = (f64::INFINITY, f64::INFINITY);
-        return TraceError { square, whitened, by_uncertainty: 0.0, samples: 1.0 };
+        let lost = TraceError { square, whitened, by_uncertainty: 0.0, samples: 1.0 };
+        return vec![lost; traces.len()];
     }
-    if !own.is_empty() {
-        own_from_before(&others, &mut point, &own, trace, &apart.before);
-        apart = others.apart(&point, trace).1;
+    if !all_own.is_empty() {
+        own_from_before(&others, &mut point, &own, &aparts);
+        aparts = others.apart(&point).1;
     }
     if let Some(rows) = rows {
-        apart = rows.apart(&rows.point(&others.declared(&point)), trace).1;
+        let rows = rows.leaving_out(fold);
+        aparts = rows.apart(&rows.point(&others.declared(&point))).1;
     }
-    TraceError {
+    let error = |(apart, by_uncertainty): (Apart, f64)| TraceError {
         square: apart.square,
         whitened: apart.whitened,
-        by_uncertainty: fitted.foretold_error(&rest, trace, &own),
+        by_uncertainty,
         samples: apart.samples as f64,
-    }
+    };
+    aparts.into_iter().zip(uncertain).map(error).collect()
 }
 
 /// The error on one trace after a step that hardly changes the prediction, from the normal equations of its blocks.
@@ -236,31 +250,31 @@ fn along_the_line(fitted: &Fitted, trace: usize, step: &DVector<f64>) -> TraceEr
     error
 }
 
-/// Sets what a trace has of its own by least squares over its samples before the touch; it stays at
+/// Sets what each trace left out has of its own by least squares over its samples before the touch; it stays at
 /// zero where there are none.
-fn own_from_before(
-    problem: &Problem,
-    point: &mut [f64],
-    own: &[usize],
-    trace: usize,
-    at_zero: &[f64],
-) {
-    let residual = at_zero;
-    if residual.len() < 2 * own.len() {
-        return;
-    }
-    let columns: Vec<f64> = own
-        .iter()
-        .flat_map(|&j| {
+fn own_from_before(others: &Problem, point: &mut [f64], own: &[Vec<usize>], at_zero: &[Apart]) {
+    let most = own.iter().map(Vec::len).max().unwrap_or(0);
+    // What belongs to one trace changes no other: one run moves a parameter of each.
+    let moved: Vec<Vec<Apart>> = (0..most)
+        .map(|which| {
             let mut moved = point.to_vec();
-            moved[j] = 1.0;
-            let moved = problem.apart(&moved, trace).1.before;
-            moved.iter().zip(residual).map(|(moved, at)| moved - at).collect::<Vec<_>>()
+            own.iter().filter_map(|own| own.get(which)).for_each(|&j| moved[j] = 1.0);
+            others.apart(&moved).1
         })
         .collect();
-    let columns = DMatrix::from_vec(residual.len(), own.len(), columns);
-    let found = columns.svd(true, true).solve(&DVector::from_column_slice(residual), 1e-9);
-    for (&j, value) in own.iter().zip(found.iter().flat_map(|found| found.iter())) {
-        point[j] = -value;
+    for (place, own) in own.iter().enumerate() {
+        let residual = &at_zero[place].before;
+        if own.is_empty() || residual.len() < 2 * own.len() {
+            continue;
+        }
+        let difference = |moved: &Vec<Apart>| {
+            moved[place].before.iter().zip(residual).map(|(moved, at)| moved - at).collect()
+        };
+        let columns: Vec<Vec<f64>> = moved[..own.len()].iter().map(difference).collect();
+        let columns = DMatrix::from_vec(residual.len(), own.len(), columns.concat());
+        let found = columns.svd(true, true).solve(&DVector::from_column_slice(residual), 1e-9);
+        for (&j, value) in own.iter().zip(found.iter().flat_map(|found| found.iter())) {
+            point[j] = -value;
+        }
     }
 }

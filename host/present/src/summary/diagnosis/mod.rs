@@ -32,6 +32,7 @@ use palpate_diagnose::criticism::leftover_curve::LeftoverCurve;
 use palpate_diagnose::criticism::screen::DRAWS;
 use palpate_diagnose::criticism::search::DECISIVE;
 use palpate_fit::data::Data;
+use palpate_fit::fold::Fold;
 use palpate_model::Rung;
 use palpate_report::number::significant;
 use palpate_report::{Block, Callout, Column, Level, Section, Table};
@@ -211,9 +212,15 @@ impl<'a> DiagnosisSummary<'a> {
             }
             table = table.row(cells);
         }
-        let held_out = match self.data.labels.len() {
-            1 => "One trace: none can be held out.",
-            _ => "Held out: each trace predicted by a fit to the others.",
+        let traces = self.data.labels.len();
+        let held_out = match Fold::count(traces) {
+            1 => "One trace: none can be held out.".to_owned(),
+            folds if folds < traces => {
+                format!(
+                    "Held out: each of {folds} folds of the traces predicted by a fit to the others."
+                )
+            }
+            _ => "Held out: each trace predicted by a fit to the others.".to_owned(),
         };
         table = table.note(format!("Noise: {} {unit}. {held_out}", self.level(noise)));
         if let Some(discrepancy) = self.discrepancy() {
