@@ -6,6 +6,7 @@
 mod cable;
 mod conversation;
 mod converter;
+mod load;
 mod part;
 mod small_parts;
 mod usart;
@@ -15,6 +16,7 @@ mod widened;
 pub use cable::{Cable, Over};
 pub use conversation::{Asked, BOOT_MS, Heard, sheet};
 pub use converter::{CLOCK_HZ as CONVERTER_CLOCK_HZ, Chip, Converter, Fault};
+pub use load::Load;
 pub use small_parts::{Adc, FACTORY_READINGS, Power};
 pub use usart::Wire;
 

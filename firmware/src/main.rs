@@ -247,6 +247,14 @@ mod app {
         )
     }
 
+    /// Nothing to do: the core sleeps, which keeps the chip cool beside the silicone.
+    #[idle]
+    fn idle(_: idle::Context) -> ! {
+        loop {
+            cortex_m::asm::wfi();
+        }
+    }
+
     /// An edge of the converter's data-ready line.
     #[task(binds = EXTI9_5, priority = 3, local = [drdy, samples_in], shared = [hardware])]
     fn read(mut cx: read::Context) {
