@@ -7,7 +7,7 @@ use embedded_hal::{
 };
 
 use crate::{
-    CHANNELS, Config, Error, Register, Status,
+    CHANNELS, Config, Error, Inputs, Register, Status,
     command::{Command, RESET_RESPONSE},
     frame::{self, Reply},
     register,
@@ -99,6 +99,20 @@ impl<SPI: SpiDevice, RESET: OutputPin> Ads131m04<SPI, RESET> {
         self.write_verified(Register::Mode, register::MODE)?;
         self.write_verified(Register::Clock, config.clock_register())?;
         self.write_verified(Register::Gain1, config.gain_register())?;
+        self.write_verified(Register::Cfg, config.cfg_register())?;
+        self.discard_stale()
+    }
+
+    /// Chooses what all channels measure; a reset chooses their pins. As [`configure`](Self::configure) it drops samples, and the
+    /// next [`SETTLING_SAMPLES`] mix old and new. 14 frames.
+    ///
+    /// # Errors
+    /// As [`configure`](Self::configure).
+    pub fn select(&mut self, inputs: Inputs) -> Outcome<(), SPI, RESET> {
+        use Register::{Channel0, Channel1, Channel2, Channel3};
+        for channel in [Channel0, Channel1, Channel2, Channel3] {
+            self.write_verified(channel, inputs as u16)?;
+        }
         self.discard_stale()
     }
 
@@ -218,19 +232,18 @@ impl<SPI: SpiDevice, RESET: OutputPin> Ads131m04<SPI, RESET> {
 
     /// The part obeys a WREG even when its checksum is wrong (§8.3.12): only reading back tells.
     fn write_verified(&mut self, register: Register, written: u16) -> Outcome<(), SPI, RESET> {
-        self.acknowledged(Command::WriteRegister(register, written))?;
-        let read = self.read_register(register)?;
+        let write = Command::WriteRegister(register, written);
+        self.transfer(write)?;
+        // The acknowledgement comes with the frame that asks for the value.
+        let response = self.verified_transfer(Command::ReadRegister(register))?.response();
+        expect(write, response)?;
+        let read = self.verified_transfer(Command::Null)?.response();
         if read == written { Ok(()) } else { Err(Error::ReadBack { register, written, read }) }
     }
 
     fn acknowledged(&mut self, command: Command) -> Outcome<(), SPI, RESET> {
         let response = self.exchange(command)?;
-        let expected = command.acknowledgement();
-        if response == expected {
-            Ok(())
-        } else {
-            Err(Error::Refused { command: command.word(), expected, response })
-        }
+        expect(command, response)
     }
 
     /// Sends a command and fetches the response, which comes one frame later.
@@ -253,5 +266,15 @@ impl<SPI: SpiDevice, RESET: OutputPin> Ads131m04<SPI, RESET> {
             Some(read) => Err(Error::NoChip { read }),
             None => Ok(reply),
         }
+    }
+}
+
+/// Whether a response is the one that a command owes.
+fn expect<SPI, PIN>(command: Command, response: u16) -> Result<(), Error<SPI, PIN>> {
+    let expected = command.acknowledgement();
+    if response == expected {
+        Ok(())
+    } else {
+        Err(Error::Refused { command: command.word(), expected, response })
     }
 }

@@ -26,6 +26,14 @@ const STATUS: usize = 1;
 const MODE: usize = 2;
 const CLOCK: usize = 3;
 const GAIN1: usize = 4;
+const CFG: usize = 6;
+/// Inputs of the four channels, in their lowest two bits (§8.6).
+const CHANNELS: [usize; 4] = [0x09, 0x0e, 0x13, 0x18];
+/// Global chop, and periods of the modulator that the inputs settle for (§8.4.3.2).
+const CHOPS: u16 = 1 << 8;
+const CHOP_DELAY: u64 = 16;
+/// 2/15 of full scale (§8.3.9).
+const TEST_SIGNAL: i32 = (1 << 24) / 15;
 const WAS_RESET: u16 = 1 << 10;
 
 /// What is wrong with it.
@@ -51,6 +59,8 @@ pub struct Chip {
     kept: VecDeque<[i32; 4]>,
     /// Counts at a gain of 1, times 128, of a conversion.
     pub input: fn(u64) -> [i32; 4],
+    /// Counts that it reads too many, unless it chops.
+    pub offset: i32,
     /// What is wrong with it.
     pub fault: Fault,
     /// Conversions since power came.
@@ -85,6 +95,7 @@ impl Chip {
             registers: defaults(),
             kept: VecDeque::new(),
             input: steady,
+            offset: 0,
             fault: Fault::None,
             conversions: 0,
             slowest_answer: 0,
@@ -115,7 +126,12 @@ impl Chip {
     /// Ticks from one conversion to the next.
     #[must_use]
     pub fn interval(&self) -> u64 {
-        2 * (128 << ((self.registers[CLOCK] >> 2) & 7))
+        let ratio = 128 << ((self.registers[CLOCK] >> 2) & 7);
+        2 * if self.chops() { CHOP_DELAY + 3 * ratio } else { ratio }
+    }
+
+    fn chops(&self) -> bool {
+        self.registers[CFG] & CHOPS != 0
     }
 
     /// Gains that are set.
@@ -136,8 +152,15 @@ impl Chip {
         }
         std::array::from_fn(|at| {
             let of = |gain: i32| i64::from(input[at]) * i64::from(gain) / 128;
-            let mixed = (of(old[at]) * left + of(new[at]) * (4 - left)) / 4;
-            mixed.clamp(-(1 << 23), (1 << 23) - 1) as i32
+            let pins = (of(old[at]) * left + of(new[at]) * (4 - left)) / 4;
+            let measured = match self.registers[CHANNELS[at]] & 3 {
+                0 => pins,
+                1 => 0,
+                2 => TEST_SIGNAL.into(),
+                _ => i64::from(-TEST_SIGNAL),
+            };
+            let offset = if self.chops() { 0 } else { self.offset };
+            (measured + i64::from(offset)).clamp(-(1 << 23), (1 << 23) - 1) as i32
         })
     }
 
@@ -188,7 +211,8 @@ impl Chip {
     }
 
     fn write(&mut self, register: usize, value: u16) {
-        if self.registers[register] != value && (register == GAIN1 || register == CLOCK) {
+        let settles = [GAIN1, CLOCK, CFG].contains(&register) || CHANNELS.contains(&register);
+        if self.registers[register] != value && settles {
             self.gains_before = self.gains();
             self.settling = SETTLING;
         }
@@ -202,6 +226,7 @@ impl Chip {
 fn defaults() -> [u16; 64] {
     let mut registers = [0; 64];
     registers[..4].copy_from_slice(&[0x2403, 0x0500, 0x0510, 0x0f0e]);
+    registers[CFG] = 0x0600;
     registers
 }
 

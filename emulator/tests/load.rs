@@ -21,7 +21,8 @@ fn measured(line: &str, board: &mut Board, columns: Columns) -> Vec<Load> {
         board.listen_ms(50);
         let load = board.load(200);
         let row = load.whole * CLOCK_HZ / hz;
-        let parts = load.parts.iter().map(|(name, share)| format!("{name} {:.0}", share * CLOCK_HZ / hz));
+        let parts =
+            load.parts.iter().map(|(name, share)| format!("{name} {:.0}", share * CLOCK_HZ / hz));
         let parts: Vec<_> = parts.collect();
         println!(
             "{line}, {hz:.0} Hz: {:.1} % of the processor, {row:.0} cycles a row: {}",

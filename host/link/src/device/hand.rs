@@ -53,23 +53,14 @@ pub fn record_all(
         devices.into_iter().map(|(session, plan)| (plan, session)).unzip();
     let seen = Seen { ended: AtomicBool::new(false), fingers: Mutex::default() };
     let outcomes = thread::scope(|scope| {
-        let follow = |(device, (session, plan)): (usize, (Session, &Plan))| {
+        let mut running = Vec::new();
+        for (device, (session, plan)) in sessions.into_iter().zip(&plans).enumerate() {
             let share = shared.of_device(device as u8);
             let mut recorder = Recorder::new(plan, share, began, session.identity().clone());
             seen.fingers().push((recorder.view(), Vec::new()));
-            let seen = &seen;
-            move || {
-                let outcome = recorder.run(session, &mut One { device, seen });
-                seen.fingers()[device].0 = recorder.view();
-                let outcome = outcome.map_err(|stop| (device, recorder.failed(stop, file)));
-                if outcome.is_err() {
-                    seen.ended.store(true, Ordering::Relaxed);
-                }
-                outcome
-            }
-        };
-        let all: Vec<_> = sessions.into_iter().zip(&plans).enumerate().map(follow).collect();
-        let running: Vec<_> = all.into_iter().map(|one| scope.spawn(one)).collect();
+            let one = One { device, seen: &seen };
+            running.push(scope.spawn(move || one.follow(recorder, session, file)));
+        }
         while !running.iter().all(thread::ScopedJoinHandle::is_finished) {
             thread::sleep(LOOK);
             seen.show(beside);
@@ -77,7 +68,7 @@ pub fn record_all(
                 seen.ended.store(true, Ordering::Relaxed);
             }
         }
-        running.into_iter().map(|one| one.join()).collect::<Vec<_>>()
+        running.into_iter().map(thread::ScopedJoinHandle::join).collect::<Vec<_>>()
     });
     let closed = shared.close(since_us(began, Instant::now()));
     seen.show(beside);
@@ -137,6 +128,23 @@ impl Seen {
 struct One<'s> {
     device: usize,
     seen: &'s Seen,
+}
+
+impl One<'_> {
+    fn follow(
+        mut self,
+        mut recorder: Recorder<'_>,
+        session: Session,
+        file: &Path,
+    ) -> Result<(), (usize, RecordError)> {
+        let outcome = recorder.run(session, &mut self);
+        self.watch(&recorder.view());
+        outcome.map_err(|stop| {
+            // It ends the recording of all.
+            self.seen.ended.store(true, Ordering::Relaxed);
+            (self.device, recorder.failed(stop, file))
+        })
+    }
 }
 
 impl Beside for One<'_> {
