@@ -73,7 +73,8 @@ pub struct Chip {
     pub empty: u64,
     settling: u32,
     gains_before: [i32; 4],
-    response: u16,
+    /// What the next frame begins with, if not with the status.
+    response: Option<u16>,
     out: [u8; BYTES],
     got: Vec<u8>,
     selected: bool,
@@ -103,7 +104,7 @@ impl Chip {
             empty: 0,
             settling: 0,
             gains_before: [1; 4],
-            response: 0xff24,
+            response: Some(0xff24),
             out: [0; BYTES],
             got: Vec::new(),
             selected: false,
@@ -118,7 +119,7 @@ impl Chip {
     pub fn reset(&mut self) {
         self.registers = defaults();
         self.kept.clear();
-        self.response = 0xff24;
+        self.response = Some(0xff24);
         self.gains_before = [1; 4];
         self.settling = SETTLING;
     }
@@ -173,7 +174,7 @@ impl Chip {
         self.frames += 1;
         let counts = self.kept.pop_front();
         self.empty += u64::from(counts.is_none());
-        let first = if self.response == 0 { self.status(counts.is_some()) } else { self.response };
+        let first = self.response.unwrap_or_else(|| self.status(counts.is_some()));
         self.out = [0; BYTES];
         self.out[..2].copy_from_slice(&first.to_be_bytes());
         for (place, count) in self.out[3..].chunks_mut(3).zip(counts.unwrap_or_default()) {
@@ -196,17 +197,17 @@ impl Chip {
         let (command, value) = (word(0), word(1));
         let register = usize::from(command >> 7 & 63);
         self.response = match command & 0xe000 {
-            0xa000 if register == STATUS => self.status(!self.kept.is_empty()),
-            0xa000 => self.registers[register],
+            0xa000 if register == STATUS => Some(self.status(!self.kept.is_empty())),
+            0xa000 => Some(self.registers[register]),
             0x6000 => {
                 self.write(register, value);
-                0x4000 | command & 0x1f80
+                Some(0x4000 | command & 0x1f80)
             }
             _ if command == 0x0011 => {
                 self.reset();
-                0xff24
+                Some(0xff24)
             }
-            _ => command,
+            _ => (command != 0).then_some(command),
         };
     }
 
