@@ -44,8 +44,6 @@ pub const MS: u64 = 1_000_000;
 /// Flash and its size.
 const FLASH: u64 = 0x0800_0000;
 const FLASH_BYTES: usize = 1 << 20;
-/// Parts see events of each other this late at most, ns.
-const QUANTUM_NS: u64 = 2_000;
 /// Resets that the processor or the watchdog asks for are done this late at most, ns.
 const RESET_NS: u64 = 200_000;
 
@@ -62,6 +60,8 @@ pub struct Setup {
     pub has_usb: bool,
     /// Frequency of the watchdog's oscillator, which should be 32 kHz, Hz: a faster one makes the watchdog less patient.
     pub watchdog_hz: u32,
+    /// Parts see events of each other this late at most, ns; a core that they wake stands still for as long.
+    pub quantum_ns: u64,
 }
 
 impl Setup {
@@ -75,7 +75,14 @@ impl Setup {
         let flash = std::fs::read(&path).unwrap_or_else(|error| {
             panic!("{}: {error}; cargo xtask firmware makes it", path.display())
         });
-        Self { flash, crystal_mhz: 12, internal_hz: 16_000_000, has_usb: true, watchdog_hz: 32_000 }
+        Self {
+            flash,
+            crystal_mhz: 12,
+            internal_hz: 16_000_000,
+            has_usb: true,
+            watchdog_hz: 32_000,
+            quantum_ns: 2_000,
+        }
     }
 }
 
@@ -157,7 +164,7 @@ impl Board {
             *place.lock().unwrap() = Some(cpu.clone());
             Ok(cpu)
         });
-        options.realize.scheduler.quantum = GlobalTime::from_nanos(QUANTUM_NS);
+        options.realize.scheduler.quantum = GlobalTime::from_nanos(setup.quantum_ns);
         options.realize.media.insert("firmware", setup.flash.clone());
         options.realize.media.insert("system", system_memory());
         let description = include_str!("../board.machine")
