@@ -23,8 +23,8 @@ impl Config {
     /// CLKIN periods per conversion, exact. With the chop on each conversion waits for the inputs and then for the whole filter.
     pub const fn clkin_periods(&self) -> u32 {
         let periods = self.oversampling.clkin_periods();
-        // Three at most of 32,768 periods.
-        if self.chop { 2 * CHOP_DELAY + 3 * periods } else { periods }
+        // Three times 32,768 at most, and a little.
+        if self.chop { periods.wrapping_mul(3).wrapping_add(CHOP_DELAY) } else { periods }
     }
 
     /// Conversions per second in millihertz, to the nearest. The exact rate is `clock.hz()` divided by
@@ -58,8 +58,8 @@ impl Config {
     }
 }
 
-/// Periods of the modulator for which the inputs settle when they were swapped: GC_DLY as after a reset (§8.6).
-const CHOP_DELAY: u32 = 16;
+/// Periods of CLKIN for which the inputs settle when they were swapped: 16 of the modulator, GC_DLY as after a reset (§8.6).
+const CHOP_DELAY: u32 = 32;
 
 fn rounded_half(twice: u64) -> u32 {
     u32::try_from(twice.saturating_add(1) >> 1).unwrap_or(u32::MAX)

@@ -243,20 +243,23 @@ pub struct Converter {
     bus: Arc<SpiBus>,
     clock: Clock,
     pins: Wires,
+    /// Whether its clock is another finger's.
+    is_clocked: bool,
 }
 
 const CS: u32 = 0;
 const RESET: u32 = 1;
 
 impl Converter {
-    /// On a bus.
+    /// On a bus, with a clock of its own board or of another finger's, which the board hears by a joint to ground.
     #[must_use]
-    pub fn new(bus: Arc<SpiBus>) -> Arc<Self> {
+    pub fn new(bus: Arc<SpiBus>, is_clocked: bool) -> Arc<Self> {
         let converter = Arc::new(Self {
             chip: Mutex::new(Chip::new()),
             bus: bus.clone(),
             clock: Clock::new(),
             pins: Wires::default(),
+            is_clocked,
         });
         converter.clock.due(Some(2_048));
         bus.attach(ChipSelect(0), converter.clone()).unwrap();
@@ -310,6 +313,7 @@ impl Part for Converter {
     fn announce(&self) {
         let drdy = self.chip().drdy;
         self.pins.drive("drdy", drdy);
+        self.pins.drive("strap", !self.is_clocked);
     }
 
     fn clock(&self) -> Option<&Clock> {
@@ -387,5 +391,9 @@ impl SpiSlave for Converter {
 /// Its pins.
 pub fn schema() -> ClassSchema {
     let schema = ClassSchema::new(CLASS.name);
-    schema.port("cs", PortDir::In).port("reset", PortDir::In).port("drdy", PortDir::Out)
+    schema
+        .port("cs", PortDir::In)
+        .port("reset", PortDir::In)
+        .port("drdy", PortDir::Out)
+        .port("strap", PortDir::Out)
 }

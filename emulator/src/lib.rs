@@ -60,6 +60,8 @@ pub struct Setup {
     pub has_usb: bool,
     /// Frequency of the watchdog's oscillator, which should be 32 kHz, Hz: a faster one makes the watchdog less patient.
     pub watchdog_hz: u32,
+    /// Whether the converter's clock is another finger's, which is said by a joint to ground.
+    pub is_clocked: bool,
     /// Parts see events of each other this late at most, ns; a core that they wake stands still for as long.
     pub quantum_ns: u64,
 }
@@ -81,6 +83,7 @@ impl Setup {
             internal_hz: 16_000_000,
             has_usb: true,
             watchdog_hz: 32_000,
+            is_clocked: false,
             quantum_ns: 2_000,
         }
     }
@@ -128,7 +131,8 @@ impl Board {
     pub fn new(setup: &Setup) -> Self {
         let mut options = catalog::build_options().unwrap();
         let mut registry = catalog::registry().unwrap();
-        let converter = Converter::new(buses::open(&options.realize.hosts, "spi2").unwrap());
+        let converter =
+            Converter::new(buses::open(&options.realize.hosts, "spi2").unwrap(), setup.is_clocked);
         let usart = Usart::new();
         let line = Line::new(usart.clone());
         let usb = Usb::new(setup.has_usb);

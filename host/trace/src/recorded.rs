@@ -157,7 +157,8 @@ mod tests {
     use shared::phase::{Region, RelaxationType};
     use shared::pipeline::{GAUGES, Output};
     use shared::wire::{
-        Columns, FRAME_MAX, Head as FrameHead, Hello, Rows, Settings, ToHost, encode,
+        Columns, FRAME_MAX, Head as FrameHead, Hello, Rows, Settings, Source, Status, ToHost,
+        encode,
     };
 
     const QUIET: Output = Output {
@@ -330,6 +331,38 @@ mod tests {
         let unclear = [entries[0].clone(), entries[2].clone()];
         let error = recorded(&unclear, &options).unwrap_err().to_string();
         assert!(error.contains("clock of the device cannot be estimated"), "{error}");
+    }
+
+    #[test]
+    fn a_status_whose_arrival_was_not_noted_says_whose_rows_follow_all_the_same() {
+        let mut bytes = Vec::new();
+        let mut writer = Writer::new(&mut bytes, &Opened::timeless("tty")).unwrap();
+        let status = Status { streaming: Some(Source::Converter), ..quiet_status() };
+        writer.frame(0, &settings(1)).unwrap();
+        // Too soon after another frame for a note of its own.
+        writer.frame(1, &said(0, &ToHost::Status(status))).unwrap();
+        for block_number in 1..20 {
+            let (first, time_us) = (10 * block_number, 25_000 * block_number);
+            writer.frame(time_us, &block(first, time_us, 1, 3, &[QUIET; GAUGES])).unwrap();
+        }
+        drop(writer);
+        let options = Options { host_time: true, ..Options::default() };
+        let reader = Reader::new(&bytes[..]).unwrap();
+        let found = to_traces(Path::new("take.palpate"), reader, &options).unwrap();
+        assert_eq!(found.traces[0].len(), 57);
+    }
+
+    fn quiet_status() -> Status {
+        Status {
+            counters: Default::default(),
+            gauges: Default::default(),
+            rows: 0,
+            streaming: None,
+            temperature: None,
+            converter: None,
+            stack_used: 0,
+            queue_most: 0,
+        }
     }
 
     /// A block of a device whose clock reads `at_us(t)` when the host's reads t µs, with its first row then.

@@ -68,8 +68,11 @@ impl Stream {
                 self.arrived_us = arrived_us.or(self.arrived_us);
                 self.hear(*head, message);
                 // Only now: if the device began anew, the stretch that this ended had the clock before.
-                if let Some(arrived_us) = *arrived_us {
-                    self.clock.hear(*head, message, arrived_us);
+                match *arrived_us {
+                    Some(arrived_us) => {
+                        self.clock.hear(*head, message, arrived_us);
+                    }
+                    None => self.clock.overhear(message),
                 }
             }
         }
