@@ -5,15 +5,13 @@ use crate::Register;
 /// A command, with what it carries.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Command {
-    /// Nothing; the response is the status register.
-    Null,
     /// All registers to their defaults.
     Reset,
     /// Conversions off, least current.
     Standby,
     /// Conversions on.
     Wakeup,
-    /// From now on only `Null`, `Unlock` and `ReadRegister` are obeyed.
+    /// From now on only nothing, `Unlock` and `ReadRegister` are obeyed.
     Lock,
     /// Obey every command again.
     Unlock,
@@ -30,7 +28,6 @@ impl Command {
     /// The command word.
     pub(crate) const fn word(self) -> u16 {
         match self {
-            Self::Null => 0x0000,
             Self::Reset => 0x0011,
             Self::Standby => 0x0022,
             Self::Wakeup => 0x0033,

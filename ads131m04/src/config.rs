@@ -12,22 +12,32 @@ pub struct Config {
     pub clock: Clock,
     /// Modulator samples per conversion.
     pub oversampling: Oversampling,
+    /// Whether the inputs are swapped from one conversion to the next, and each result is the mean of two: the converter's own
+    /// offset and its drift go, and conversions are three times as far apart (global chop, §8.4.3.2).
+    pub chop: bool,
     /// Gain of each channel.
     pub gains: [Gain; CHANNELS],
 }
 
 impl Config {
+    /// CLKIN periods per conversion, exact. With the chop on each conversion waits for the inputs and then for the whole filter.
+    pub const fn clkin_periods(&self) -> u32 {
+        let periods = self.oversampling.clkin_periods();
+        // Three times 32,768 at most, and a little.
+        if self.chop { periods.wrapping_mul(3).wrapping_add(CHOP_DELAY) } else { periods }
+    }
+
     /// Conversions per second in millihertz, to the nearest. The exact rate is `clock.hz()` divided by
-    /// [`Oversampling::clkin_periods`].
+    /// [`Config::clkin_periods`].
     pub fn data_rate_millihertz(&self) -> u32 {
         let half_millihertz = u64::from(self.clock.hz()).saturating_mul(2000);
-        rounded_half(half_millihertz >> self.oversampling.clkin_periods().trailing_zeros())
+        // Never zero.
+        rounded_half(half_millihertz.checked_div(self.clkin_periods().into()).unwrap_or(0))
     }
 
     /// Time from one conversion to the next in nanoseconds, to the nearest.
     pub fn sample_interval_ns(&self) -> u32 {
-        let half_nanoseconds =
-            u64::from(self.oversampling.clkin_periods()).saturating_mul(2_000_000_000);
+        let half_nanoseconds = u64::from(self.clkin_periods()).saturating_mul(2_000_000_000);
         rounded_half(half_nanoseconds / NonZero::<u64>::from(self.clock.hz))
     }
 
@@ -36,12 +46,20 @@ impl Config {
         0x0F00 | (self.oversampling as u16) << 2 | self.clock.power as u16
     }
 
+    /// The CFG register: nothing but the chop, and its delay as after a reset.
+    pub(crate) const fn cfg_register(&self) -> u16 {
+        0x0600 | (self.chop as u16) << 8
+    }
+
     /// The GAIN1 register.
     pub(crate) const fn gain_register(&self) -> u16 {
         let [g0, g1, g2, g3] = self.gains;
         (g3 as u16) << 12 | (g2 as u16) << 8 | (g1 as u16) << 4 | g0 as u16
     }
 }
+
+/// Periods of CLKIN for which the inputs settle when they were swapped: 16 of the modulator, GC_DLY as after a reset (§8.6).
+const CHOP_DELAY: u32 = 32;
 
 fn rounded_half(twice: u64) -> u32 {
     u32::try_from(twice.saturating_add(1) >> 1).unwrap_or(u32::MAX)
@@ -179,6 +197,24 @@ impl Oversampling {
     pub const fn clkin_periods(self) -> u32 {
         256 << self as u32
     }
+}
+
+/// What the channels measure (§8.3.2).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[repr(u16)]
+pub enum Inputs {
+    /// Their pins.
+    Pins = 0b00,
+    /// Nothing: both sides of each are joined.
+    Shorted = 0b01,
+    /// A positive signal of the part's own, [`Inputs::TEST_COUNTS`] at any gain (§8.3.9).
+    TestSignal = 0b10,
+}
+
+impl Inputs {
+    /// Counts of the test signal: 2/15 of full scale.
+    pub const TEST_COUNTS: i32 = (1 << 24) / 15;
 }
 
 /// Gain before the modulator; full scale is ±1.2 V divided by it (§8.3.3).

@@ -7,9 +7,9 @@ use embedded_hal::{
 };
 
 use crate::{
-    CHANNELS, Config, Error, Register, Status,
+    CHANNELS, Config, Error, Inputs, Register, Status,
     command::{Command, RESET_RESPONSE},
-    frame::{self, Reply},
+    frame::{self, Frame, Reply},
     register,
 };
 
@@ -99,6 +99,20 @@ impl<SPI: SpiDevice, RESET: OutputPin> Ads131m04<SPI, RESET> {
         self.write_verified(Register::Mode, register::MODE)?;
         self.write_verified(Register::Clock, config.clock_register())?;
         self.write_verified(Register::Gain1, config.gain_register())?;
+        self.write_verified(Register::Cfg, config.cfg_register())?;
+        self.discard_stale()
+    }
+
+    /// Chooses what all channels measure; a reset chooses their pins. As [`configure`](Self::configure) it drops samples, and the
+    /// next [`SETTLING_SAMPLES`] mix old and new. 14 frames.
+    ///
+    /// # Errors
+    /// As [`configure`](Self::configure).
+    pub fn select(&mut self, inputs: Inputs) -> Outcome<(), SPI, RESET> {
+        use Register::{Channel0, Channel1, Channel2, Channel3};
+        for channel in [Channel0, Channel1, Channel2, Channel3] {
+            self.write_verified(channel, inputs as u16)?;
+        }
         self.discard_stale()
     }
 
@@ -109,7 +123,8 @@ impl<SPI: SpiDevice, RESET: OutputPin> Ads131m04<SPI, RESET> {
     /// [`Error::ConfigurationLost`] when the part was reset and needs [`init`](Self::init), [`Error::NoChip`] for a dead
     /// line. After any of them the next read is good again if its cause has gone.
     pub fn read(&mut self) -> Outcome<Reading, SPI, RESET> {
-        let reply = self.verified_transfer(Command::Null)?;
+        let mut frame = frame::NULL;
+        let reply = self.verified(&mut frame)?;
         let status = Status(reply.response());
         if status.was_reset() {
             return Err(Error::ConfigurationLost { status });
@@ -130,8 +145,8 @@ impl<SPI: SpiDevice, RESET: OutputPin> Ads131m04<SPI, RESET> {
     /// # Errors
     /// [`Error::Spi`] or [`Error::NoChip`].
     pub fn discard_stale(&mut self) -> Outcome<(), SPI, RESET> {
-        self.transfer(Command::Null)?;
-        self.transfer(Command::Null)?;
+        self.transfer(&mut { frame::NULL })?;
+        self.transfer(&mut { frame::NULL })?;
         Ok(())
     }
 
@@ -193,9 +208,9 @@ impl<SPI: SpiDevice, RESET: OutputPin> Ads131m04<SPI, RESET> {
     /// The pin alone is silent; only the command is acknowledged (§8.4.1.3). A part with fewer channels has shorter frames,
     /// so the checksum is not where we look for it, and the response must be judged without.
     fn command_reset(&mut self, delay: &mut impl DelayNs) -> Outcome<(), SPI, RESET> {
-        self.transfer(Command::Reset)?;
+        self.transfer(&mut frame::request(Command::Reset))?;
         delay.delay_us(REGISTERS_US);
-        let response = self.transfer(Command::Null)?.response();
+        let response = self.transfer(&mut { frame::NULL })?.response();
         if response & 0xFFF0 == RESET_RESPONSE {
             self.expect_four(response, (response & 0xF) as u8)
         } else {
@@ -218,40 +233,51 @@ impl<SPI: SpiDevice, RESET: OutputPin> Ads131m04<SPI, RESET> {
 
     /// The part obeys a WREG even when its checksum is wrong (§8.3.12): only reading back tells.
     fn write_verified(&mut self, register: Register, written: u16) -> Outcome<(), SPI, RESET> {
-        self.acknowledged(Command::WriteRegister(register, written))?;
-        let read = self.read_register(register)?;
+        let write = Command::WriteRegister(register, written);
+        self.transfer(&mut frame::request(write))?;
+        // The acknowledgement comes with the frame that asks for the value.
+        let ask = Command::ReadRegister(register);
+        let response = self.verified(&mut frame::request(ask))?.response();
+        expect(write, response)?;
+        let read = self.verified(&mut { frame::NULL })?.response();
         if read == written { Ok(()) } else { Err(Error::ReadBack { register, written, read }) }
     }
 
     fn acknowledged(&mut self, command: Command) -> Outcome<(), SPI, RESET> {
         let response = self.exchange(command)?;
-        let expected = command.acknowledgement();
-        if response == expected {
-            Ok(())
-        } else {
-            Err(Error::Refused { command: command.word(), expected, response })
-        }
+        expect(command, response)
     }
 
     /// Sends a command and fetches the response, which comes one frame later.
     fn exchange(&mut self, command: Command) -> Outcome<u16, SPI, RESET> {
-        self.transfer(command)?;
-        Ok(self.verified_transfer(Command::Null)?.response())
+        self.transfer(&mut frame::request(command))?;
+        Ok(self.verified(&mut { frame::NULL })?.response())
     }
 
-    fn verified_transfer(&mut self, command: Command) -> Outcome<Reply, SPI, RESET> {
-        let reply = self.transfer(command)?;
+    /// Exchanges a frame and holds the reply to its checksum.
+    fn verified<'f>(&mut self, frame: &'f mut Frame) -> Outcome<Reply<'f>, SPI, RESET> {
+        let reply = self.transfer(frame)?;
         let (computed, received) = reply.checksums();
         if computed == received { Ok(reply) } else { Err(Error::Crc { computed, received }) }
     }
 
-    fn transfer(&mut self, command: Command) -> Outcome<Reply, SPI, RESET> {
-        let mut frame = frame::request(command);
+    /// Exchanges a frame where it stands: the reply takes the place of the request.
+    fn transfer<'f>(&mut self, frame: &'f mut Frame) -> Outcome<Reply<'f>, SPI, RESET> {
         self.spi.transfer_in_place(frame.as_flattened_mut()).map_err(Error::Spi)?;
         let reply = Reply(frame);
         match reply.stuck_at() {
             Some(read) => Err(Error::NoChip { read }),
             None => Ok(reply),
         }
+    }
+}
+
+/// Whether a response is the one that a command owes.
+fn expect<SPI, PIN>(command: Command, response: u16) -> Result<(), Error<SPI, PIN>> {
+    let expected = command.acknowledgement();
+    if response == expected {
+        Ok(())
+    } else {
+        Err(Error::Refused { command: command.word(), expected, response })
     }
 }

@@ -25,25 +25,28 @@ pub(crate) fn request(command: Command) -> Frame {
     }
 }
 
-/// What the part sent while it received a frame.
-pub(crate) struct Reply(pub(crate) Frame);
+/// The frame without a command, whose response is the status register: every conversion is read with it.
+pub(crate) const NULL: Frame = [[0; 3], [0xCC, 0x9C, 0], [0; 3], [0; 3], [0; 3], [0; 3]];
 
-impl Reply {
+/// What the part sent while it received a frame.
+pub(crate) struct Reply<'f>(pub(crate) &'f Frame);
+
+impl Reply<'_> {
     /// Response to the command of the frame before.
     pub(crate) const fn response(&self) -> u16 {
         let [first, ..] = self.0;
-        upper_bits(first)
+        upper_bits(*first)
     }
 
     /// One sample of each channel.
     pub(crate) fn counts(&self) -> [i32; CHANNELS] {
-        let [_, counts @ .., _] = self.0;
+        let [_, counts @ .., _] = *self.0;
         counts.map(|[high, middle, low]| i32::from_be_bytes([high, middle, low, 0]) >> 8)
     }
 
     /// The checksum computed over all words but the last, and the one received in the last.
     pub(crate) fn checksums(&self) -> (u16, u16) {
-        let [words @ .., last] = &self.0;
+        let [words @ .., last] = self.0;
         (checksum(words), upper_bits(*last))
     }
 
@@ -81,19 +84,26 @@ mod tests {
     #[test]
     fn a_line_that_does_not_move_fails_the_checksum_too() {
         for byte in [0x00, 0xFF] {
-            let reply = Reply([[byte; 3]; WORDS]);
+            let frame = [[byte; 3]; WORDS];
+            let reply = Reply(&frame);
             let (computed, received) = reply.checksums();
             assert_ne!(computed, received);
             assert_eq!(reply.stuck_at(), Some(byte));
         }
-        assert_eq!(Reply([[0x55; 3]; WORDS]).stuck_at(), None);
+        assert_eq!(Reply(&[[0x55; 3]; WORDS]).stuck_at(), None);
+    }
+
+    #[test]
+    fn the_frame_without_a_command_has_its_checksum_too() {
+        let [first, sum, ..] = NULL;
+        assert_eq!(upper_bits(sum), checksum(&[first]));
     }
 
     #[test]
     fn counts_are_24_bit_twos_complement() {
         let words =
             [[0; 3], [0x7F, 0xFF, 0xFF], [0x80, 0, 0], [0xFF, 0xFF, 0xFF], [0, 1, 0], [0; 3]];
-        assert_eq!(Reply(words).counts(), [0x7F_FFFF, -0x80_0000, -1, 256]);
+        assert_eq!(Reply(&words).counts(), [0x7F_FFFF, -0x80_0000, -1, 256]);
     }
 
     #[test]

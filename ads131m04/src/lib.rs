@@ -67,7 +67,7 @@ mod error;
 mod frame;
 mod register;
 
-pub use config::{Clock, ClockError, Config, Gain, Oversampling, PowerMode};
+pub use config::{Clock, ClockError, Config, Gain, Inputs, Oversampling, PowerMode};
 pub use drdy::{DrdyWatch, STUCK_AFTER_INTERVALS};
 pub use driver::{Ads131m04, Reading, SETTLING_SAMPLES, SPI_MODE};
 pub use error::Error;

@@ -17,6 +17,16 @@ pub enum Register {
     Clock = 0x03,
     /// Gains of the four channels.
     Gain1 = 0x04,
+    /// Current detection, which is not used, and global chop.
+    Cfg = 0x06,
+    /// Inputs and phase of the first channel.
+    Channel0 = 0x09,
+    /// Of the second.
+    Channel1 = 0x0E,
+    /// Of the third.
+    Channel2 = 0x13,
+    /// Of the fourth.
+    Channel3 = 0x18,
 }
 
 impl Register {

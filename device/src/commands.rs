@@ -2,7 +2,7 @@
 
 use shared::pipeline::{Config, GAUGES};
 use shared::wire::{
-    ConverterFault, Done, Inject, Refusal, Settings, SettingsError, Source, Start, ToDevice,
+    ConverterFault, Done, Inject, Inputs, Refusal, Settings, SettingsError, Source, Start, ToDevice,
 };
 
 use crate::board::{Board, Restart};
@@ -56,7 +56,8 @@ impl Device<'_> {
                 self.outgoing.ask(Due::Status);
                 Ok(())
             }
-            ToDevice::SelfTest => return self.test(number, now_us, board),
+            ToDevice::SelfTest => return self.test(number, Inputs::Gauges, now_us, board),
+            ToDevice::TestInputs(inputs) => return self.test(number, inputs, now_us, board),
             ToDevice::SetInterval { ns } => {
                 self.convert(Settings { interval_ns: ns, ..settings }, board)
             }
@@ -83,7 +84,7 @@ impl Device<'_> {
         };
         let config = self.settings.config(interval_s).map_err(refused)?;
         if start.source == Source::Converter {
-            self.configure(&self.settings.clone(), board)?;
+            self.configure(&self.settings.clone(), Inputs::Gauges, board)?;
             self.count_lost(board.listen(true));
         }
         self.stream.start(start, &config, felt::config(interval_s));
@@ -114,7 +115,7 @@ impl Device<'_> {
     fn convert(&mut self, settings: Settings, board: &mut impl Board) -> Result<(), Refusal> {
         let config = self.config(&settings)?;
         self.suits(&settings)?;
-        match self.configure(&settings, board) {
+        match self.configure(&settings, Inputs::Gauges, board) {
             Err(Refusal::Converter(ConverterFault::Missing)) | Ok(()) => {}
             refused => return refused,
         }
@@ -143,9 +144,14 @@ impl Device<'_> {
         has_all.then_some(()).ok_or(Refusal::Gain)
     }
 
-    fn configure(&mut self, settings: &Settings, board: &mut impl Board) -> Result<(), Refusal> {
+    fn configure(
+        &mut self,
+        settings: &Settings,
+        inputs: Inputs,
+        board: &mut impl Board,
+    ) -> Result<(), Refusal> {
         let Settings { interval_ns, gain, .. } = *settings;
-        let outcome = board.configure(Setting { interval_ns, gain });
+        let outcome = board.configure(Setting { interval_ns, gain, inputs });
         self.set_converter(outcome.err());
         outcome.map_err(Refusal::Converter)
     }
@@ -227,11 +233,15 @@ impl Device<'_> {
     fn test(
         &mut self,
         number: u32,
+        inputs: Inputs,
         now_us: u64,
         board: &mut impl Board,
     ) -> Result<Option<Done>, Refusal> {
         self.idle()?;
-        self.configure(&self.settings.clone(), board)?;
+        if inputs != Inputs::Gauges && self.identity.capabilities.test_counts == 0 {
+            return Err(Refusal::NotHere);
+        }
+        self.configure(&self.settings.clone(), inputs, board)?;
         self.count_lost(board.listen(true));
         let interval_s = self.interval_s(&self.settings);
         self.test = Some(SelfTest::begin(number, now_us, interval_s));

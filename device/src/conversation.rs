@@ -406,6 +406,15 @@ impl<'a> Device<'a> {
         self.heard = Some(sequence);
     }
 
+    /// Whether there may be a message for [`Self::next_frame`]: asked after every sample, so that it costs little.
+    #[inline]
+    pub fn has_frame(&mut self, log: &impl Log) -> bool {
+        !self.outgoing.is_empty()
+            || !self.stream.room.feeling.is_empty()
+            || !self.stream.room.blocks.is_empty()
+            || log.is_waiting()
+    }
+
     /// Puts the next message into `frame`, if there is one; the bytes to send. What was logged comes last.
     #[inline]
     pub fn next_frame<'f>(
@@ -414,15 +423,7 @@ impl<'a> Device<'a> {
         log: &mut impl Log,
         frame: &'f mut [u8; FRAME_MAX],
     ) -> Option<&'f [u8]> {
-        let nothing_felt = self.stream.room.feeling.is_empty();
-        if self.outgoing.is_empty()
-            && nothing_felt
-            && self.stream.room.blocks.is_empty()
-            && !log.is_waiting()
-        {
-            return None;
-        }
-        self.encode_next(now_us, log, frame)
+        if self.has_frame(log) { self.encode_next(now_us, log, frame) } else { None }
     }
 
     fn encode_next<'f>(

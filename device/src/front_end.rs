@@ -3,7 +3,7 @@
 use ads131m04::DrdyWatch;
 use embedded_hal::delay::DelayNs;
 use shared::pipeline::GAUGES;
-use shared::wire::{Capabilities, ConverterFault};
+use shared::wire::{Capabilities, ConverterFault, Inputs};
 
 use crate::stream::{Lost, Sample};
 
@@ -19,6 +19,8 @@ pub struct Setting {
     pub interval_ns: u32,
     /// Gain of each gauge.
     pub gain: [u8; GAUGES],
+    /// What it measures.
+    pub inputs: Inputs,
 }
 
 /// Why a conversion could not be read.

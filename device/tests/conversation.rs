@@ -10,7 +10,7 @@ use shared::events;
 use shared::pipeline::{GAUGES, Pipeline};
 use shared::wire::{
     self, Accumulated, Accumulator, Capabilities, ClockSource, Columns, ConverterFault, Done,
-    EARLIER, FRAME_MAX, Felt, Head, HelloToDevice, INJECT_ROWS, Inject, Kept, Oversampling,
+    EARLIER, FRAME_MAX, Felt, Head, HelloToDevice, INJECT_ROWS, Inject, Inputs, Kept, Oversampling,
     Refusal, ResetCause, Row, Rows, SCHEMA, Settings, Source, Start, Status, StoreFault, ToDevice,
     ToHost,
 };
@@ -646,7 +646,7 @@ fn what_is_out_of_range_is_refused_by_kind_and_changes_nothing() {
 #[test]
 fn a_rate_that_the_converter_does_not_have_is_refused_in_the_hosts_words() {
     let mut host = Host::introduced();
-    assert_eq!(host.intervals_ns, [256_000, 512_000, 1_024_000, 2_048_000, 4_096_000]);
+    assert_eq!(host.intervals_ns, [256_000, 512_000, 772_000, 1_024_000, 2_048_000, 4_096_000]);
     host.say(&ToDevice::SetInterval { ns: 512_000 }).unwrap();
     assert_eq!(host.board.set.unwrap().interval_ns, 512_000);
     assert_eq!(host.say(&ToDevice::SetInterval { ns: 513_000 }), Err(Refusal::Rate));
@@ -691,6 +691,27 @@ fn a_self_test_is_answered_when_it_has_its_samples() {
     let (to, Ok(Done::Tested(test))) = host.answers[said] else { panic!("{:?}", host.answers) };
     assert_eq!((to, test.converter, test.samples), (host.sequence, Ok(()), 256));
     assert!(!host.board.listening);
+}
+
+#[test]
+fn inputs_of_the_converter_are_tested_and_the_next_stream_is_of_the_gauges() {
+    let mut host = Host::introduced();
+    for inputs in [Inputs::Shorted, Inputs::TestSignal] {
+        host.sequence += 1;
+        host.send(host.sequence, &ToDevice::TestInputs(inputs));
+        assert_eq!(host.board.set.unwrap().inputs, inputs);
+        for _ in 0..256 {
+            host.sample([5; GAUGES], Lost::NONE);
+        }
+        host.device.tick(host.now_us, &mut host.board);
+        host.hear();
+        let (to, Ok(Done::Tested(test))) = host.answers[host.answers.len() - 1] else {
+            panic!("{:?}", host.answers)
+        };
+        assert_eq!((to, test.mean_counts), (host.sequence, [5; GAUGES]));
+    }
+    host.start(Source::Converter);
+    assert_eq!(host.board.set.unwrap().inputs, Inputs::Gauges);
 }
 
 #[test]

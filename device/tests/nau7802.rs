@@ -12,8 +12,8 @@ use palpate_device::{
 };
 use shared::pipeline::GAUGES;
 use shared::wire::{
-    Accumulated, Accumulator, Columns, ConverterFault, FRAME_MAX, Head, HelloToDevice, Row, Rows,
-    SCHEMA, Settings, Source, Start, StoreFault, ToDevice, ToHost, decode, encode,
+    Accumulated, Accumulator, Columns, ConverterFault, FRAME_MAX, Head, HelloToDevice, Inputs, Row,
+    Rows, SCHEMA, Settings, Source, Start, StoreFault, ToDevice, ToHost, decode, encode,
 };
 
 const POWER: usize = 0x00;
@@ -118,7 +118,8 @@ impl I2c for Bus {
     }
 }
 
-const SETTING: Setting = Setting { interval_ns: 12_500_000, gain: [64; GAUGES] };
+const SETTING: Setting =
+    Setting { interval_ns: 12_500_000, gain: [64; GAUGES], inputs: Inputs::Gauges };
 
 fn converter() -> (OneChannel<Bus>, Rc<RefCell<Part>>) {
     let part = Rc::new(RefCell::new(Part::new()));
@@ -140,7 +141,7 @@ fn it_is_set_as_its_data_sheet_asks() {
     assert_eq!(registers[POWER] & !(1 << 3), 0b1001_0110);
     assert_eq!((registers[1], part.borrow().rate_bits(), registers[0x15]), (0xae, 3, 0x30));
     for interval_ns in converter.capabilities().intervals_ns() {
-        converter.configure(&Setting { interval_ns, gain: [1; GAUGES] }).unwrap();
+        converter.configure(&Setting { interval_ns, gain: [1; GAUGES], ..SETTING }).unwrap();
     }
     assert_eq!((part.borrow().registers[1], part.borrow().rate_bits()), (0xa8, 0));
     let impossible = Setting { interval_ns: 1_000_000, ..SETTING };

@@ -26,6 +26,14 @@ const STATUS: usize = 1;
 const MODE: usize = 2;
 const CLOCK: usize = 3;
 const GAIN1: usize = 4;
+const CFG: usize = 6;
+/// Inputs of the four channels, in their lowest two bits (§8.6).
+const CHANNELS: [usize; 4] = [0x09, 0x0e, 0x13, 0x18];
+/// Global chop, and periods of the modulator that the inputs settle for (§8.4.3.2).
+const CHOPS: u16 = 1 << 8;
+const CHOP_DELAY: u64 = 16;
+/// 2/15 of full scale (§8.3.9).
+const TEST_SIGNAL: i32 = (1 << 24) / 15;
 const WAS_RESET: u16 = 1 << 10;
 
 /// What is wrong with it.
@@ -51,6 +59,8 @@ pub struct Chip {
     kept: VecDeque<[i32; 4]>,
     /// Counts at a gain of 1, times 128, of a conversion.
     pub input: fn(u64) -> [i32; 4],
+    /// Counts that it reads too many, unless it chops.
+    pub offset: i32,
     /// What is wrong with it.
     pub fault: Fault,
     /// Conversions since power came.
@@ -63,7 +73,8 @@ pub struct Chip {
     pub empty: u64,
     settling: u32,
     gains_before: [i32; 4],
-    response: u16,
+    /// What the next frame begins with, if not with the status.
+    response: Option<u16>,
     out: [u8; BYTES],
     got: Vec<u8>,
     selected: bool,
@@ -85,6 +96,7 @@ impl Chip {
             registers: defaults(),
             kept: VecDeque::new(),
             input: steady,
+            offset: 0,
             fault: Fault::None,
             conversions: 0,
             slowest_answer: 0,
@@ -92,7 +104,7 @@ impl Chip {
             empty: 0,
             settling: 0,
             gains_before: [1; 4],
-            response: 0xff24,
+            response: Some(0xff24),
             out: [0; BYTES],
             got: Vec::new(),
             selected: false,
@@ -107,7 +119,7 @@ impl Chip {
     pub fn reset(&mut self) {
         self.registers = defaults();
         self.kept.clear();
-        self.response = 0xff24;
+        self.response = Some(0xff24);
         self.gains_before = [1; 4];
         self.settling = SETTLING;
     }
@@ -115,7 +127,12 @@ impl Chip {
     /// Ticks from one conversion to the next.
     #[must_use]
     pub fn interval(&self) -> u64 {
-        2 * (128 << ((self.registers[CLOCK] >> 2) & 7))
+        let ratio = 128 << ((self.registers[CLOCK] >> 2) & 7);
+        2 * if self.chops() { CHOP_DELAY + 3 * ratio } else { ratio }
+    }
+
+    fn chops(&self) -> bool {
+        self.registers[CFG] & CHOPS != 0
     }
 
     /// Gains that are set.
@@ -136,8 +153,15 @@ impl Chip {
         }
         std::array::from_fn(|at| {
             let of = |gain: i32| i64::from(input[at]) * i64::from(gain) / 128;
-            let mixed = (of(old[at]) * left + of(new[at]) * (4 - left)) / 4;
-            mixed.clamp(-(1 << 23), (1 << 23) - 1) as i32
+            let pins = (of(old[at]) * left + of(new[at]) * (4 - left)) / 4;
+            let measured = match self.registers[CHANNELS[at]] & 3 {
+                0 => pins,
+                1 => 0,
+                2 => TEST_SIGNAL.into(),
+                _ => i64::from(-TEST_SIGNAL),
+            };
+            let offset = if self.chops() { 0 } else { self.offset };
+            (measured + i64::from(offset)).clamp(-(1 << 23), (1 << 23) - 1) as i32
         })
     }
 
@@ -150,7 +174,7 @@ impl Chip {
         self.frames += 1;
         let counts = self.kept.pop_front();
         self.empty += u64::from(counts.is_none());
-        let first = if self.response == 0 { self.status(counts.is_some()) } else { self.response };
+        let first = self.response.unwrap_or_else(|| self.status(counts.is_some()));
         self.out = [0; BYTES];
         self.out[..2].copy_from_slice(&first.to_be_bytes());
         for (place, count) in self.out[3..].chunks_mut(3).zip(counts.unwrap_or_default()) {
@@ -173,22 +197,23 @@ impl Chip {
         let (command, value) = (word(0), word(1));
         let register = usize::from(command >> 7 & 63);
         self.response = match command & 0xe000 {
-            0xa000 if register == STATUS => self.status(!self.kept.is_empty()),
-            0xa000 => self.registers[register],
+            0xa000 if register == STATUS => Some(self.status(!self.kept.is_empty())),
+            0xa000 => Some(self.registers[register]),
             0x6000 => {
                 self.write(register, value);
-                0x4000 | command & 0x1f80
+                Some(0x4000 | command & 0x1f80)
             }
             _ if command == 0x0011 => {
                 self.reset();
-                0xff24
+                Some(0xff24)
             }
-            _ => command,
+            _ => (command != 0).then_some(command),
         };
     }
 
     fn write(&mut self, register: usize, value: u16) {
-        if self.registers[register] != value && (register == GAIN1 || register == CLOCK) {
+        let settles = [GAIN1, CLOCK, CFG].contains(&register) || CHANNELS.contains(&register);
+        if self.registers[register] != value && settles {
             self.gains_before = self.gains();
             self.settling = SETTLING;
         }
@@ -202,6 +227,7 @@ impl Chip {
 fn defaults() -> [u16; 64] {
     let mut registers = [0; 64];
     registers[..4].copy_from_slice(&[0x2403, 0x0500, 0x0510, 0x0f0e]);
+    registers[CFG] = 0x0600;
     registers
 }
 
@@ -217,20 +243,23 @@ pub struct Converter {
     bus: Arc<SpiBus>,
     clock: Clock,
     pins: Wires,
+    /// Whether its clock is another finger's.
+    is_clocked: bool,
 }
 
 const CS: u32 = 0;
 const RESET: u32 = 1;
 
 impl Converter {
-    /// On a bus.
+    /// On a bus, with a clock of its own board or of another finger's, which the board hears by a joint to ground.
     #[must_use]
-    pub fn new(bus: Arc<SpiBus>) -> Arc<Self> {
+    pub fn new(bus: Arc<SpiBus>, is_clocked: bool) -> Arc<Self> {
         let converter = Arc::new(Self {
             chip: Mutex::new(Chip::new()),
             bus: bus.clone(),
             clock: Clock::new(),
             pins: Wires::default(),
+            is_clocked,
         });
         converter.clock.due(Some(2_048));
         bus.attach(ChipSelect(0), converter.clone()).unwrap();
@@ -284,6 +313,7 @@ impl Part for Converter {
     fn announce(&self) {
         let drdy = self.chip().drdy;
         self.pins.drive("drdy", drdy);
+        self.pins.drive("strap", !self.is_clocked);
     }
 
     fn clock(&self) -> Option<&Clock> {
@@ -361,5 +391,9 @@ impl SpiSlave for Converter {
 /// Its pins.
 pub fn schema() -> ClassSchema {
     let schema = ClassSchema::new(CLASS.name);
-    schema.port("cs", PortDir::In).port("reset", PortDir::In).port("drdy", PortDir::Out)
+    schema
+        .port("cs", PortDir::In)
+        .port("reset", PortDir::In)
+        .port("drdy", PortDir::Out)
+        .port("strap", PortDir::Out)
 }

@@ -6,6 +6,7 @@
 mod cable;
 mod conversation;
 mod converter;
+mod load;
 mod part;
 mod small_parts;
 mod usart;
@@ -15,6 +16,7 @@ mod widened;
 pub use cable::{Cable, Over};
 pub use conversation::{Asked, BOOT_MS, Heard, sheet};
 pub use converter::{CLOCK_HZ as CONVERTER_CLOCK_HZ, Chip, Converter, Fault};
+pub use load::Load;
 pub use small_parts::{Adc, FACTORY_READINGS, Power};
 pub use usart::Wire;
 
@@ -42,8 +44,6 @@ pub const MS: u64 = 1_000_000;
 /// Flash and its size.
 const FLASH: u64 = 0x0800_0000;
 const FLASH_BYTES: usize = 1 << 20;
-/// Parts see events of each other this late at most, ns.
-const QUANTUM_NS: u64 = 2_000;
 /// Resets that the processor or the watchdog asks for are done this late at most, ns.
 const RESET_NS: u64 = 200_000;
 
@@ -60,6 +60,10 @@ pub struct Setup {
     pub has_usb: bool,
     /// Frequency of the watchdog's oscillator, which should be 32 kHz, Hz: a faster one makes the watchdog less patient.
     pub watchdog_hz: u32,
+    /// Whether the converter's clock is another finger's, which is said by a joint to ground.
+    pub is_clocked: bool,
+    /// Parts see events of each other this late at most, ns; a core that they wake stands still for as long.
+    pub quantum_ns: u64,
 }
 
 impl Setup {
@@ -73,7 +77,15 @@ impl Setup {
         let flash = std::fs::read(&path).unwrap_or_else(|error| {
             panic!("{}: {error}; cargo xtask firmware makes it", path.display())
         });
-        Self { flash, crystal_mhz: 12, internal_hz: 16_000_000, has_usb: true, watchdog_hz: 32_000 }
+        Self {
+            flash,
+            crystal_mhz: 12,
+            internal_hz: 16_000_000,
+            has_usb: true,
+            watchdog_hz: 32_000,
+            is_clocked: false,
+            quantum_ns: 2_000,
+        }
     }
 }
 
@@ -119,7 +131,8 @@ impl Board {
     pub fn new(setup: &Setup) -> Self {
         let mut options = catalog::build_options().unwrap();
         let mut registry = catalog::registry().unwrap();
-        let converter = Converter::new(buses::open(&options.realize.hosts, "spi2").unwrap());
+        let converter =
+            Converter::new(buses::open(&options.realize.hosts, "spi2").unwrap(), setup.is_clocked);
         let usart = Usart::new();
         let line = Line::new(usart.clone());
         let usb = Usb::new(setup.has_usb);
@@ -155,7 +168,7 @@ impl Board {
             *place.lock().unwrap() = Some(cpu.clone());
             Ok(cpu)
         });
-        options.realize.scheduler.quantum = GlobalTime::from_nanos(QUANTUM_NS);
+        options.realize.scheduler.quantum = GlobalTime::from_nanos(setup.quantum_ns);
         options.realize.media.insert("firmware", setup.flash.clone());
         options.realize.media.insert("system", system_memory());
         let description = include_str!("../board.machine")

@@ -8,6 +8,8 @@ use shared::wire::{Oversampling, Refusal, StoreFault, ToDevice};
 const RCC_CFGR: u64 = 0x4002_3808;
 const GPIOB_OSPEEDR: u64 = 0x4002_0408;
 const GPIOC_OSPEEDR: u64 = 0x4002_0808;
+const GPIOC_MODER: u64 = 0x4002_0800;
+const TIM8_CR1: u64 = 0x4001_0400;
 const TIM8_PSC: u64 = 0x4001_0428;
 const TIM8_ARR: u64 = 0x4001_042c;
 const ADC_CCR: u64 = 0x4001_2304;
@@ -52,6 +54,20 @@ fn the_pins_of_bus_and_clock_are_fast_enough_for_them() {
     board.stream(Oversampling::X4096);
     for (port, pin) in [(GPIOB_OSPEEDR, 13), (GPIOB_OSPEEDR, 15), (GPIOC_OSPEEDR, 6)] {
         assert_ne!(speed(&board, port, pin), LOW, "pin {pin} of {port:#x}");
+    }
+}
+
+#[test]
+fn a_finger_whose_converter_another_one_clocks_leaves_that_line_alone() {
+    for is_clocked in [false, true] {
+        let mut board = Board::started(&Setup { is_clocked, ..Setup::new() });
+        board.stream(Oversampling::X1024);
+        board.listen_ms(50);
+        assert!(board.heard.rows.len() > 100, "{} rows", board.heard.rows.len());
+        // Alternate function, or an input as after a reset.
+        let mode = board.peek(GPIOC_MODER) >> 12 & 3;
+        let runs = board.peek(TIM8_CR1) & 1;
+        assert_eq!((mode, runs), if is_clocked { (0, 0) } else { (2, 1) });
     }
 }
 

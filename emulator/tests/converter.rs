@@ -1,7 +1,9 @@
 //! A converter that fails while it is read: what status, counters and rows say, and that it comes back.
 
 use emulator::{Board, CONVERTER_CLOCK_HZ, Fault, MS, Setup};
-use shared::wire::{Columns, ConverterFault, Oversampling, Source, Start, Status, ToDevice};
+use shared::wire::{
+    Columns, ConverterFault, Done, Inputs, Oversampling, SelfTest, Source, Start, Status, ToDevice,
+};
 
 /// Edges that wait for their interrupt, and the one of the data-ready line.
 const EXTI_PR: u64 = 0x4001_3c14;
@@ -157,6 +159,45 @@ fn a_change_of_gain_under_load_is_no_press() {
         assert!((row.fa[0] - before.fa[0]).abs() <= 256, "FA moved by a microstrain: {row:?}");
         assert_eq!(row.states[0].region, before.states[0].region, "{row:?}");
     }
+}
+
+/// What a test found with these inputs.
+fn tested(board: &mut Board, inputs: Inputs) -> SelfTest {
+    match board.ask(&ToDevice::TestInputs(inputs), 200).outcome {
+        Ok(Done::Tested(test)) => test,
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn the_converter_is_tested_without_its_gauges_and_then_reads_them_again() {
+    let mut board = Board::started(&Setup::new());
+    board.ask(&ToDevice::SetRatio(Oversampling::X1024), 20).outcome.unwrap();
+    board.converter().offset = 300;
+    let shorted = tested(&mut board, Inputs::Shorted);
+    assert_eq!((shorted.converter, shorted.mean_counts), (Ok(()), [300; 4]));
+    let signal = tested(&mut board, Inputs::TestSignal);
+    assert_eq!(signal.mean_counts, [(1 << 24) / 15 + 300; 4]);
+    board.converter().input = |_| [1_000_000; 4];
+    board.stream(Oversampling::X1024);
+    board.listen_ms(20);
+    let counts = board.heard.rows.last().unwrap().counts;
+    assert_eq!(counts, [1_000_300; 4]);
+}
+
+#[test]
+fn the_chop_takes_the_converters_own_offset_away() {
+    let mut board = Board::started(&Setup::new());
+    board.converter().input = |_| [1_000_000; 4];
+    board.converter().offset = 3_000;
+    board.ask(&ToDevice::SetInterval { ns: 772_000 }, 20).outcome.unwrap();
+    let start = Start { source: Source::Converter, columns: Columns::Parts };
+    board.ask(&ToDevice::Start(start), 100).outcome.unwrap();
+    board.listen_ms(100);
+    let rows = &board.heard.rows;
+    assert!(rows.len() > 100 && rows.iter().all(|row| row.counts == [1_000_000; 4]));
+    assert!(rows.windows(2).all(|pair| pair[1].time_us - pair[0].time_us == 772));
+    assert_eq!(board.heard.left_out, 0);
 }
 
 #[test]

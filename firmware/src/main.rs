@@ -142,12 +142,18 @@ mod app {
 
         let a = p.GPIOA.split(&mut rcc);
         let (b, c) = (p.GPIOB.split(&mut rcc), p.GPIOC.split(&mut rcc));
-        // Its clock must run before the converter is spoken to.
-        let (_, (clkin, ..)) = p.TIM8.pwm_hz(board::CONVERTER_CLOCK_HZ.Hz(), &mut rcc);
-        // The pins of clock and bus are slow after a reset: 2 to 8 MHz (data sheet, table 50).
-        let mut clkin = clkin.with(c.pc6.into_alternate().speed(Speed::High));
-        clkin.set_duty(clkin.get_max_duty() / 2);
-        clkin.enable();
+        // Joined to ground where another finger of a hand clocks this converter too.
+        let clocks_itself = b.pb6.into_pull_up_input();
+        // 10 µs: the pull-up has some 40 kΩ, and a wire some picofarads.
+        cortex_m::asm::delay(sysclk.raw() / 100_000);
+        if clocks_itself.is_high() {
+            // Its clock must run before the converter is spoken to.
+            let (_, (clkin, ..)) = p.TIM8.pwm_hz(board::CONVERTER_CLOCK_HZ.Hz(), &mut rcc);
+            // The pins of clock and bus are slow after a reset: 2 to 8 MHz (data sheet, table 50).
+            let mut clkin = clkin.with(c.pc6.into_alternate().speed(Speed::High));
+            clkin.set_duty(clkin.get_max_duty() / 2);
+            clkin.enable();
+        }
         let spi = Spi::new(
             p.SPI2,
             (
@@ -245,6 +251,14 @@ mod app {
                 watchdog: Watchdog::start(p.IWDG, &p.DBGMCU),
             },
         )
+    }
+
+    /// Nothing to do: the core sleeps, which keeps the chip cool beside the silicone.
+    #[idle]
+    fn idle(_: idle::Context) -> ! {
+        loop {
+            cortex_m::asm::wfi();
+        }
     }
 
     /// An edge of the converter's data-ready line.
@@ -384,24 +398,27 @@ mod app {
             send_wakes.wait().await;
             progress(Stage::Send);
             while outlets.now().ready() {
-                let mut room = [0; FRAME_MAX];
-                let (frame, restart) = cx.shared.device.lock(|device| {
+                let mut frame = Frame::new();
+                let mut restart = None;
+                cx.shared.device.lock(|device| {
+                    let mut room = [0; FRAME_MAX];
                     let bytes = device.next_frame(time::now_us(), &mut log::Waiting, &mut room);
-                    let frame = bytes.and_then(|bytes| Frame::from_slice(bytes).ok());
+                    // Every frame has room.
+                    let _ = frame.extend_from_slice(bytes.unwrap_or_default());
                     if device.has_injected() {
                         // They may have waited for the room of this frame.
                         wake(&wake::FILTER);
                     }
-                    (frame, device.restart_due())
+                    restart = device.restart_due();
                 });
-                let Some(frame) = frame else {
+                if frame.is_empty() {
                     if let Some(into) = restart {
                         // Whatever the line still holds takes no longer than this.
                         sleep_ms(20).await;
                         reset::restart(into);
                     }
                     break;
-                };
+                }
                 let _ = outlets.now().enqueue(frame);
                 match lines::spoken_over() {
                     Line::Serial => rtic::pend(Interrupt::USART3),
@@ -467,7 +484,10 @@ mod app {
             }
             cx.shared.device.lock(|device| device.drained());
             while cx.shared.device.lock(|device| device.process_injected()) {}
-            wake(&wake::SEND);
+            // Most rows only fill a block.
+            if cx.shared.device.lock(|device| device.has_frame(&log::Waiting)) {
+                wake(&wake::SEND);
+            }
         }
     }
 }

@@ -360,6 +360,34 @@ fn a_recording_has_every_row_and_tells_programs_how_it_goes() {
     assert!(error.contains("take.palpate: exists already") && error.contains("--force"), "{error}");
 }
 
+#[test]
+fn two_devices_are_recorded_into_one_file_and_their_rows_have_one_clock() {
+    let (first, second) = (Simulated::begin(), Simulated::begin());
+    let file = first.file("hand.palpate");
+    let mut record = palpate();
+    record.args(["record", "--duration", "2.5", "--json", "-o"]).arg(&file);
+    record.arg("--port").arg(first.port()).arg("--port").arg(second.port());
+    let (status, out, error) = said(&record.output().unwrap());
+    assert_eq!(status, 0, "{error}");
+    let ended: Vec<Value> = out.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    let ended: Vec<_> = ended.iter().filter(|object| object["summary"].is_object()).collect();
+    assert_eq!(ended.len(), 2, "{out}");
+    let (rows, gaps, closed) = contents(&file);
+    assert!(closed && gaps.is_empty(), "{gaps:?}");
+    let told = |it: &&Value| it["summary"]["rows"].as_u64().unwrap();
+    assert!(ended.iter().all(|it| told(it) > 1_000) && ended.iter().map(told).sum::<u64>() == rows);
+    let mut convert = palpate();
+    convert.arg("convert").arg(&file).arg("-o").arg(first.file("hand.csv"));
+    let (status, _, error) = said(&convert.output().unwrap());
+    assert_eq!(status, 0, "{error}");
+    let traces =
+        ["hand-1.csv", "hand-2.csv"].map(|name| palpate::trace::read(&first.file(name)).unwrap());
+    // Both streams were begun within a second, and ended together.
+    let [a, b] = traces.map(|trace| (trace.time[0], *trace.time.last().unwrap()));
+    assert!((0.0..1.0).contains(&a.0) && (0.0..1.0).contains(&b.0), "{a:?} {b:?}");
+    assert!((a.1 - b.1).abs() < 0.5 && a.1 > 2.0, "{a:?} {b:?}");
+}
+
 /// A recording as a process.
 fn recording(simulated: &Simulated) -> Child {
     let process = program()

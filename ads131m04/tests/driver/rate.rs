@@ -8,7 +8,7 @@ use proptest::prelude::*;
 
 fn at(clkin_hz: u32, oversampling: Oversampling) -> Config {
     let clock = Clock::new(clkin_hz, PowerMode::HighResolution).unwrap();
-    Config { clock, oversampling, gains: [Gain::X1; 4] }
+    Config { clock, oversampling, chop: false, gains: [Gain::X1; 4] }
 }
 
 #[test]
@@ -25,6 +25,14 @@ fn a_clock_of_8_mhz_gives_976_563_millihertz_and_the_exact_ratio() {
     assert_eq!(config.oversampling.clkin_periods(), 8192);
     assert_eq!(config.data_rate_millihertz(), 976_563); // 976.5625 Hz
     assert_eq!(config.sample_interval_ns(), 1_024_000);
+}
+
+#[test]
+fn with_the_chop_conversions_are_three_times_as_far_apart_and_wait_for_the_inputs() {
+    let chopped = Config { chop: true, ..at(8_000_000, Oversampling::X1024) };
+    // 3 × 1024 and 16 periods of 4 MHz.
+    assert_eq!((chopped.clkin_periods(), chopped.sample_interval_ns()), (6_176, 772_000));
+    assert_eq!(chopped.data_rate_millihertz(), 1_295_337);
 }
 
 #[test]
@@ -53,12 +61,13 @@ fn every_gain_oversampling_and_power_mode_has_its_code() {
         assert_eq!(oversampling.ratio(), 128 << code);
         for (power_code, power) in (0_u16..).zip(powers) {
             let clock = Clock::new(2_048_000, power).unwrap();
-            let config = Config { clock, oversampling, gains: [gain; 4] };
+            let config = Config { clock, oversampling, chop: code % 2 == 1, gains: [gain; 4] };
             let clock_register = 0x0F00 | code << 2 | power_code;
             Script::default()
                 .written(2, 0x1110, 0x1110)
                 .written(3, clock_register, clock_register)
                 .written(4, code * 0x1111, code * 0x1111)
+                .written(6, 0x0600 | (code % 2) << 8, 0x0600 | (code % 2) << 8)
                 .stale()
                 .meet(|chip| chip.configure(&config).unwrap());
         }

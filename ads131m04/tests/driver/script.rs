@@ -76,8 +76,9 @@ impl Script {
 
     /// A register written, acknowledged and read back as `read`.
     pub fn written(self, address: u16, value: u16, read: u16) -> Self {
-        self.exchange(&[0x6000 | address << 7, value], 0x4000 | address << 7)
-            .exchange(&[0xA000 | address << 7], read)
+        self.frame(&[0x6000 | address << 7, value], READY)
+            .frame(&[0xA000 | address << 7], 0x4000 | address << 7)
+            .frame(NULL, read)
     }
 
     /// The reset of an ADS131M04 and its identity.
@@ -119,6 +120,7 @@ pub fn config() -> Config {
     Config {
         clock: Clock::new(8_192_000, PowerMode::HighResolution).unwrap(),
         oversampling: Oversampling::X4096,
+        chop: false,
         gains: [Gain::X2, Gain::X8, Gain::X32, Gain::X128],
     }
 }

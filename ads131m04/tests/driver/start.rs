@@ -1,7 +1,7 @@
 //! Reset, identity and settings: what `init` sends, verifies and refuses.
 
 use crate::script::{NULL, READ_ID, READY, RESET, Script, config, no_delay};
-use ads131m04::{Ads131m04, Clock, Config, Error, PowerMode, Register};
+use ads131m04::{Ads131m04, Clock, Config, Error, Inputs, PowerMode, Register};
 use embedded_hal_mock::eh1::{
     MockError,
     delay::{CheckedDelay, Transaction as Wait},
@@ -12,12 +12,14 @@ use embedded_hal_mock::eh1::{
 const MODE: u16 = 2;
 const CLOCK: u16 = 3;
 const GAIN1: u16 = 4;
+const CFG: u16 = 6;
 
 fn settings(script: Script) -> Script {
     script
         .written(MODE, 0x1110, 0x1110)
         .written(CLOCK, 0x0F16, 0x0F16)
         .written(GAIN1, 0x7531, 0x7531)
+        .written(CFG, 0x0600, 0x0600)
 }
 
 #[test]
@@ -96,8 +98,20 @@ fn a_register_that_reads_back_differently_is_named_with_both_values() {
 }
 
 #[test]
+fn inputs_are_chosen_for_every_channel_and_read_back() {
+    for (inputs, code) in [(Inputs::Pins, 0), (Inputs::Shorted, 1), (Inputs::TestSignal, 2)] {
+        let channels = [0x09, 0x0E, 0x13, 0x18];
+        let script = channels
+            .iter()
+            .fold(Script::default(), |script, &channel| script.written(channel, code, code))
+            .stale();
+        assert_eq!(script.meet(|chip| chip.select(inputs)), Ok(()));
+    }
+}
+
+#[test]
 fn a_locked_chip_refuses_settings_and_says_so() {
-    let script = Script::default().exchange(&[0x6100, 0x1110], 0x810F);
+    let script = Script::default().frame(&[0x6100, 0x1110], READY).frame(&[0xA100], 0x810F);
     let error = script.meet(|chip| chip.configure(&config())).unwrap_err();
     assert_eq!(error, Error::Refused { command: 0x6100, expected: 0x4100, response: 0x810F });
 }
@@ -106,7 +120,7 @@ fn a_locked_chip_refuses_settings_and_says_so() {
 fn a_damaged_answer_is_never_taken_for_a_setting() {
     let mut damaged = crate::script::reply(0x4100, [0; 4]);
     damaged[4] ^= 0x10;
-    let script = Script::default().frame(&[0x6100, 0x1110], READY).raw(NULL, damaged);
+    let script = Script::default().frame(&[0x6100, 0x1110], READY).raw(&[0xA100], damaged);
     let error = script.meet(|chip| chip.configure(&config())).unwrap_err();
     assert!(matches!(error, Error::Crc { .. }));
 }

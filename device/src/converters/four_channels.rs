@@ -4,7 +4,7 @@ use ads131m04::{Ads131m04, Clock, Config, Error, Gain, Oversampling, PowerMode};
 use embedded_hal::delay::DelayNs;
 use embedded_hal::digital::OutputPin;
 use embedded_hal::spi::SpiDevice;
-use shared::wire::{Capabilities, ConverterFault};
+use shared::wire::{Capabilities, ConverterFault, Inputs};
 
 use crate::front_end::{Converter, ReadError, Setting};
 
@@ -13,12 +13,14 @@ use crate::front_end::{Converter, ReadError, Setting};
 pub struct FourChannels<SPI, RESET> {
     part: Ads131m04<SPI, RESET>,
     clock_hz: u32,
+    /// What it measures now.
+    inputs: Inputs,
 }
 
 impl<SPI: SpiDevice, RESET: OutputPin> FourChannels<SPI, RESET> {
     /// The part on its bus and reset line, with the clock at CLKIN, Hz.
     pub const fn new(spi: SPI, reset: RESET, clock_hz: u32) -> Self {
-        Self { part: Ads131m04::new(spi, reset), clock_hz }
+        Self { part: Ads131m04::new(spi, reset), clock_hz, inputs: Inputs::Gauges }
     }
 
     fn config(&self, setting: &Setting) -> Option<Config> {
@@ -26,9 +28,23 @@ impl<SPI: SpiDevice, RESET: OutputPin> FourChannels<SPI, RESET> {
         let gain = |wanted: u8| Gain::ALL.into_iter().find(|it| it.factor() == u32::from(wanted));
         let [a, b, c, d] = setting.gain;
         let gains = [gain(a)?, gain(b)?, gain(c)?, gain(d)?];
-        let with = |oversampling| Config { clock, oversampling, gains };
+        let with = |chop| move |oversampling| Config { clock, oversampling, chop, gains };
         let is_set = |config: &Config| config.sample_interval_ns() == setting.interval_ns;
-        Oversampling::ALL.into_iter().map(with).find(is_set)
+        let plain = Oversampling::ALL.into_iter().map(with(false));
+        plain.chain(Oversampling::ALL.into_iter().map(with(true))).find(is_set)
+    }
+
+    fn select(&mut self, inputs: Inputs) -> Result<(), ConverterFault> {
+        if inputs != self.inputs {
+            let chosen = match inputs {
+                Inputs::Gauges => ads131m04::Inputs::Pins,
+                Inputs::Shorted => ads131m04::Inputs::Shorted,
+                Inputs::TestSignal => ads131m04::Inputs::TestSignal,
+            };
+            self.part.select(chosen).map_err(|error| fault(&error))?;
+            self.inputs = inputs;
+        }
+        Ok(())
     }
 }
 
@@ -41,17 +57,20 @@ impl<SPI: SpiDevice, RESET: OutputPin> Converter for FourChannels<SPI, RESET> {
 
     fn reset(&mut self, delay: &mut impl DelayNs, setting: &Setting) -> Result<(), ConverterFault> {
         let config = self.config(setting).ok_or(ConverterFault::Register)?;
+        self.inputs = Inputs::Gauges;
         self.part.reset(delay, &config).map_err(|error| fault(&error))
     }
 
     fn begin(&mut self, delay: &mut impl DelayNs, setting: &Setting) -> Result<(), ConverterFault> {
         let config = self.config(setting).ok_or(ConverterFault::Register)?;
-        self.part.begin(delay, &config).map_err(|error| fault(&error))
+        self.part.begin(delay, &config).map_err(|error| fault(&error))?;
+        self.select(setting.inputs)
     }
 
     fn configure(&mut self, setting: &Setting) -> Result<(), ConverterFault> {
         let config = self.config(setting).ok_or(ConverterFault::Register)?;
-        self.part.configure(&config).map_err(|error| fault(&error))
+        self.part.configure(&config).map_err(|error| fault(&error))?;
+        self.select(setting.inputs)
     }
 
     fn read(&mut self) -> Result<[i32; shared::pipeline::GAUGES], ReadError> {

@@ -89,11 +89,13 @@ impl<I2C: I2c> Converter for OneChannel<I2C> {
         Capabilities {
             channels: 1,
             intervals_ns: [a, b, c, d, e, 0, 0, 0],
+            chopped: 0,
             gains: 0xff,
             // Half of the regulator's 3.0 V, which is its reference too.
             full_scale_nv: 1_500_000_000,
             count_bits: 24,
             settling: 4,
+            test_counts: 0,
         }
     }
 

@@ -49,7 +49,11 @@ impl Converter for Script {
     fn discard_stale(&mut self) {}
 }
 
-const SETTING: Setting = Setting { interval_ns: INTERVAL_US as u32 * 1_000, gain: [128; GAUGES] };
+const SETTING: Setting = Setting {
+    interval_ns: INTERVAL_US as u32 * 1_000,
+    gain: [128; GAUGES],
+    inputs: Inputs::Gauges,
+};
 
 /// A front end, the time, and everything that was sent or counted.
 struct Bench {

@@ -6,7 +6,8 @@
 //! | converter CS | PB9 | 10 | |
 //! | converter SYNC/RESET | PB8 | 9 | |
 //! | converter DRDY | PC7 | 5 | EXTI7, falling; TIM3 channel 2 catches its time |
-//! | converter CLKIN | PC6 | 6 | TIM8 channel 1, 8 MHz |
+//! | converter CLKIN | PC6 | 6 | TIM8 channel 1, 8 MHz; left alone if PB6 is joined to ground |
+//! | clock of another finger | PB6 | SCL | joined to ground where CLKIN comes from there |
 //! | USB D−, D+ | PA11, PA12 | the socket | OTG_FS |
 //! | lamp | PC1 | on the board | |
 //! | link TX, RX | PB10, PB11 | TX, RX | USART3, 1,000,000 baud, 8N1 |

@@ -23,6 +23,7 @@ device would have made of a trace with gauges, to try things without one; .mat (
 for the viewers of robots, where palpate was built with --features formats. Several traces are numbered:
 OUT-1.csv, OUT-2.csv … A recording gives one trace for each stretch of its stream: it ends where the
 device began anew, the link was lost or the settings changed. Rows that were lost are a gap in time.
+Of several devices in one recording each gives its own, with time on the clock of this computer.
 
 Columns of each gauge in a trace made from a recording:
   gauge1_ustrain  gauge1_fa_ustrain  gauge1_sa_ustrain    FA + SA is the strain

@@ -1,5 +1,7 @@
 //! `palpate record`.
 
+mod hand;
+
 use std::io::IsTerminal;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -13,6 +15,7 @@ use palpate_link::device::answers::{EventAnswer, RecordedAnswer, SecondAnswer};
 use palpate_link::device::describe::{felt_in_words, live_line};
 use palpate_link::device::discover::is_own_socket;
 use palpate_link::device::record::{Beside, Plan, RecordError, View, overload, record};
+use palpate_link::device::session::Session;
 use palpate_link::robots::McapFile;
 use palpate_present::answers;
 use palpate_trace::files::plan::{self, MESSAGES, RECORDING};
@@ -25,6 +28,8 @@ damaged line, a full queue, a reset, an unplugged cable) the file says so, and t
 on when the device is there again. Ctrl-C ends it in order; after a kill, a crash or a full disk
 all whole blocks written until then are readable. `palpate convert` makes traces of it.
 
+With a --port for each finger of a hand all go into one file, on one clock: that of this computer.
+
 On a terminal a line shows time, rate, rows, gaps, what the device dropped, FA and SA of each gauge;
 a touch, a release and a slip are printed above it as the device reports them.
 
@@ -32,11 +37,14 @@ Examples:
   palpate record -o press.palpate                    until Ctrl-C
   palpate record -o press.palpate --duration 60
   palpate record -o press.palpate --json             an object a second, with the events in it
+  palpate record --port /dev/ttyACM0 --port /dev/ttyACM1 -o grasp.palpate
+                                                     two fingers
   palpate record -o press.palpate --mcap press.mcap  also as topics of ROS 2 (built with
                                                      --features robots)")]
 pub struct Args {
-    #[command(flatten)]
-    at: At,
+    /// Serial port of the device, once for each finger of a hand; without it, the only device that answers on any port
+    #[arg(long = "port", value_name = "PORT")]
+    ports: Vec<PathBuf>,
     /// The recording to write
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
@@ -107,7 +115,7 @@ impl Beside for Screen {
         if self.json && view.passed.as_secs() > self.shown_s {
             self.shown_s = view.passed.as_secs();
             let events = std::mem::take(&mut self.felt);
-            let object = answers::json(&SecondAnswer { view: view.into(), events });
+            let object = answers::json(&SecondAnswer { device: None, view: view.into(), events });
             // A reader that has gone away is no reason to end a recording.
             let _ = print(&format!("{object}\n"));
         }
@@ -124,15 +132,10 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         mcap = Some(McapFile::at(file, args.over.force).map_err(Failure::input)?);
     }
     let ended = interrupt::handle()?;
-    let (port, session) = args.at.open()?;
-    let columns = if args.all { Columns::All } else { Columns::Parts };
-    let start = Start { source: Source::Converter, columns };
-    if !is_own_socket(&port)
-        && let Some(warning) = overload(session.identity(), session.interval_s(), columns)
-    {
-        eprintln!("warning: {warning}");
+    if let [_, _, ..] = args.ports[..] {
+        return hand::run(args, ended);
     }
-    let plan = Plan { port, start, duration: args.duration };
+    let (session, plan) = args.open(args.ports.first())?;
     let live = !args.quiet && !args.json && std::io::stderr().is_terminal();
     let mut screen = Screen { live, json: args.json, shown_s: 0, felt: Vec::new(), mcap, ended };
     let outcome = record(session, &plan, &args.output, args.over.force, &mut screen);
@@ -142,6 +145,21 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let mcap = screen.mcap.map_or(Ok(()), McapFile::end);
     summarise(args, &outcome.map_err(failed)?)?;
     mcap.map_err(Failure::work)
+}
+
+impl Args {
+    /// The device on a port, or the only one, and what it shall stream.
+    fn open(&self, port: Option<&PathBuf>) -> Result<(Session, Plan), Failure> {
+        let (port, session) = At::on(port.cloned()).open()?;
+        let columns = if self.all { Columns::All } else { Columns::Parts };
+        let start = Start { source: Source::Converter, columns };
+        if !is_own_socket(&port)
+            && let Some(warning) = overload(session.identity(), session.interval_s(), columns)
+        {
+            eprintln!("warning: {warning}");
+        }
+        Ok((session, Plan { port, start, duration: self.duration }))
+    }
 }
 
 /// Says how it went.

@@ -7,22 +7,20 @@
 //!
 //! SA is the calibrated strain less FA, so a block can be read only with the settings that made it, which the device says
 //! before. Rows whose settings were lost on the line are left out and counted.
+//!
+//! Where several devices share the recording, each has stretches of its own, and the time of all is the host's since the recording
+//! was opened: the clock of each device is fitted under the arrival of its frames.
 
 mod columns;
+mod stream;
 
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 use std::io::BufRead;
 use std::path::Path;
 
-use shared::calibration::Calibration;
-use shared::pipeline::GAUGES;
-use shared::wire::{
-    Block, Head as FrameHead, Hello, Rows, Settings, SettingsByRatio, Source, ToHost,
-};
-
-use self::columns::{Origin, Stretch};
+use self::stream::Stream;
 use super::{Error, Trace};
-use crate::recording::{self, Clock, ClockFit, Entry, Gap, Note, Reader};
+use crate::recording::{self, Entry, Note, Reader};
 
 /// Key of the settings in the head's table `device`.
 pub(super) const SETTINGS: &str = "settings";
@@ -71,31 +69,42 @@ pub fn to_traces(
     mut reader: Reader<impl BufRead>,
     options: &Options,
 ) -> Result<Recorded, Error> {
-    let mut stream = Stream::default();
+    let mut devices = Devices::default();
     let mut recorded = Recorded::default();
     loop {
         match reader.next_entry() {
-            Ok(Some(entry)) => stream.take(&entry),
+            Ok(Some(entry)) => devices.take(&entry),
             Ok(None) => break,
-            Err(recording::Error::Damaged { .. }) if options.skip_damaged => recorded.damaged += 1,
+            Err(recording::Error::Damaged { .. }) if options.skip_damaged => {
+                recorded.damaged += 1;
+                devices.lose_track();
+            }
             Err(source) => return Err(Error::Recording { path: path.into(), source }),
         }
     }
-    stream.end();
     recorded.closed = reader.closed();
-    recorded.rows_unknown = stream.rows_unknown;
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-    let several = stream.ended.len() > 1;
-    for (index, (stretch, clock)) in stream.ended.into_iter().enumerate() {
-        let name = if several { format!("{stem}-{}", index + 1) } else { stem.to_string() };
-        recorded.rows_lost += stretch.rows_lost;
-        let mut trace = stretch.into_trace(name, clock.ok().as_ref());
-        if options.host_time {
-            let no_clock = |reason| Error::NoClock { path: path.into(), reason };
-            let rate = clock.map_err(no_clock)?.rate;
-            trace.time.iter_mut().for_each(|time| *time /= rate);
+    let shared = devices.shared;
+    for (number, mut stream) in devices.streams {
+        stream.end();
+        recorded.rows_unknown += stream.rows_unknown;
+        let device = shared.then(|| u32::from(number) + 1);
+        let name =
+            device.map_or_else(|| stem.to_string(), |device| format!("{stem}-device{device}"));
+        let several = stream.ended.len() > 1;
+        for (index, (stretch, clock)) in stream.ended.into_iter().enumerate() {
+            let name = if several { format!("{name}-{}", index + 1) } else { name.clone() };
+            recorded.rows_lost += stretch.rows_lost;
+            let first_us = stretch.first_us();
+            let mut trace = stretch.into_trace(name, clock.as_ref().ok(), device);
+            if options.host_time || shared {
+                let no_clock = |reason| Error::NoClock { path: path.into(), reason };
+                let clock = clock.map_err(no_clock)?;
+                let begins_s = if shared { clock.host_us(first_us) * 1e-6 } else { 0.0 };
+                trace.time.iter_mut().for_each(|time| *time = begins_s + *time / clock.rate);
+            }
+            recorded.traces.push(trace);
         }
-        recorded.traces.push(trace);
     }
     if recorded.traces.is_empty() {
         return Err(Error::NoStream { path: path.into() });
@@ -103,153 +112,54 @@ pub fn to_traces(
     Ok(recorded)
 }
 
-/// Who the device said it is.
-#[derive(Clone)]
-struct Device {
-    board: String,
-    serial: String,
-    firmware: String,
-    git: String,
-    gauges: usize,
-}
-
-impl Device {
-    fn of(hello: &Hello<'_>) -> Self {
-        let serial = hello.serial.map(|word| format!("{word:08x}"));
-        Self {
-            board: hello.board.into(),
-            serial: serial.concat(),
-            firmware: hello.version.into(),
-            git: hello.git.into(),
-            gauges: hello.channels.into(),
-        }
-    }
-}
-
-/// What is known at a point of the recording.
+/// The devices of a recording: one, or several that share it.
 #[derive(Default)]
-struct Stream {
+struct Devices {
+    shared: bool,
     opened_ns: u64,
-    device: Option<Device>,
-    settings: HashMap<u32, (Settings, [Calibration; GAUGES])>,
-    rows_unknown: u64,
-    source: Option<Source>,
-    arrived_us: Option<u64>,
-    clock: Clock,
-    stretch: Option<Stretch>,
-    ended: Vec<(Stretch, Result<ClockFit, &'static str>)>,
+    /// Whose frames follow; nobody's that is known behind damage, where a note of that may be missing.
+    now: Option<u8>,
+    streams: BTreeMap<u8, Stream>,
 }
 
-impl Stream {
+impl Devices {
     fn take(&mut self, entry: &Entry<'_>) {
         match entry {
             Entry::Note { note: Note::Opened(opened), .. } => self.opened_ns = opened.unix_ns,
-            Entry::Note { note: Note::Gap(Gap::Reset | Gap::LinkLost | Gap::LinkBack), .. } => {
-                self.end();
+            Entry::Note { note: Note::Device(device), .. } => {
+                (self.shared, self.now) = (true, Some(*device));
             }
-            // Rows that were lost are seen by their numbers.
-            Entry::Note { .. } => {}
-            Entry::Frame { head, message, arrived_us } => {
-                self.arrived_us = arrived_us.or(self.arrived_us);
-                self.hear(*head, message);
-                // Only now: if the device began anew, the stretch that this ended had the clock before.
-                if let Some(arrived_us) = *arrived_us {
-                    self.clock.hear(*head, message, arrived_us);
+            _ if self.shared => {
+                if let Some(device) = self.now {
+                    self.stream(device).take(entry);
                 }
             }
+            _ => self.stream(0).take(entry),
         }
     }
 
-    fn hear(&mut self, head: FrameHead, message: &ToHost<'_>) {
-        match message {
-            ToHost::Hello(hello) => {
-                self.end();
-                self.device = Some(Device::of(hello));
-                self.settings.clear();
-                self.source = None;
-            }
-            ToHost::Settings { generation, settings } => self.set(*generation, settings),
-            ToHost::SettingsByRatio { generation, settings } => {
-                self.set(*generation, &settings.settings(SettingsByRatio::CLOCK_HZ));
-            }
-            ToHost::Status(status) => self.source = status.streaming,
-            ToHost::Samples(block) => self.hear_rows(head, block),
-            // Events follow from the rows.
-            ToHost::Answer(_) | ToHost::Log(_) | ToHost::Kept(_) | ToHost::Event(_) => {}
-            ToHost::Converter { .. } => {}
-        }
+    fn lose_track(&mut self) {
+        self.now = None;
     }
 
-    fn set(&mut self, generation: u32, settings: &Settings) {
-        let calibrated = calibration(settings).map(|gauges| (*settings, gauges));
-        self.settings.extend(calibrated.map(|settings| (generation, settings)));
+    fn stream(&mut self, device: u8) -> &mut Stream {
+        let opened_ns = self.opened_ns;
+        self.streams.entry(device).or_insert_with(|| Stream::begin(opened_ns))
     }
-
-    fn hear_rows(&mut self, head: FrameHead, block: &Block<'_>) {
-        // A block that passed its CRC and contradicts itself was made so; its rows are lost as others are.
-        let Ok(rows) = Rows::decode(head, block) else { return };
-        let Some((settings, calibration)) = self.settings.get(&rows.generation).copied() else {
-            self.rows_unknown += rows.len() as u64;
-            return;
-        };
-        for row in rows.iter(&calibration) {
-            let goes_on = |stretch: &Stretch| stretch.goes_on(rows.generation, &row);
-            if !self.stretch.as_ref().is_some_and(goes_on) {
-                self.end();
-                self.stretch = Some(Stretch::new(Origin {
-                    device: self.device.clone(),
-                    generation: rows.generation,
-                    settings,
-                    start_s: self.start_s(),
-                }));
-            }
-            if let Some(stretch) = &mut self.stretch {
-                stretch.push(&row, rows.temperature);
-            }
-        }
-    }
-
-    /// When the last noted message arrived, s since 1970, if the recording says when it was opened.
-    fn start_s(&self) -> Option<f64> {
-        let arrived_us = self.arrived_us.filter(|_| self.opened_ns > 0)?;
-        Some(self.opened_ns as f64 * 1e-9 + arrived_us as f64 * 1e-6)
-    }
-
-    /// Ends the stretch; one row is none.
-    fn end(&mut self) {
-        if let Some(stretch) = self.stretch.take().filter(|stretch| stretch.len() > 1) {
-            self.ended.push((stretch, self.relation()));
-        }
-    }
-
-    /// How the clock of the device runs, or why that is not known.
-    fn relation(&self) -> Result<ClockFit, &'static str> {
-        match self.source {
-            Some(Source::Link { .. }) => {
-                Err("its rows were injected and carry a time of their own")
-            }
-            _ => self.clock.fit().ok_or("too few messages came"),
-        }
-    }
-}
-
-/// What made strain of counts; none if the device could not have said so.
-fn calibration(settings: &Settings) -> Option<[Calibration; GAUGES]> {
-    let gauges = settings.calibration.iter().zip(settings.tare);
-    let calibrated =
-        gauges.map(|(sheet, tare)| Some(Calibration::new(sheet).ok()?.with_tare(tare)));
-    calibrated.collect::<Option<Vec<_>>>()?.try_into().ok()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::recording::{Opened, Writer};
+    use crate::recording::{Gap, Opened, Writer};
     use proptest::prelude::*;
     use shared::flags::Flags;
     use shared::phase::{Region, RelaxationType};
-    use shared::pipeline::Output;
-    use shared::wire::{Columns, FRAME_MAX, encode};
+    use shared::pipeline::{GAUGES, Output};
+    use shared::wire::{
+        Columns, FRAME_MAX, Head as FrameHead, Hello, Rows, Settings, Source, Status, ToHost,
+        encode,
+    };
 
     const QUIET: Output = Output {
         strain: 512,
@@ -421,6 +331,101 @@ mod tests {
         let unclear = [entries[0].clone(), entries[2].clone()];
         let error = recorded(&unclear, &options).unwrap_err().to_string();
         assert!(error.contains("clock of the device cannot be estimated"), "{error}");
+    }
+
+    #[test]
+    fn a_status_whose_arrival_was_not_noted_says_whose_rows_follow_all_the_same() {
+        let mut bytes = Vec::new();
+        let mut writer = Writer::new(&mut bytes, &Opened::timeless("tty")).unwrap();
+        let status = Status { streaming: Some(Source::Converter), ..quiet_status() };
+        writer.frame(0, &settings(1)).unwrap();
+        // Too soon after another frame for a note of its own.
+        writer.frame(1, &said(0, &ToHost::Status(status))).unwrap();
+        for block_number in 1..20 {
+            let (first, time_us) = (10 * block_number, 25_000 * block_number);
+            writer.frame(time_us, &block(first, time_us, 1, 3, &[QUIET; GAUGES])).unwrap();
+        }
+        drop(writer);
+        let options = Options { host_time: true, ..Options::default() };
+        let reader = Reader::new(&bytes[..]).unwrap();
+        let found = to_traces(Path::new("take.palpate"), reader, &options).unwrap();
+        assert_eq!(found.traces[0].len(), 57);
+    }
+
+    fn quiet_status() -> Status {
+        Status {
+            counters: Default::default(),
+            gauges: Default::default(),
+            rows: 0,
+            streaming: None,
+            temperature: None,
+            converter: None,
+            stack_used: 0,
+            queue_most: 0,
+        }
+    }
+
+    /// A block of a device whose clock reads `at_us(t)` when the host's reads t µs, with its first row then.
+    fn of_device(device: u8, at_us: impl Fn(u64) -> u64, bytes: &mut Writer<&mut Vec<u8>>) {
+        for second in 1..30_u64 {
+            let host_us = second * 1_000_000;
+            bytes.of_device(host_us, device).unwrap();
+            if second == 1 {
+                bytes.frame(host_us, &settings(1)).unwrap();
+            }
+            let rows = block(10 * second, at_us(host_us), 1, 3, &[QUIET; GAUGES]);
+            // When the last row was there, and as it came from the line.
+            let arrives_us = host_us + 2_000 + 500;
+            bytes
+                .frame(
+                    arrives_us,
+                    &said(at_us(host_us) + 2_000, &ToHost::Log(shared::wire::Log { bytes: &[] })),
+                )
+                .unwrap();
+            bytes.frame(arrives_us, &rows).unwrap();
+        }
+    }
+
+    #[test]
+    fn what_several_devices_saw_at_one_instant_has_one_time() {
+        let mut bytes = Vec::new();
+        let opened = Opened { unix_ns: 5_000_000_000, ..Opened::timeless("two") };
+        let mut writer = Writer::for_several(&mut bytes, &opened).unwrap();
+        of_device(0, |host_us| 70_000_000 + host_us, &mut writer);
+        // A clock that runs fast by a hundredth, and began later.
+        of_device(1, |host_us| host_us + host_us / 100 - 900_000, &mut writer);
+        drop(writer);
+        let reader = Reader::new(&bytes[..]).unwrap();
+        let found = to_traces(Path::new("a/hand.palpate"), reader, &Options::default()).unwrap();
+        let [first, second] = &found.traces[..] else { panic!("{} traces", found.traces.len()) };
+        assert_eq!([first.label(), second.label()], ["hand-device1", "hand-device2"]);
+        assert_eq!(second.head.other["recording"]["device"].as_integer(), Some(2));
+        for (a, b) in first.time.iter().zip(&second.time).step_by(3) {
+            // Both late by as much as frames take.
+            assert!((a - b).abs() < 1e-4 && (a % 1.0 - 5e-4).abs() < 1e-4, "{a} {b}");
+        }
+        let rows = first.time.iter().chain(&second.time);
+        assert!(rows.clone().count() == 2 * 87 && rows.copied().all(|time| time > 0.9));
+    }
+
+    #[test]
+    fn behind_damage_no_frame_is_taken_for_that_of_another_device() {
+        let mut bytes = Vec::new();
+        let mut writer = Writer::for_several(&mut bytes, &Opened::timeless("two")).unwrap();
+        of_device(0, |host_us| host_us, &mut writer);
+        let whole = {
+            writer.flush().unwrap();
+            writer.bytes() as usize
+        };
+        of_device(1, |host_us| host_us, &mut writer);
+        drop(writer);
+        // The note that the second device follows.
+        bytes[whole + 6] ^= 0x40;
+        let options = Options { skip_damaged: true, ..Options::default() };
+        let reader = Reader::new(&bytes[..]).unwrap();
+        let found = to_traces(Path::new("hand.palpate"), reader, &options).unwrap();
+        assert_eq!((found.traces.len(), found.damaged), (1, 1));
+        assert_eq!(found.traces[0].len(), 87);
     }
 
     #[test]

@@ -40,11 +40,8 @@ impl Oversampling {
     /// Time between two samples, ns to the nearest, with a converter clock (Hz); the modulator runs at half of it. Exact at 8 MHz.
     #[must_use]
     pub const fn interval_ns(self, converter_clock_hz: u32) -> u32 {
-        let twice = (self.ratio() as u64).saturating_mul(4_000_000_000);
-        match twice.checked_div(converter_clock_hz as u64) {
-            Some(twice) if twice >> 32 == 0 => (twice.wrapping_add(1) >> 1) as u32,
-            _ => u32::MAX,
-        }
+        // Of CLKIN, two in one of the modulator; no ratio is so large that they overflow.
+        interval_of_periods_ns(self.ratio().wrapping_mul(2), converter_clock_hz)
     }
 
     /// The one whose interval is nearest.
@@ -52,6 +49,15 @@ impl Oversampling {
     pub fn nearest(interval_ns: u32, converter_clock_hz: u32) -> Self {
         let off = |of: &Self| of.interval_ns(converter_clock_hz).abs_diff(interval_ns);
         Self::ALL.into_iter().min_by_key(off).unwrap_or(Self::X4096)
+    }
+}
+
+/// Time of so many periods of the converter's clock, ns to the nearest.
+pub(super) const fn interval_of_periods_ns(periods: u32, converter_clock_hz: u32) -> u32 {
+    let twice = (periods as u64).saturating_mul(2_000_000_000);
+    match twice.checked_div(converter_clock_hz as u64) {
+        Some(twice) if twice >> 32 == 0 => (twice.wrapping_add(1) >> 1) as u32,
+        _ => u32::MAX,
     }
 }
 

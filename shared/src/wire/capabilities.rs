@@ -3,7 +3,7 @@
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
 
-use super::by_ratio::Oversampling;
+use super::by_ratio::{Oversampling, interval_of_periods_ns};
 use super::settings::Settings;
 
 /// Most rates that a converter can be set to.
@@ -12,6 +12,12 @@ pub const RATES: usize = 8;
 /// Full scale that [`Settings::DEFAULT`] is calibrated for, nV.
 const DEFAULT_FULL_SCALE_NV: u32 = 1_200_000_000;
 
+/// Periods of an ADS131M04's clock from one conversion to the next with its global chop, at an oversampling ratio of 1024: 3 × 1024
+/// and 16 of its modulator, two of the clock each.
+const CHOPPED_PERIODS: u32 = 2 * (3 * 1_024 + 16);
+/// An interval with the chop is meant by whoever names it this closely.
+const MEANT_WITHIN: f64 = 1.01;
+
 /// What the converter can do, as a device says after `Hello`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub struct Capabilities {
@@ -19,6 +25,8 @@ pub struct Capabilities {
     pub channels: u8,
     /// Times between two samples that can be set, ns, the shortest first; behind the last are zeros.
     pub intervals_ns: [u32; RATES],
+    /// Of those, the ones at which the converter takes its own offset away by swapping its inputs: bit n is the n-th.
+    pub chopped: u8,
     /// Gains that can be set: bit n is a gain of 2^n.
     pub gains: u8,
     /// Full scale at a gain of 1, nV either way.
@@ -27,6 +35,8 @@ pub struct Capabilities {
     pub count_bits: u8,
     /// Samples after a change of gain or rate that are given up, because they mix old and new.
     pub settling: u8,
+    /// Counts of the signal with which it tests itself; 0 if it has none.
+    pub test_counts: i32,
 }
 
 impl Capabilities {
@@ -39,17 +49,20 @@ impl Capabilities {
             intervals_ns: [
                 a.interval_ns(clock_hz),
                 b.interval_ns(clock_hz),
+                interval_of_periods_ns(CHOPPED_PERIODS, clock_hz),
                 c.interval_ns(clock_hz),
                 d.interval_ns(clock_hz),
                 e.interval_ns(clock_hz),
                 0,
                 0,
-                0,
             ],
+            chopped: 1 << 2,
             gains: 0xff,
             full_scale_nv: DEFAULT_FULL_SCALE_NV,
             count_bits: 24,
             settling: 3,
+            // 2/15 of full scale.
+            test_counts: (1 << 24) / 15,
         }
     }
 
@@ -70,7 +83,14 @@ impl Capabilities {
         gain.is_power_of_two() && gain & self.gains != 0
     }
 
-    /// The interval that is nearest, by ratio, ns.
+    /// Whether the converter takes its own offset away at this interval.
+    #[must_use]
+    pub fn is_chopped(&self, interval_ns: u32) -> bool {
+        let at = self.intervals_ns().position(|has| has == interval_ns);
+        at.is_some_and(|at| self.chopped >> at & 1 == 1)
+    }
+
+    /// The interval that is nearest, by ratio, ns; one with the chop only if it is meant.
     #[must_use]
     pub fn nearest_ns(&self, wanted_s: f64) -> u32 {
         let off = |interval_ns: u32| {
@@ -78,7 +98,8 @@ impl Capabilities {
             if ratio < 1.0 { 1.0 / ratio } else { ratio }
         };
         let nearer = |a: u32, b: u32| if off(b) < off(a) { b } else { a };
-        self.intervals_ns().reduce(nearer).unwrap_or(Settings::DEFAULT.interval_ns)
+        let comes = |ns: &u32| !self.is_chopped(*ns) || off(*ns) < MEANT_WITHIN;
+        self.intervals_ns().filter(comes).reduce(nearer).unwrap_or(Settings::DEFAULT.interval_ns)
     }
 
     /// Settings of a device that was never set.
@@ -109,10 +130,12 @@ mod tests {
     const SLOW: Capabilities = Capabilities {
         channels: 1,
         intervals_ns: [12_500_000, 100_000_000, 0, 0, 0, 0, 0, 0],
+        chopped: 0,
         gains: 1 << 5 | 1 << 6,
         full_scale_nv: 2 * DEFAULT_FULL_SCALE_NV,
         count_bits: 24,
         settling: 4,
+        test_counts: 0,
     };
 
     #[test]
@@ -122,6 +145,10 @@ mod tests {
         assert_eq!(taken(1_000.0), 976.562_5);
         assert_eq!(taken(1.0), 244.140_625);
         assert_eq!(taken(1e6), 3_906.25);
+        // The one with the chop is nearer, and not meant; then it is.
+        assert_eq!(taken(1_250.0), 976.562_5);
+        assert_eq!(fast.nearest_ns(1.0 / 1_295.0), 772_000);
+        assert!(fast.is_chopped(772_000) && !fast.is_chopped(512_000));
         // Nearer to 976.6 by difference, to 488.3 by ratio.
         assert_eq!(taken(680.0), 488.281_25);
     }

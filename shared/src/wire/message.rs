@@ -105,6 +105,20 @@ pub enum ToDevice<'a> {
         /// The time, ns.
         ns: u32,
     },
+    /// As [`ToDevice::SelfTest`], of other inputs of the converter than its gauges.
+    TestInputs(Inputs),
+}
+
+/// What the converter measures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize, Schema)]
+pub enum Inputs {
+    /// The gauges.
+    #[default]
+    Gauges,
+    /// Nothing, both sides of each input joined: its own noise and offset.
+    Shorted,
+    /// A signal of its own, [`Capabilities::test_counts`] at any gain.
+    TestSignal,
 }
 
 /// How to introduce oneself, the same in every version: both `Hello` begin with these fields.
@@ -501,6 +515,6 @@ mod tests {
     #[test]
     fn the_schema_changes_with_the_messages_and_with_nothing_else() {
         // A change of any message must change this number, and this number must not change without one.
-        assert_eq!(SCHEMA, 0x3554_873f_253c_6e95, "{SCHEMA:#018x}");
+        assert_eq!(SCHEMA, 0x451d_9e86_f935_ec5c, "{SCHEMA:#018x}");
     }
 }

@@ -47,8 +47,8 @@ pub use frame::{
 };
 pub use message::{
     Answer, ClockSource, Columns, ConverterFault, Counters, Done, Felt, Formats, Hello,
-    HelloToDevice, INJECT_ROWS, Inject, Introduction, Log, Refusal, ResetCause, SelfTest, Source,
-    Start, Status, StoreFault, ToDevice, ToHost,
+    HelloToDevice, INJECT_ROWS, Inject, Inputs, Introduction, Log, Refusal, ResetCause, SelfTest,
+    Source, Start, Status, StoreFault, ToDevice, ToHost,
 };
 pub use record::Kept;
 pub use releases::{EARLIER, is_of_core, is_understood};

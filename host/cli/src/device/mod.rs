@@ -77,6 +77,11 @@ pub struct At {
 }
 
 impl At {
+    /// The device on this port, or the only one.
+    pub const fn on(port: Option<PathBuf>) -> Self {
+        Self { port }
+    }
+
     /// The device, and its port.
     pub fn open(&self) -> Result<(PathBuf, Session), Failure> {
         self.choose().map_err(Failure::input)

@@ -84,6 +84,20 @@ pub fn live_line(view: &View) -> String {
     )
 }
 
+/// How a recording of several devices goes, in one line.
+#[must_use]
+pub fn live_line_of_all(views: &[View]) -> String {
+    let time = views.first().map_or(0.0, |view| view.passed.as_secs_f64());
+    let devices = views.iter().map(|view| match view.linked {
+        true => format!(
+            "{:6.1} Hz {:9} rows {} gaps {} drops",
+            view.rate_hz, view.tally.rows, view.gaps, view.drops
+        ),
+        false => "gone; waiting for it".into(),
+    });
+    format!("{time:7.1} s  {}", devices.collect::<Vec<_>>().join("  | "))
+}
+
 /// An event that a device tells: what, when by its clock, and on which gauge.
 #[must_use]
 pub fn felt_in_words(felt: &Felt) -> String {

@@ -9,7 +9,7 @@
 //! - [`mod@line`]: a thread that does nothing but read, so that nothing else can make it lose bytes.
 //! - [`session`]: handshake, commands and their answers, what comes meanwhile.
 //! - [`stream`]: frames and rows that are missing.
-//! - [`record`]: into a file, through whatever happens to the line.
+//! - [`record`]: into a file, through whatever happens to the line; [`hand`]: from several devices into one.
 //! - [`replay`]: rows put into a device as if its converter had given them.
 //! - [`change`]: settings, checked before they are sent.
 //! - [`measure`]: short streams, to read zero and to average.
@@ -27,6 +27,7 @@ pub mod calibrate;
 pub mod change;
 pub mod describe;
 pub mod discover;
+pub mod hand;
 pub mod heard;
 pub mod line;
 pub mod log;
@@ -45,6 +46,7 @@ pub mod stream;
 pub mod watch;
 
 mod handshake;
+mod share;
 
 #[cfg(test)]
 mod tests;

@@ -1,6 +1,5 @@
 //! From a device into a file, through whatever happens to the line.
 
-use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -9,8 +8,9 @@ use shared::wire::{BAUD, ClockSource, Columns, Counters, Felt, Row, Start, ToDev
 
 use super::heard::{Heard, Identity, Said};
 use super::session::{LinkError, Session};
+use super::share::{File, Share};
 use super::stream::{Mark, Stream, Tally};
-use palpate_trace::recording::{Gap, Note, Opened, Writer};
+use palpate_trace::recording::{Gap, Note, Opened};
 
 /// A stream that says nothing for so long has ended: a status comes every second.
 const SILENCE: Duration = Duration::from_millis(2_500);
@@ -130,43 +130,47 @@ pub fn record(
     overwrite: bool,
     beside: &mut dyn Beside,
 ) -> Result<View, RecordError> {
-    let failed = |source| RecordError::File { path: file.into(), source };
     let port = plan.port.to_string_lossy();
     let began = Instant::now();
-    if !overwrite && file.is_file() {
-        return Err(RecordError::Exists(file.into()));
-    }
+    check_absent(file, overwrite)?;
     // A device that refuses leaves no file, and an older one as it is.
     begin(&mut session, plan.start)?;
-    let writer = match Writer::create(file, overwrite, &Opened::now(&port)) {
-        Ok(writer) => writer,
-        Err(error) => {
-            let _ = session.command(&ToDevice::Stop);
-            return Err(match error.kind() {
-                io::ErrorKind::AlreadyExists => RecordError::Exists(file.into()),
-                io::ErrorKind::ResourceBusy => RecordError::Busy(file.into()),
-                _ => failed(error),
-            });
-        }
-    };
-    let mut recorder = Recorder::new(plan, writer, began, session.identity().clone());
+    let shared = File::create(file, overwrite, &Opened::now(&port), false);
+    let shared = shared.map_err(|error| {
+        let _ = session.command(&ToDevice::Stop);
+        not_created(file, error)
+    })?;
+    let mut recorder = Recorder::new(plan, shared.alone(), began, session.identity().clone());
     let outcome = recorder.run(session, beside);
     let view = recorder.view();
-    let now_us = recorder.now_us(Instant::now());
-    let closed = recorder.writer.close(now_us);
+    let closed = shared.close(since_us(began, Instant::now()));
     beside.watch(&view);
-    match outcome {
-        Err(Stop::Link(error)) => Err(error.into()),
-        Err(Stop::File(source)) => Err(failed(source)),
-        Err(Stop::Another(now)) => {
-            Err(RecordError::AnotherDevice { before: recorder.identity.serial_number(), now })
-        }
-        Ok(()) => closed.map(|()| view).map_err(failed),
+    outcome.map_err(|stop| recorder.failed(stop, file))?;
+    closed.map_err(|source| RecordError::File { path: file.into(), source })?;
+    Ok(view)
+}
+
+/// Refuses to write over a recording that nobody allowed to.
+pub(super) fn check_absent(file: &Path, overwrite: bool) -> Result<(), RecordError> {
+    if !overwrite && file.is_file() { Err(RecordError::Exists(file.into())) } else { Ok(()) }
+}
+
+/// Why a recording's file was not created.
+pub(super) fn not_created(file: &Path, error: io::Error) -> RecordError {
+    match error.kind() {
+        io::ErrorKind::AlreadyExists => RecordError::Exists(file.into()),
+        io::ErrorKind::ResourceBusy => RecordError::Busy(file.into()),
+        _ => RecordError::File { path: file.into(), source: error },
     }
 }
 
+/// Time since a recording began, µs.
+pub(super) fn since_us(began: Instant, at: Instant) -> u64 {
+    at.saturating_duration_since(began).as_micros() as u64
+}
+
 /// Why the loop ends.
-enum Stop {
+pub(super) enum Stop {
     Link(LinkError),
     File(io::Error),
     Another(String),
@@ -184,9 +188,10 @@ impl From<io::Error> for Stop {
     }
 }
 
-struct Recorder<'p> {
+/// Follows one device.
+pub(super) struct Recorder<'p> {
     plan: &'p Plan,
-    writer: Writer<File>,
+    writer: Share,
     began: Instant,
     identity: Identity,
     stream: Stream,
@@ -204,7 +209,8 @@ struct Recorder<'p> {
 }
 
 impl<'p> Recorder<'p> {
-    fn new(plan: &'p Plan, writer: Writer<File>, began: Instant, identity: Identity) -> Self {
+    /// Of a device whose stream was begun, into its share of a file that was opened at `began`.
+    pub(super) fn new(plan: &'p Plan, writer: Share, began: Instant, identity: Identity) -> Self {
         let lost = lost(&identity.counters);
         Self {
             plan,
@@ -225,10 +231,22 @@ impl<'p> Recorder<'p> {
     }
 
     fn now_us(&self, at: Instant) -> u64 {
-        at.saturating_duration_since(self.began).as_micros() as u64
+        since_us(self.began, at)
     }
 
-    fn run(&mut self, session: Session, beside: &mut dyn Beside) -> Result<(), Stop> {
+    /// What the loop ended with, in words.
+    pub(super) fn failed(&self, stop: Stop, file: &Path) -> RecordError {
+        match stop {
+            Stop::Link(error) => error.into(),
+            Stop::File(source) => RecordError::File { path: file.into(), source },
+            Stop::Another(now) => {
+                RecordError::AnotherDevice { before: self.identity.serial_number(), now }
+            }
+        }
+    }
+
+    /// Records until it is over.
+    pub(super) fn run(&mut self, session: Session, beside: &mut dyn Beside) -> Result<(), Stop> {
         let mut present = Some(session);
         let outcome = self.follow(&mut present, beside);
         if let (Err(Stop::File(_)), Some(session)) = (&outcome, &mut present) {
@@ -396,7 +414,8 @@ impl<'p> Recorder<'p> {
         }
     }
 
-    fn view(&mut self) -> View {
+    /// How it goes.
+    pub(super) fn view(&mut self) -> View {
         let now = Instant::now();
         let rows = self.stream.tally().rows;
         if now.duration_since(self.second.2) >= RATE_OVER {

@@ -1,7 +1,7 @@
 //! A device: who it is, how it is set, how it is, and what its test of itself found.
 
 use shared::fixed::{celsius, microstrain};
-use shared::wire::{Counters, SelfTest, Settings, Status};
+use shared::wire::{Counters, Settings, Status};
 
 use palpate_link::device::change::{Threshold, rate_hz};
 use palpate_link::device::describe::{
@@ -9,7 +9,7 @@ use palpate_link::device::describe::{
 };
 use palpate_link::device::heard::Identity;
 use palpate_link::device::refusal::Fault;
-use palpate_link::device::self_test::{faults, noise};
+use palpate_link::device::self_test::{Tested, faults, noise};
 use palpate_report::number::significant;
 use palpate_report::{Block, Callout, Column, Section, Table};
 
@@ -34,7 +34,11 @@ pub fn device_sections(identity: &Identity, settings: &Settings, status: &Status
     who.push(text("temperature", temperature));
     let health = status.converter.map_or("OK".into(), |fault| Fault(fault).to_string());
     who.push(text("converter", format!("{}, {health}", identity.converter)));
-    let rates = identity.capabilities.intervals_ns().map(|ns| (1e9 / f64::from(ns)).to_string());
+    let capabilities = &identity.capabilities;
+    let rates = capabilities.intervals_ns().map(|ns| match capabilities.is_chopped(ns) {
+        true => format!("{:.2} chopped", 1e9 / f64::from(ns)),
+        false => (1e9 / f64::from(ns)).to_string(),
+    });
     who.push(text("rates", format!("{} Hz", rates.collect::<Vec<_>>().join(", "))));
     if status.stack_used > 0 {
         who.push(text("stack used", format!("{} bytes at most", status.stack_used)));
@@ -94,7 +98,8 @@ fn counters(counters: &Counters) -> Table {
 
 /// What a self-test found.
 #[must_use]
-pub fn self_test_sections(test: &SelfTest, settings: &Settings) -> Vec<Section> {
+pub fn self_test_sections(tested: &Tested, settings: &Settings) -> Vec<Section> {
+    let test = &tested.gauges;
     let mut table = Table::new(
         "",
         vec![
@@ -108,7 +113,7 @@ pub fn self_test_sections(test: &SelfTest, settings: &Settings) -> Vec<Section> 
         "{} samples, at {:.4} times the rate that is set",
         test.samples, test.rate_ratio
     ));
-    for (gauge, noise) in noise(test, settings).into_iter().enumerate() {
+    for (gauge, noise) in noise(tested, settings).into_iter().enumerate() {
         table = table.row([
             (gauge + 1).to_string(),
             test.mean_counts[gauge].to_string(),
@@ -116,8 +121,17 @@ pub fn self_test_sections(test: &SelfTest, settings: &Settings) -> Vec<Section> 
             format!("{noise:.3}"),
         ]);
     }
+    if let Some(own) = &tested.own {
+        let noise = own.shorted.noise_counts.iter().copied().fold(0.0, f32::max);
+        table = table.note(format!(
+            "The converter alone: inputs joined, {:.2} % of full scale at most, noise of {noise:.1} counts at most; its own test \
+             signal, {:.4} of what it is",
+            100.0 * own.offset(),
+            own.signal_ratio()
+        ));
+    }
     let kind = Callout::Warning;
     let warn = |text| Block::Callout { kind, title: String::new(), text };
-    let blocks = std::iter::once(Block::Table(table)).chain(faults(test).into_iter().map(warn));
+    let blocks = std::iter::once(Block::Table(table)).chain(faults(tested).into_iter().map(warn));
     vec![Section { title: "Self-test".into(), blocks: blocks.collect() }]
 }

@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 use shared::calibration::Sheet;
 use shared::pipeline::GAUGES;
-use shared::wire::{Done, ToDevice};
+use shared::wire::ToDevice;
 
 use super::feed::{Feed, Trouble, lock};
 use super::wish::{Basis, Setting, change};
@@ -57,14 +57,13 @@ impl Feed {
 
     /// The device tests itself.
     pub(super) fn test(&mut self, session: &mut Session) -> Result<Value, Trouble> {
-        let done = self.between_streams(session, |session| session.command(&ToDevice::SelfTest))?;
-        let Done::Tested(test) = done else { return Err(LinkError::Unsuited(done).into()) };
-        let faults = self_test::faults(&test).len();
+        let tested = self.between_streams(session, self_test::run)?;
+        let faults = self_test::faults(&tested).len();
         lock(&self.store).say(match faults {
             0 => "the self-test passed".to_owned(),
             _ => format!("the self-test found {faults} faults"),
         });
-        Ok(answers::json(&SelfTestInFull::of(&test, session.settings().1)))
+        Ok(answers::json(&SelfTestInFull::of(&tested, session.settings().1)))
     }
 
     /// Sets and saves a calibration.

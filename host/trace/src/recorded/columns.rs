@@ -5,7 +5,7 @@ use shared::pipeline::GAUGES;
 use shared::wire::{Row, Settings};
 use toml::{Table, Value};
 
-use super::Device;
+use super::stream::Device;
 use crate::recording::ClockFit;
 use crate::{Column, Head, Setup, TEMPERATURE, Trace};
 
@@ -92,11 +92,16 @@ impl Stretch {
         }
     }
 
-    /// The stretch as a trace in device time, s since its first row.
-    pub fn into_trace(self, name: String, clock: Option<&ClockFit>) -> Trace {
-        let head = self.head(name, clock);
+    /// Device time of the first row, µs.
+    pub fn first_us(&self) -> u64 {
+        self.time_us.first().copied().unwrap_or_default()
+    }
+
+    /// The stretch as a trace in device time, s since its first row; of several devices that share a recording, by its number.
+    pub fn into_trace(self, name: String, clock: Option<&ClockFit>, device: Option<u32>) -> Trace {
+        let head = self.head(name, clock, device);
         let rows = self.len();
-        let first = self.time_us.first().copied().unwrap_or_default();
+        let first = self.first_us();
         let time = self.time_us.iter().map(|time_us| (time_us - first) as f64 / 1e6).collect();
         // Rows hold zeros for gauges that the device does not have.
         let there = self.origin.device.map_or(GAUGES, |device| device.gauges);
@@ -108,10 +113,13 @@ impl Stretch {
         Trace { path: None, head, time, columns }
     }
 
-    fn head(&self, name: String, clock: Option<&ClockFit>) -> Head {
+    fn head(&self, name: String, clock: Option<&ClockFit>, device: Option<u32>) -> Head {
         let mut setup = Setup { start_s: self.origin.start_s, ..Setup::default() };
         setup.other.insert("rate_Hz".into(), self.rate_hz().into());
         let mut recording = Table::new();
+        if let Some(number) = device {
+            recording.insert("device".into(), i64::from(number).into());
+        }
         let lost = i64::try_from(self.rows_lost).unwrap_or(i64::MAX);
         recording.insert("rows_lost".into(), lost.into());
         let provisional = i64::try_from(self.provisional_rows()).unwrap_or(i64::MAX);

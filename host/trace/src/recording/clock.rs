@@ -107,12 +107,25 @@ impl Clock {
         }
     }
 
-    fn hear_rows(&mut self, head: Head, block: &Block<'_>, host_us: u64) -> bool {
+    /// Takes note of a message of which it is not known when it arrived: what it says of those that follow.
+    pub fn overhear(&mut self, message: &ToHost<'_>) {
+        match message {
+            ToHost::Status(status) => self.source = status.streaming,
+            ToHost::Samples(block) => self.see(block),
+            _ => {}
+        }
+    }
+
+    fn see(&mut self, block: &Block<'_>) {
         if block.first < self.row {
             // Another stream; the next status tells its source.
             self.source = None;
         }
         self.row = block.first;
+    }
+
+    fn hear_rows(&mut self, head: Head, block: &Block<'_>, host_us: u64) -> bool {
+        self.see(block);
         match (self.source, Rows::decode(head, block)) {
             // A block is sent with its last row, not with its first.
             (Some(Source::Converter), Ok(rows)) => self.anchor(rows.last_us(), host_us),

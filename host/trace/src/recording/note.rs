@@ -18,6 +18,8 @@ pub enum Note<'a> {
     Gap(Gap),
     /// The recording was ended in order.
     Closed,
+    /// The frames and gaps that follow are of this device, one of several, counted from 0.
+    Device(u8),
 }
 
 /// Who records, when and from where.
@@ -104,7 +106,9 @@ mod tests {
     fn every_note_comes_back_and_is_never_taken_for_a_message_of_the_device() {
         let port = "/dev/ünplugged".repeat(40);
         through_a_frame(&Note::Opened(Opened { unix_ns: u64::MAX, ..Opened::timeless(&port) }));
-        for note in [Note::Arrived, Note::Closed, Note::Gap(Gap::RowsLost(u64::MAX))] {
+        for note in
+            [Note::Arrived, Note::Closed, Note::Device(7), Note::Gap(Gap::RowsLost(u64::MAX))]
+        {
             through_a_frame(&note);
         }
     }

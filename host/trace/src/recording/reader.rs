@@ -9,7 +9,7 @@ use shared::wire::{
 };
 
 use super::note::{Note, read_note};
-use super::{BEGINNING, Error, VERSION};
+use super::{BEGINNING, BEGINNING_OF_SEVERAL, Error, VERSION};
 
 /// What a recording holds, in the order it was written.
 #[derive(Clone, Debug, PartialEq)]
@@ -75,12 +75,12 @@ impl<R: BufRead> Reader<R> {
         };
         let whole = reader.cut()?;
         let begun = &reader.frame[..reader.length.min(FRAME_MAX)];
-        if !whole && BEGINNING.starts_with(begun) {
+        if !whole && [BEGINNING, BEGINNING_OF_SEVERAL].iter().any(|line| line.starts_with(begun)) {
             reader.truncated = true;
             return Ok(reader);
         }
         match version(begun) {
-            Some(VERSION) if whole => Ok(reader),
+            Some(1..=VERSION) if whole => Ok(reader),
             Some(found) if found > VERSION => Err(Error::NewerVersion { found }),
             _ => Err(Error::NotARecording),
         }
@@ -277,7 +277,7 @@ mod tests {
             assert!(refused(bytes).starts_with("is not a recording"), "{bytes:?}");
         }
         let newer = refused(b"palpate-recording 23\n\0rest");
-        assert!(newer.contains("version 23") && newer.contains("version 1"), "{newer}");
+        assert!(newer.contains("version 23") && newer.contains("version 2"), "{newer}");
     }
 
     #[test]

@@ -1,13 +1,14 @@
 //! Appending to a recording.
 
+use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{self, Write};
 use std::path::Path;
 
 use shared::wire::{FRAME_MAX, Head};
 
-use super::BEGINNING;
 use super::note::{Note, Opened, encode_note};
+use super::{BEGINNING, BEGINNING_OF_SEVERAL};
 use crate::files;
 
 /// Least time between two notes of arrival, µs.
@@ -30,7 +31,9 @@ pub struct Writer<W: Write> {
     sync: fn(&mut W) -> io::Result<()>,
     waiting: Vec<u8>,
     notes: u32,
-    anchored_us: Option<u64>,
+    /// The device whose frames are written, and when a frame of each was last noted to have arrived.
+    device: Option<u8>,
+    anchored_us: BTreeMap<Option<u8>, u64>,
     flushed_us: u64,
     synced_us: u64,
     failed: Option<io::ErrorKind>,
@@ -45,7 +48,19 @@ impl Writer<File> {
     /// [`io::ErrorKind::AlreadyExists`], [`io::ErrorKind::ResourceBusy`] while another recording is written to it, or
     /// whatever else the file system answers.
     pub fn create(path: &Path, overwrite: bool, opened: &Opened<'_>) -> io::Result<Self> {
-        Self::begin(files::begin(path, overwrite)?, files::keep, opened)
+        Self::begin(files::begin(path, overwrite)?, files::keep, opened, BEGINNING)
+    }
+
+    /// The same for several devices in one file: [`Writer::of_device`] says whose frames follow.
+    ///
+    /// # Errors
+    /// As [`Writer::create`].
+    pub fn create_for_several(
+        path: &Path,
+        overwrite: bool,
+        opened: &Opened<'_>,
+    ) -> io::Result<Self> {
+        Self::begin(files::begin(path, overwrite)?, files::keep, opened, BEGINNING_OF_SEVERAL)
     }
 }
 
@@ -55,22 +70,36 @@ impl<W: Write> Writer<W> {
     /// # Errors
     /// Those of `out`.
     pub fn new(out: W, opened: &Opened<'_>) -> io::Result<Self> {
-        Self::begin(out, |_| Ok(()), opened)
+        Self::begin(out, |_| Ok(()), opened, BEGINNING)
     }
 
-    fn begin(out: W, sync: fn(&mut W) -> io::Result<()>, opened: &Opened<'_>) -> io::Result<Self> {
+    /// The same for several devices: [`Writer::of_device`] says whose frames follow.
+    ///
+    /// # Errors
+    /// Those of `out`.
+    pub fn for_several(out: W, opened: &Opened<'_>) -> io::Result<Self> {
+        Self::begin(out, |_| Ok(()), opened, BEGINNING_OF_SEVERAL)
+    }
+
+    fn begin(
+        out: W,
+        sync: fn(&mut W) -> io::Result<()>,
+        opened: &Opened<'_>,
+        beginning: &[u8],
+    ) -> io::Result<Self> {
         let mut writer = Self {
             out,
             sync,
             waiting: Vec::with_capacity(WAITING + 2 * FRAME_MAX),
             notes: 0,
-            anchored_us: None,
+            device: None,
+            anchored_us: BTreeMap::new(),
             flushed_us: 0,
             synced_us: 0,
             failed: None,
             bytes: 0,
         };
-        writer.waiting.extend(BEGINNING);
+        writer.waiting.extend(beginning);
         writer.note(0, &Note::Opened(*opened))?;
         writer.flush()?;
         Ok(writer)
@@ -85,14 +114,26 @@ impl<W: Write> Writer<W> {
         if frame.is_empty() || frame.len() >= FRAME_MAX || frame.contains(&0) {
             return Err(io::ErrorKind::InvalidInput.into());
         }
-        let due = |last: u64| arrived_us.saturating_sub(last) >= ANCHOR_US;
-        if self.anchored_us.is_none_or(due) {
-            self.anchored_us = Some(arrived_us);
+        let due = |last: &u64| arrived_us.saturating_sub(*last) >= ANCHOR_US;
+        if self.anchored_us.get(&self.device).is_none_or(due) {
+            self.anchored_us.insert(self.device, arrived_us);
             self.append_note(arrived_us, &Note::Arrived)?;
         }
         self.waiting.extend(frame);
         self.waiting.push(0);
         self.tick(arrived_us)
+    }
+
+    /// The frames and gaps that follow are of this device, in a recording of several.
+    ///
+    /// # Errors
+    /// Those of the file.
+    pub fn of_device(&mut self, host_us: u64, device: u8) -> io::Result<()> {
+        if self.device != Some(device) {
+            self.device = Some(device);
+            self.append_note(host_us, &Note::Device(device))?;
+        }
+        Ok(())
     }
 
     /// Appends a note of the host, made `host_us` µs since the recording was opened.

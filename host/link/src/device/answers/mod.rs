@@ -16,7 +16,7 @@ pub use identity::{DeviceAnswer, IdentityAnswer};
 pub use ports::{PortAnswer, PortsAnswer};
 pub use recording::{EventAnswer, PartsAnswer, RecordedAnswer, SecondAnswer, ViewAnswer};
 pub use release::ReleaseAnswer;
-pub use self_test::{CheckAnswer, SelfTestAnswer, SelfTestInFull};
+pub use self_test::{CheckAnswer, OwnAnswer, SelfTestAnswer, SelfTestInFull};
 pub use settings::{
     GaugeAnswer, RelaxationAnswer, SetAnswer, SettingsAnswer, TareAnswer, ThresholdsAnswer,
 };

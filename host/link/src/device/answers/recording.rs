@@ -10,10 +10,13 @@ use shared::wire::Felt;
 
 use crate::device::record::View;
 
-/// How a recording goes, once a second.
+/// How a recording goes, once a second, of several devices one of each.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct SecondAnswer {
+    /// Which device it is of, from 1; absent where there is one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub device: Option<u32>,
     /// How it goes.
     #[serde(flatten)]
     pub view: ViewAnswer,
@@ -21,10 +24,13 @@ pub struct SecondAnswer {
     pub events: Vec<EventAnswer>,
 }
 
-/// How a recording went: the last object.
+/// How a recording went: the last object, of several devices one of each.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct RecordedAnswer {
+    /// Which device it is of, from 1; absent where there is one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub device: Option<u32>,
     /// The recording.
     pub file: String,
     /// How it was at its end.
@@ -99,7 +105,7 @@ impl RecordedAnswer {
     #[must_use]
     pub fn of(file: &Path, mcap: Option<&Path>, view: &View) -> Self {
         let named = |file: &Path| file.display().to_string();
-        Self { file: named(file), summary: view.into(), mcap: mcap.map(named) }
+        Self { device: None, file: named(file), summary: view.into(), mcap: mcap.map(named) }
     }
 }
 

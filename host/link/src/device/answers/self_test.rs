@@ -2,9 +2,9 @@
 
 use serde::Serialize;
 use shared::pipeline::GAUGES;
-use shared::wire::{SelfTest, Settings};
+use shared::wire::Settings;
 
-use crate::device::self_test::{Check, checks, faults, noise};
+use crate::device::self_test::{Check, Own, Tested, checks, faults, noise};
 
 /// What a device's test of itself found.
 #[derive(Clone, Debug, Serialize)]
@@ -22,6 +22,21 @@ pub struct SelfTestAnswer {
     pub mean_counts: [i32; GAUGES],
     /// Standard deviation of the noise of each gauge, counts of the converter.
     pub noise_counts: [f32; GAUGES],
+    /// What the converter found of itself; absent where it cannot.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub converter: Option<OwnAnswer>,
+}
+
+/// What a converter found of itself, its gauges disconnected.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
+pub struct OwnAnswer {
+    /// Mean of each gauge with its inputs joined, counts of the converter.
+    pub offset_counts: [i32; GAUGES],
+    /// Standard deviation of the noise of each gauge with its inputs joined, counts of the converter.
+    pub noise_counts: [f32; GAUGES],
+    /// The converter's own test signal over what it should be, of the gauge where it is furthest off.
+    pub test_signal_ratio: f64,
 }
 
 /// The same with every check and the noise as strain, as the page reads it.
@@ -51,9 +66,19 @@ pub struct CheckAnswer {
     pub fault: Option<String>,
 }
 
-impl From<&SelfTest> for SelfTestAnswer {
-    fn from(test: &SelfTest) -> Self {
-        let faults = faults(test);
+impl From<&Own> for OwnAnswer {
+    fn from(own: &Own) -> Self {
+        Self {
+            offset_counts: own.shorted.mean_counts,
+            noise_counts: own.shorted.noise_counts,
+            test_signal_ratio: own.signal_ratio(),
+        }
+    }
+}
+
+impl From<&Tested> for SelfTestAnswer {
+    fn from(tested: &Tested) -> Self {
+        let (faults, test) = (faults(tested), &tested.gauges);
         Self {
             passed: faults.is_empty(),
             faults,
@@ -61,6 +86,7 @@ impl From<&SelfTest> for SelfTestAnswer {
             rate_ratio: test.rate_ratio,
             mean_counts: test.mean_counts,
             noise_counts: test.noise_counts,
+            converter: tested.own.as_ref().map(OwnAnswer::from),
         }
     }
 }
@@ -68,11 +94,11 @@ impl From<&SelfTest> for SelfTestAnswer {
 impl SelfTestInFull {
     /// Of a test with these settings.
     #[must_use]
-    pub fn of(test: &SelfTest, settings: &Settings) -> Self {
+    pub fn of(tested: &Tested, settings: &Settings) -> Self {
         Self {
-            found: test.into(),
-            checks: checks(test).into_iter().map(CheckAnswer::from).collect(),
-            noise_ustrain: noise(test, settings),
+            found: tested.into(),
+            checks: checks(tested).into_iter().map(CheckAnswer::from).collect(),
+            noise_ustrain: noise(tested, settings),
         }
     }
 }

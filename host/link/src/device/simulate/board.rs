@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use device::{Lost, Restart, Setting};
 use shared::pipeline::GAUGES;
-use shared::wire::{ConverterFault, Kept, Settings, StoreFault};
+use shared::wire::{ConverterFault, Inputs, Kept, Settings, StoreFault};
 
 use super::SimulationError;
 use palpate_trace::files::write_whole;
@@ -30,7 +30,7 @@ pub(super) struct Board {
 impl Board {
     pub(super) fn new(settings: Option<PathBuf>) -> Self {
         let Settings { interval_ns, gain, .. } = Settings::DEFAULT;
-        let setting = Setting { interval_ns, gain };
+        let setting = Setting { interval_ns, gain, inputs: Inputs::Gauges };
         Self { settings, setting, exchanged: false, listening: false, next_us: None }
     }
 
@@ -56,6 +56,11 @@ impl Board {
 
     pub(super) const fn gain(&self) -> [u8; GAUGES] {
         self.setting.gain
+    }
+
+    /// What the converter measures.
+    pub(super) const fn inputs(&self) -> Inputs {
+        self.setting.inputs
     }
 
     /// What happened between the sample before and the next.

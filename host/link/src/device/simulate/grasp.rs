@@ -5,7 +5,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
 use shared::pipeline::GAUGES;
-use shared::wire::Settings;
+use shared::wire::{Capabilities, Inputs, Settings};
 
 use palpate_analysis::decomposition::default_relaxation;
 
@@ -58,8 +58,25 @@ impl Grasp {
         }
     }
 
-    /// Raw counts at a time, with the converter's gains.
-    pub(super) fn counts(&mut self, time_us: u64, gain: &[u8; GAUGES]) -> [i32; GAUGES] {
+    /// Raw counts at a time, of what the converter measures, with its gains.
+    pub(super) fn measured(
+        &mut self,
+        inputs: Inputs,
+        time_us: u64,
+        gain: &[u8; GAUGES],
+    ) -> [i32; GAUGES] {
+        let own = match inputs {
+            Inputs::Gauges => return self.counts(time_us, gain),
+            Inputs::Shorted => 0,
+            Inputs::TestSignal => Capabilities::ads131m04(0).test_counts,
+        };
+        std::array::from_fn(|gauge| {
+            let noise = self.scatter.map_or(0.0, |scatter| scatter.sample(&mut self.noise));
+            own + (noise / Settings::DEFAULT.calibration[gauge].gain) as i32
+        })
+    }
+
+    fn counts(&mut self, time_us: u64, gain: &[u8; GAUGES]) -> [i32; GAUGES] {
         let felt = self.feel(time_us as f64 * 1e-6);
         let sheet = &Settings::DEFAULT.calibration;
         let mut counts = [0; GAUGES];

@@ -137,7 +137,7 @@ impl Simulated {
         let now_us = body.now_us();
         let until_us = body.pace.until(now_us, board.due_us());
         while let Some(time_us) = board.next_sample(until_us) {
-            let counts = grasp.counts(time_us, &board.gain());
+            let counts = grasp.measured(board.inputs(), time_us, &board.gain());
             body.device.sample(&Sample { time_us, counts, lost: board.lost() });
             body.send(pty)?;
         }
