@@ -39,6 +39,12 @@ const TABLES: &str = r"
     box.scrollWidth <= box.clientWidth || box.tabIndex === 0,
   ])";
 
+/// Titles of figures that do not begin where their figure does, to a pixel and a half.
+const FIGURES: &str = r"
+  const left = (e) => e.getBoundingClientRect().left;
+  const titles = [...document.querySelectorAll('figure .pl-title:first-of-type')].filter((e) => e.checkVisibility());
+  return titles.filter((e) => Math.abs(left(e) - left(e.closest('figure'))) > 1.5).map((e) => e.textContent)";
+
 #[test]
 #[ignore = "needs a browser: cargo xtask browser"]
 fn the_tables_of_a_report_have_one_left_edge_and_none_is_clipped() {
@@ -61,6 +67,8 @@ fn the_tables_of_a_report_have_one_left_edge_and_none_is_clipped() {
                     "{file:?} at {width}"
                 );
             }
+            let askew = browser.script(FIGURES);
+            assert_eq!(askew, Value::Array(Vec::new()), "{file:?} at {width}");
             browser.fits(&format!("{} at {width}", file.display()));
         }
         assert_eq!(axe(&browser), Vec::<String>::new(), "{file:?}");
