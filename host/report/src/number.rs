@@ -20,6 +20,15 @@ pub fn significant(value: f64, digits: usize) -> String {
     round_to(value, decimals)
 }
 
+/// A number with the decimals that the largest beside it has with so many significant digits.
+pub(super) fn beside(value: f64, largest: f64, digits: usize) -> String {
+    let (_, exponent) = scientific(largest, digits.max(1));
+    if largest == 0.0 || (value != 0.0 && special(value).is_some()) || !PLAIN.contains(&exponent) {
+        return significant(value, digits);
+    }
+    round_to(value, digits.max(1) as i32 - 1 - exponent)
+}
+
 /// A value with its standard error: the error has two significant digits and decides the decimals,
 /// `3.981 ± 0.074`, `122100 ± 340`, `(1.221 ± 0.034)e8`.
 ///
@@ -298,8 +307,7 @@ mod tests {
     #[test]
     fn shares_beside_each_other_have_one_number_of_decimals() {
         let texts = [0.0, 0.0004, 0.0009, 0.005, 0.0099, 0.0994, 0.0996, 0.613, -0.02].map(share);
-        let wanted =
-            ["0 %", "0 %", "0.1 %", "0.5 %", "1.0 %", "9.9 %", "10 %", "61 %", "-2.0 %"];
+        let wanted = ["0 %", "0 %", "0.1 %", "0.5 %", "1.0 %", "9.9 %", "10 %", "61 %", "-2.0 %"];
         assert_eq!(texts, wanted);
     }
 

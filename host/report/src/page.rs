@@ -80,7 +80,7 @@ pub enum Block {
     Definitions(Vec<(String, String)>),
     /// Commands or other text to copy, as it is.
     Code(String),
-    /// Blocks that are folded away until asked for; open on paper.
+    /// Blocks that are folded away until asked for; on paper too, unless they were opened before.
     Details {
         /// What is folded away.
         summary: String,
@@ -376,7 +376,11 @@ fn html_cell(table: &Table, row: usize, column: usize) -> Markup {
 fn symbols(text: &str) -> Markup {
     html! {
         @for part in symbol::parts(text) {
-            @if part.is_index { sub { (part.text) } } @else { (part.text) }
+            @match part.place {
+                symbol::Place::Line => { (part.text) },
+                symbol::Place::Index => { sub { (part.text) } },
+                symbol::Place::Power => { sup { (part.text) } },
+            }
         }
     }
 }

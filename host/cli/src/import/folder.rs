@@ -79,9 +79,8 @@ fn default_folder(folder: &Path) -> PathBuf {
 /// The files of a folder by name, without hidden ones and without mappings, models and the like.
 fn files(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
     let open = |source| input(&ImportError::File(Error::Open { path: folder.into(), source }));
-    let hidden = |path: &Path| {
-        path.file_name().is_none_or(|name| name.to_string_lossy().starts_with('.'))
-    };
+    let hidden =
+        |path: &Path| path.file_name().is_none_or(|name| name.to_string_lossy().starts_with('.'));
     let mut found = Vec::new();
     for entry in fs::read_dir(folder).map_err(open)? {
         let path = entry.map_err(open)?.path();

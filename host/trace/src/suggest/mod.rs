@@ -365,10 +365,7 @@ mod tests {
         };
         assert_eq!(open("Time (s);Weg (mm);Kraft (N);Kanal 7\n"), [] as [String; 0]);
         assert_eq!(open("Zeit;Stress\ns;kPa\n"), [] as [String; 0]);
-        assert_eq!(
-            open("Time;Force;Gap (mm)\n"),
-            ["the unit of `Time`", "the unit of `Force`"]
-        );
+        assert_eq!(open("Time;Force;Gap (mm)\n"), ["the unit of `Time`", "the unit of `Force`"]);
         assert_eq!(open("Time (s);a;b\n"), ["what its columns measure"]);
         assert_eq!(open("0;0;0\n"), ["the unit of column 1", "what its columns measure"]);
     }
@@ -387,8 +384,7 @@ mod tests {
             assert!((trace.time[3] - 3.0 * second).abs() < 1e-12, "{header}");
             assert_eq!(trace.displacement().unwrap()[3], 3.0, "{header}");
         }
-        let (mapping, path, _folder) =
-            proposal(b"Time (s);Mass (g)\n0;1\n1;2\n2;3\n").unwrap();
+        let (mapping, path, _folder) = proposal(b"Time (s);Mass (g)\n0;1\n1;2\n2;3\n").unwrap();
         assert_eq!(import(&path, &mapping).unwrap().trace.force(), None, "a mass is no force");
     }
 
