@@ -340,18 +340,20 @@ fn html_table(table: &Table) -> Markup {
 }
 
 /// Characters of a cell that stays on one line.
-const SHORT_CELL: usize = 16;
+const SHORT_CELL: usize = 20;
+/// Characters of the name of a row that does, as of a hold in a file: in a narrow column it would be a column of words.
+const SHORT_NAME: usize = 36;
 
 fn short(cell: &str) -> Option<&'static str> {
     (1..=SHORT_CELL).contains(&cell.chars().count()).then_some("line")
 }
 
-/// A name of one word, as of a file, is not broken at its hyphens.
+/// A short name, or one of one word, as of a file, is not broken at its hyphens.
 fn row_class(table: &Table, row: usize) -> Option<&'static str> {
     match table.columns[0].align {
         Align::Left => {
             let name = table.cell(row, 0);
-            (!name.contains(' ') || short(name).is_some()).then_some("name")
+            (!name.contains(' ') || name.chars().count() <= SHORT_NAME).then_some("name")
         }
         Align::Right | Align::Decimal => Some("num"),
     }

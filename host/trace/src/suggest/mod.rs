@@ -17,6 +17,7 @@ use super::import_error::ImportError;
 use super::lines::Lines;
 use super::mapping::Mapping;
 use super::table::part_of;
+use super::units::{Quantity, Unit};
 use columns::{Seen, is_gap, is_unit, proposals, time_of};
 use encoding::encoding;
 use guess::{Guess, Kind, cells, guess};
@@ -231,7 +232,9 @@ fn write_columns(out: &mut String, columns: &[Seen]) -> Vec<String> {
     let proposals = proposals(&others);
     let guessed = others.iter().zip(&proposals).filter(|(_, proposal)| proposal.guessed);
     open.extend(guessed.map(|(column, _)| format!("the unit of {}", column.shown())));
-    if !proposals.iter().any(|proposal| proposal.guessed || proposal.unit.is_some()) {
+    // Another clock beside the time is no signal.
+    let measures = |unit: &Unit| unit.quantity != Quantity::Time;
+    if !proposals.iter().any(|proposal| proposal.guessed || proposal.unit.is_some_and(measures)) {
         open.push("what its columns measure".into());
     }
     for (column, proposal) in others.iter().zip(proposals) {
@@ -366,7 +369,7 @@ mod tests {
         assert_eq!(open("Time (s);Weg (mm);Kraft (N);Kanal 7\n"), [] as [String; 0]);
         assert_eq!(open("Zeit;Stress\ns;kPa\n"), [] as [String; 0]);
         assert_eq!(open("Time;Force;Gap (mm)\n"), ["the unit of `Time`", "the unit of `Force`"]);
-        assert_eq!(open("Time (s);a;b\n"), ["what its columns measure"]);
+        assert_eq!(open("Time (s);a;Other clock (s)\n"), ["what its columns measure"]);
         assert_eq!(open("0;0;0\n"), ["the unit of column 1", "what its columns measure"]);
     }
 
