@@ -374,10 +374,31 @@ fn html_cell(table: &Table, row: usize, column: usize) -> Markup {
     }
 }
 
+/// Units that a line never begins with.
+const UNITS: &[&str] = &[
+    "N", "mN", "N·s/mm", "N/mm", "mm", "µm", "nm", "mm/s", "mm/s²", "s", "ms", "min", "h", "1/s",
+    "Hz", "kHz", "%", "µε", "Pa", "kPa", "MPa", "mJ", "g", "°C", "K",
+];
+
+/// Text in which no number is parted from its unit at the end of a line.
+fn unparted(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for (index, word) in text.split(' ').enumerate() {
+        let unit = word.trim_end_matches([',', '.', ';', ':', ')', '?']);
+        let number = out.ends_with(|c: char| c.is_ascii_digit());
+        if index > 0 {
+            out.push(if number && UNITS.contains(&unit) { '\u{a0}' } else { ' ' });
+        }
+        out.push_str(word);
+    }
+    out
+}
+
 /// Text with indices set lower.
 fn symbols(text: &str) -> Markup {
+    let text = unparted(text);
     html! {
-        @for part in symbol::parts(text) {
+        @for part in symbol::parts(&text) {
             @match part.place {
                 symbol::Place::Line => { (part.text) },
                 symbol::Place::Index => { sub { (part.text) } },
@@ -439,6 +460,15 @@ mod tests {
                     blocks: vec![Block::Heading(EVIL.into())],
                 }),
         )
+    }
+
+    #[test]
+    fn a_number_is_not_parted_from_its_unit() {
+        let set = unparted("from 1.12 N towards 0.720 N, 39 % of it in 2 holds");
+        assert_eq!(
+            set.replace('\u{a0}', "~"),
+            "from 1.12~N towards 0.720~N, 39~% of it in 2 holds"
+        );
     }
 
     #[test]

@@ -18,13 +18,13 @@ pub(super) struct Part<'a> {
     pub(super) place: Place,
 }
 
-/// The parts of a text. An index follows a single letter: a short word after `_`, or one or two digits; names such as `force_N` have
+/// The parts of a text. An index follows a single letter: a short word after `_`, one or two digits, or the i of a sum (`ci`); names such as `force_N` have
 /// none. A power stands between `^(` and `)` behind a letter.
 pub(super) fn parts(text: &str) -> Vec<Part<'_>> {
     let mut parts = Vec::new();
     let (mut begun, mut from) = (0, 0);
     while let Some(found) =
-        text[from..].find(|c: char| matches!(c, '_' | '^') || c.is_ascii_digit())
+        text[from..].find(|c: char| matches!(c, '_' | '^' | 'i') || c.is_ascii_digit())
     {
         let at = from + found;
         if text[at..].starts_with('^') {
@@ -68,7 +68,9 @@ fn is_index(text: &str, at: usize, index: usize, length: usize) -> bool {
     let is_short = if index > at {
         (1..=4).contains(&length)
     } else {
-        length <= 2 && text[index..index + length].bytes().all(|b| b.is_ascii_digit())
+        let run = &text[index..index + length];
+        length <= 2 && run.bytes().all(|b| b.is_ascii_digit())
+            || run == "i" && !text[..at].ends_with('p')
     };
     let mut behind = text[index + length..].chars();
     let goes_on = match behind.next() {
@@ -108,6 +110,7 @@ mod tests {
             ("v1 (1/s), c12", "v[1] (1/s), c[12]"),
             ("N/mm^(q+1), 1/(s·mm^(n−1))", "N/mm{q+1}, 1/(s·mm{n−1})"),
             ("x^2, 2^(a), x^(f(a)), a^()", "x^2, 2^(a), x^(f(a)), a^()"),
+            ("1 − Σ ci, pi, if, in point i", "1 − Σ c[i], pi, if, in point i"),
             ("c1.csv, row-01, 3e5, mm2, v123, A4x", "c1.csv, row-01, 3e5, mm2, v123, A4x"),
         ] {
             assert_eq!(shown(text), expected);
