@@ -6,7 +6,9 @@ use std::sync::Arc;
 use numpy::{PyArray1, PyReadonlyArray1};
 use palpate::cli::ask::Set;
 use palpate::files::plan::{Overwrite, Plan, TRACE};
-use palpate::trace::{Column, Head, Mapping, TIME, Trace, import_parts, order, read_set, write};
+use palpate::trace::{
+    Column, Head, Mapping, Proposal, TIME, Trace, import_parts, order, read_set, write,
+};
 use pyo3::exceptions::{PyIndexError, PyKeyError};
 use pyo3::prelude::*;
 
@@ -44,25 +46,25 @@ impl DataSet {
         py.detach(|| read_set(&paths)).map(Self::from).map_err(wrong)
     }
 
-    /// Makes a trace of one recording of another program, in one file or several, as a mapping says: its text, or its file.
+    /// Makes a trace of one recording of another program, in one file or several, as a mapping says: its text, or its file, or what
+    /// is proposed where that leaves nothing open.
     #[staticmethod]
     fn imported(
         py: Python<'_>,
         paths: Vec<PathBuf>,
-        map: PathBuf,
+        map: Option<PathBuf>,
         text: Option<String>,
         part: Option<String>,
         every: Option<usize>,
     ) -> PyResult<Self> {
-        if paths.is_empty() {
-            return Err(wrong("no file given"));
-        }
+        let Some(first) = paths.first() else { return Err(wrong("no file given")) };
         if every == Some(0) {
             return Err(wrong("`every` counts from 1"));
         }
-        let mapping = match text {
-            Some(text) => Mapping::parse(&map, &text),
-            None => Mapping::read(&map),
+        let mapping = match (map, text) {
+            (Some(map), Some(text)) => Mapping::parse(&map, &text),
+            (Some(map), None) => Mapping::read(&map),
+            (None, _) => proposed(first, part.as_deref())?.mapping(),
         };
         let mut mapping = mapping.map_err(wrong)?;
         mapping.table.part = part.or(mapping.table.part);
@@ -134,6 +136,19 @@ impl DataSet {
         allowed(&path, &TRACE, force)?;
         py.detach(|| write(&path, trace)).map_err(broken)
     }
+}
+
+/// What names and units in a file say, where they say enough.
+fn proposed(file: &Path, part: Option<&str>) -> PyResult<Proposal> {
+    let proposal = palpate::trace::propose(file, part).map_err(wrong)?;
+    if proposal.open.is_empty() {
+        return Ok(proposal);
+    }
+    let open = proposal.open.join(", ");
+    Err(wrong(format!(
+        "{}: the file does not say {open}; complete the mapping that `palpate.suggest` proposes and give it as `map`",
+        file.display()
+    )))
 }
 
 /// A mapping proposed for a file of another program.

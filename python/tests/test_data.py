@@ -83,7 +83,11 @@ def test_files_of_other_programs_come_in_as_by_the_command(tmp_path: Path) -> No
         assert found.columns == wanted.columns
         assert all(np.array_equal(found[name], wanted[name]) for name in wanted.columns)
     assert len(palpate.import_(book, map=proposed, every=2)[0]) == (len(wanted) + 1) // 2
+    found = palpate.import_(book, part="Run 1")[0]
+    assert all(np.array_equal(found[name], wanted[name]) for name in wanted.columns)
+    (tmp_path / "bare.txt").write_text("Time,Force\n0,1\n1,2\n2,3\n")
     for words, ask in (
+        ("does not say the unit of `Time`, the unit of `Force`", lambda: palpate.import_(tmp_path / "bare.txt")),
         ("Say which: `--part NAME`", lambda: palpate.suggest(book)),
         ("`every` counts from 1", lambda: palpate.import_(book, map=proposed, every=0)),
         ("no file given", lambda: palpate.import_(map=proposed)),

@@ -118,6 +118,48 @@ fn files_of_independent_writers_come_in_without_an_edit() {
     }
 }
 
+/// Tables that do not say enough: those of arrays without names, of numbers without units, and one whose units stand above its names.
+const OPEN: &[&str] = &[
+    "bag8-tip-array",
+    "bag9-tip-array",
+    "lerobot-episode-0",
+    "lerobot-episode-1",
+    "plain",
+    "robot-joint_states",
+    "run-lvm",
+];
+
+#[test]
+#[ignore = "needs the files of `cargo xtask formats`"]
+fn a_folder_with_a_file_of_each_format_comes_in_by_one_command_and_at_most_one_edit() {
+    let folder = tempfile::tempdir().unwrap();
+    let call = || {
+        let mut command = palpate_tests::palpate();
+        let output = command.arg("import").arg(files()).arg("-o").arg(folder.path()).output();
+        let output = output.unwrap();
+        let error = String::from_utf8_lossy(&output.stderr).into_owned();
+        (output.status.code(), String::from_utf8_lossy(&output.stdout).into_owned(), error)
+    };
+    let (status, _, error) = call();
+    assert_eq!(status, Some(2), "{error}");
+    let mut open = Vec::new();
+    for entry in std::fs::read_dir(folder.path()).unwrap() {
+        let path = entry.unwrap().path();
+        let name = path.file_name().unwrap().to_string_lossy().into_owned();
+        if let Some(name) = name.strip_suffix(".map.toml") {
+            open.push(name.to_owned());
+            // What is proposed was right: the edit is to say so.
+            let text = std::fs::read_to_string(&path).unwrap();
+            std::fs::write(&path, text + "\n# looked at\n").unwrap();
+        }
+    }
+    open.sort();
+    assert_eq!(open, OPEN, "{error}");
+    let (status, said, error) = call();
+    assert_eq!(status, Some(0), "{error}");
+    assert!(said.starts_with("25 traces in "), "{said}");
+}
+
 #[test]
 #[ignore = "needs the files of `cargo xtask formats`"]
 fn an_episode_is_a_table_with_its_lists_in_columns() {

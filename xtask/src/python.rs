@@ -19,7 +19,9 @@ struct Environment {
     requirements: &'static str,
 }
 
-/// Builds the wheel and tests it.
+/// Builds the wheel, and has nothing else: whoever wants only the wheel waits for nothing else.
+const BUILDER: Environment = Environment { name: "maturin-env", requirements: "requirements.txt" };
+/// Tests it.
 const OWN: Environment = Environment { name: "python-env", requirements: "tests/requirements.txt" };
 /// Has LeRobot, which is too large for the other.
 const LEROBOT: Environment =
@@ -32,7 +34,6 @@ fn wheels() -> PathBuf {
 
 /// Builds the wheel of this platform, for every Python from 3.10 on, and leaves it in `target/wheels/`.
 pub fn wheel() -> miette::Result<()> {
-    OWN.set_up()?;
     let wheel = build("release")?;
     let bytes = fs::metadata(&wheel).into_diagnostic()?.len();
     println!("{}: {:.1} MB", wheel.display(), bytes as f64 / 1e6);
@@ -51,7 +52,6 @@ pub fn check(profile: &str) -> miette::Result<()> {
 
 /// Tests what the package does with data sets of LeRobot, on one that LeRobot itself writes.
 pub fn lerobot(profile: &str) -> miette::Result<()> {
-    OWN.set_up()?;
     let wheel = build(profile)?;
     LEROBOT.set_up()?;
     LEROBOT.install(&wheel)?;
@@ -117,13 +117,14 @@ impl Environment {
 
 /// Builds the wheel, alone in its folder, and says where it is.
 fn build(profile: &str) -> miette::Result<PathBuf> {
+    BUILDER.set_up()?;
     let (wheels, target) = (wheels(), workspace().join("target"));
     if wheels.exists() {
         fs::remove_dir_all(&wheels).into_diagnostic()?;
     }
     let out = wheels.display().to_string();
     println!("==> the wheel, in the profile {profile}");
-    let status = Command::new(OWN.program("maturin"))
+    let status = Command::new(BUILDER.program("maturin"))
         .args(["build", "--locked", "--profile", profile, "--out", &out])
         .current_dir(folder())
         .env("CARGO_TARGET_DIR", target)

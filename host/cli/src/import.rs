@@ -1,5 +1,8 @@
 //! `palpate import`: a foreign recording becomes a trace.
 
+mod folder;
+
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 use miette::{Report, miette};
@@ -17,8 +20,14 @@ const PREVIEW_SAMPLES: usize = 5;
 /// The mapping is a small TOML file that names the encoding, the delimiter, the table within the file,
 /// and for each column its name and unit in the trace. It can be used for any number of files, and its
 /// text is kept in the head of every trace made with it.
+///
+/// Without a mapping one is proposed from the names and units in the file, and taken where these leave no question open. Of a
+/// folder every file, and every table in it, becomes a trace; where a question is open the proposed mapping is written beside
+/// the traces, to be completed before the same call is made again.
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = "Examples:
+  palpate import pull.csv                              where names and units say enough; writes pull.trace.csv
+  palpate import lab/ -o traces                        the same of every file in a folder
   palpate import pull.csv --suggest > pull.map.toml    a proposal to check and edit
   palpate import pull.csv --map pull.map.toml --preview
   palpate import pull.csv --map pull.map.toml          writes pull.trace.csv
@@ -26,13 +35,14 @@ const PREVIEW_SAMPLES: usize = 5;
   palpate import book.xlsx --part \"Run 1\" --suggest    one sheet of a workbook
   palpate import step_*.csv --map pull.map.toml -o all.trace.csv    one recording in many files")]
 pub struct Args {
-    /// The recording; several files are parts of one, put in the order of their times
+    /// The recording; several files are parts of one, put in the order of their times. Or one folder of recordings
     #[arg(required = true, value_name = "FILE")]
     pub files: Vec<PathBuf>,
-    /// The mapping file
-    #[arg(long, value_name = "MAP.toml", required_unless_present = "suggest")]
+    /// The mapping file [default: what the names and units in the file say]
+    #[arg(long, value_name = "MAP.toml")]
     pub map: Option<PathBuf>,
-    /// The trace to write [default: the first FILE's name with .trace.csv, in the current folder]
+    /// The trace to write [default: the first FILE's name with .trace.csv, in the current folder]; of a folder, the folder
+    /// of the traces [default: its name with .traces]
     #[arg(short, long, value_name = "TRACE")]
     pub output: Option<PathBuf>,
     /// The table of the file, where it has several: a sheet of a workbook, whatever the mapping says
@@ -58,17 +68,19 @@ pub struct Args {
 /// [`Failure::Input`] for a recording, a mapping or a name that will not do, [`Failure::Work`] if the
 /// trace cannot be written.
 pub fn run(args: &Args) -> Result<(), Failure> {
-    let Some(map) = args.map.as_ref().filter(|_| !args.suggest) else {
+    if args.suggest {
         let suggested = trace::suggest(first(args), args.part.as_deref());
         return print(&suggested.map_err(|error| input(&error))?);
-    };
-    let mut mapping = Mapping::read(map).map_err(|error| input(&error))?;
-    if args.part.is_some() {
-        mapping.table.part.clone_from(&args.part);
     }
-    if let Some(every) = args.every {
-        mapping.every = Some(every as usize);
+    if let [folder] = &args.files[..]
+        && folder.is_dir()
+    {
+        return folder::import(folder, args);
     }
+    let mapping = args.adjusted(match &args.map {
+        Some(map) => Mapping::read(map).map_err(|error| input(&error))?,
+        None => proposed(first(args), args.part.as_deref())?,
+    });
     let output = args.output.clone().unwrap_or_else(|| default_output(first(args)));
     if !args.preview {
         let read = args.map.iter().chain(&args.files);
@@ -80,7 +92,33 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     }
     trace::write(&output, &imported.trace).map_err(|error| Failure::Work(report(&error)))?;
     eprintln!("{}", summary(&imported, &output));
+    if args.map.is_none() {
+        eprint!("{}", taken(&imported));
+    }
     Ok(())
+}
+
+impl Args {
+    /// A mapping with what the call says otherwise.
+    fn adjusted(&self, mut mapping: Mapping) -> Mapping {
+        mapping.table.part = self.part.clone().or(mapping.table.part);
+        mapping.every = self.every.map(|every| every as usize).or(mapping.every);
+        mapping
+    }
+}
+
+/// The mapping that names and units in a file say, where they say enough.
+fn proposed(file: &Path, part: Option<&str>) -> Result<Mapping, Failure> {
+    let proposal = trace::propose(file, part).map_err(|error| input(&error))?;
+    if proposal.open.is_empty() {
+        return proposal.mapping().map_err(|error| input(&error));
+    }
+    let (shown, map) = (file.display(), default_map(file));
+    Err(Failure::Input(miette!(
+        "{shown}: the file does not say {}. `palpate import {shown} --suggest > {map}` writes a mapping to complete; give it with \
+         `--map {map}`.",
+        proposal.open.join(", ")
+    )))
 }
 
 /// The file that stands for the recording where one is enough.
@@ -90,11 +128,21 @@ fn first(args: &Args) -> &Path {
 
 /// `pull.csv` and `pull.csv.gz` become `pull.trace.csv` in the current folder.
 fn default_output(file: &Path) -> PathBuf {
-    let packed = trace::has_extension(file, "gz") || trace::has_extension(file, "zst");
-    let unpacked = if packed { Path::new(file.file_stem().unwrap_or_default()) } else { file };
-    let mut name = unpacked.file_stem().unwrap_or_default().to_os_string();
+    let mut name = stem(file).to_os_string();
     name.push(".trace.csv");
     name.into()
+}
+
+/// The mapping of `pull.csv` is `pull.map.toml`.
+fn default_map(file: &Path) -> String {
+    format!("{}.map.toml", stem(file).to_string_lossy())
+}
+
+/// `pull` of `pull.csv` and `pull.csv.gz`.
+fn stem(file: &Path) -> &OsStr {
+    let packed = trace::has_extension(file, "gz") || trace::has_extension(file, "zst");
+    let unpacked = if packed { Path::new(file.file_stem().unwrap_or_default()) } else { file };
+    unpacked.file_stem().unwrap_or_default()
 }
 
 /// What was made, in one or a few lines.
@@ -116,13 +164,16 @@ fn summary(imported: &Imported, output: &Path) -> String {
     text
 }
 
+/// Which columns became what.
+fn taken(imported: &Imported) -> String {
+    let line = |(from, name): &(String, String)| format!("  {name}  from {from}\n");
+    imported.columns.iter().map(line).collect()
+}
+
 /// What the mapping makes of the file.
 fn preview(imported: &Imported) -> String {
     let trace = &imported.trace;
-    let mut text = format!("{} rows, {} samples\n", imported.rows, trace.len());
-    for (from, name) in &imported.columns {
-        text += &format!("  {name}  from {from}\n");
-    }
+    let mut text = format!("{} rows, {} samples\n{}", imported.rows, trace.len(), taken(imported));
     for (name, reason) in &imported.dropped {
         text += &format!("  left out: {name} ({reason})\n");
     }

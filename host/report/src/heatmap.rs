@@ -3,7 +3,7 @@
 
 use super::draw::{Drawing, Heading, Place, anchored, begin, centred};
 use super::layout::WIDTH;
-use super::number::{percent, significant, typographic};
+use super::number::{share, significant, typographic};
 use super::svg::{Svg, TEXT, shorten, text_width, title_lines};
 
 /// How the numbers of a heat map are written.
@@ -56,10 +56,7 @@ impl HeatMap {
     fn text(&self, value: f64) -> String {
         match self.format {
             _ if !value.is_finite() => "–".to_owned(),
-            CellFormat::Percent if value.abs() < 0.0005 => "0 %".to_owned(),
-            CellFormat::Percent => {
-                typographic(&percent(value, if value.abs() < 0.0095 { 1 } else { 2 }))
-            }
+            CellFormat::Percent => typographic(&share(value)),
             CellFormat::Significant(digits) => typographic(&significant(value, digits)),
         }
     }

@@ -20,6 +20,15 @@ pub fn significant(value: f64, digits: usize) -> String {
     round_to(value, decimals)
 }
 
+/// A number with the decimals that the largest beside it has with so many significant digits.
+pub(super) fn beside(value: f64, largest: f64, digits: usize) -> String {
+    let (_, exponent) = scientific(largest, digits.max(1));
+    if largest == 0.0 || (value != 0.0 && special(value).is_some()) || !PLAIN.contains(&exponent) {
+        return significant(value, digits);
+    }
+    round_to(value, digits.max(1) as i32 - 1 - exponent)
+}
+
 /// A value with its standard error: the error has two significant digits and decides the decimals,
 /// `3.981 ± 0.074`, `122100 ± 340`, `(1.221 ± 0.034)e8`.
 ///
@@ -86,6 +95,19 @@ pub fn si_prefix(exponent: i32) -> Option<&'static str> {
 #[must_use]
 pub fn percent(fraction: f64, digits: usize) -> String {
     format!("{} %", significant(fraction * 100.0, digits))
+}
+
+/// A share of a whole: `61 %`, `0.4 %`, `0 %`; whole from ten percent on and one decimal below, so that shares beside each other
+/// have the same.
+#[must_use]
+pub fn share(fraction: f64) -> String {
+    let percent = fraction * 100.0;
+    if !percent.is_finite() {
+        return format!("{} %", significant(percent, 1));
+    }
+    let decimals = if percent.abs() < 9.95 { 1 } else { 0 };
+    let text = round_to(percent, decimals);
+    format!("{} %", if text == "0.0" { "0" } else { &text })
 }
 
 /// A length of time: `12.0 ms`, `4.30 s`, `4 min 12 s`, `3 h 14 min`, `2 d 3 h`.
@@ -280,6 +302,13 @@ mod tests {
         assert_eq!(percent(0.613, 2), "61 %");
         assert_eq!(percent(0.0004, 2), "0.040 %");
         assert_eq!(percent(1.0, 2), "100 %");
+    }
+
+    #[test]
+    fn shares_beside_each_other_have_one_number_of_decimals() {
+        let texts = [0.0, 0.0004, 0.0009, 0.005, 0.0099, 0.0994, 0.0996, 0.613, -0.02].map(share);
+        let wanted = ["0 %", "0 %", "0.1 %", "0.5 %", "1.0 %", "9.9 %", "10 %", "61 %", "-2.0 %"];
+        assert_eq!(texts, wanted);
     }
 
     #[test]

@@ -80,7 +80,7 @@ pub enum Block {
     Definitions(Vec<(String, String)>),
     /// Commands or other text to copy, as it is.
     Code(String),
-    /// Blocks that are folded away until asked for; open on paper.
+    /// Blocks that are folded away until asked for; on paper too, unless they were opened before.
     Details {
         /// What is folded away.
         summary: String,
@@ -340,18 +340,20 @@ fn html_table(table: &Table) -> Markup {
 }
 
 /// Characters of a cell that stays on one line.
-const SHORT_CELL: usize = 16;
+const SHORT_CELL: usize = 20;
+/// Characters of the name of a row that does, as of a hold in a file: in a narrow column it would be a column of words.
+const SHORT_NAME: usize = 36;
 
 fn short(cell: &str) -> Option<&'static str> {
     (1..=SHORT_CELL).contains(&cell.chars().count()).then_some("line")
 }
 
-/// A name of one word, as of a file, is not broken at its hyphens.
+/// A short name, or one of one word, as of a file, is not broken at its hyphens.
 fn row_class(table: &Table, row: usize) -> Option<&'static str> {
     match table.columns[0].align {
         Align::Left => {
             let name = table.cell(row, 0);
-            (!name.contains(' ') || short(name).is_some()).then_some("name")
+            (!name.contains(' ') || name.chars().count() <= SHORT_NAME).then_some("name")
         }
         Align::Right | Align::Decimal => Some("num"),
     }
@@ -372,11 +374,36 @@ fn html_cell(table: &Table, row: usize, column: usize) -> Markup {
     }
 }
 
+/// Units that a line never begins with.
+const UNITS: &[&str] = &[
+    "N", "mN", "N·s/mm", "N/mm", "mm", "µm", "nm", "mm/s", "mm/s²", "s", "ms", "min", "h", "1/s",
+    "Hz", "kHz", "%", "µε", "Pa", "kPa", "MPa", "mJ", "g", "°C", "K",
+];
+
+/// Text in which no number is parted from its unit at the end of a line.
+fn unparted(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for (index, word) in text.split(' ').enumerate() {
+        let unit = word.trim_end_matches([',', '.', ';', ':', ')', '?']);
+        let number = out.ends_with(|c: char| c.is_ascii_digit());
+        if index > 0 {
+            out.push(if number && UNITS.contains(&unit) { '\u{a0}' } else { ' ' });
+        }
+        out.push_str(word);
+    }
+    out
+}
+
 /// Text with indices set lower.
 fn symbols(text: &str) -> Markup {
+    let text = unparted(text);
     html! {
-        @for part in symbol::parts(text) {
-            @if part.is_index { sub { (part.text) } } @else { (part.text) }
+        @for part in symbol::parts(&text) {
+            @match part.place {
+                symbol::Place::Line => { (part.text) },
+                symbol::Place::Index => { sub { (part.text) } },
+                symbol::Place::Power => { sup { (part.text) } },
+            }
         }
     }
 }
@@ -433,6 +460,15 @@ mod tests {
                     blocks: vec![Block::Heading(EVIL.into())],
                 }),
         )
+    }
+
+    #[test]
+    fn a_number_is_not_parted_from_its_unit() {
+        let set = unparted("from 1.12 N towards 0.720 N, 39 % of it in 2 holds");
+        assert_eq!(
+            set.replace('\u{a0}', "~"),
+            "from 1.12~N towards 0.720~N, 39~% of it in 2 holds"
+        );
     }
 
     #[test]

@@ -109,13 +109,19 @@ impl Element<'_> {
     }
 }
 
-/// A part of a text; an index in small letters, of which the next part takes back the way down.
+/// A part of a text; an index or a power in small letters, of which the next part takes back the way down or up.
 fn set(part: &Part) -> String {
     let text = escape(part.text);
-    if part.is_index {
-        format!("<tspan dy=\"3\" font-size=\"75%\">{text}</tspan><tspan dy=\"-3\">\u{200b}</tspan>")
-    } else {
-        text
+    let moved = |by: i32| {
+        let back = -by;
+        format!(
+            "<tspan dy=\"{by}\" font-size=\"75%\">{text}</tspan><tspan dy=\"{back}\">\u{200b}</tspan>"
+        )
+    };
+    match part.place {
+        symbol::Place::Line => text,
+        symbol::Place::Index => moved(3),
+        symbol::Place::Power => moved(-5),
     }
 }
 
@@ -176,7 +182,8 @@ pub(super) fn text_width(text: &str, size: f64) -> f64 {
 
 /// Shortens text to a width by leaving out its middle, where names of files differ least.
 pub(super) fn shorten(text: &str, size: f64, width: f64) -> String {
-    if text_width(text, size) <= width {
+    // A width that was measured on this very text may have lost its last digit.
+    if text_width(text, size) <= width + 1e-6 {
         return text.to_owned();
     }
     let characters: Vec<char> = text.chars().collect();

@@ -1,19 +1,42 @@
-//! Symbols with an index as they are printed: the e of `ε_e` stands lower.
+//! Symbols with an index or a power as they are printed: the e of `ε_e` stands lower, the q + 1 of `mm^(q+1)` higher.
 
-/// A part of a text, and whether it stands lower.
+/// Where a part of a text stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Place {
+    /// On the line.
+    Line,
+    /// Below it.
+    Index,
+    /// Above it.
+    Power,
+}
+
+/// A part of a text, and where it stands.
 #[derive(Debug, PartialEq, Eq)]
 pub(super) struct Part<'a> {
     pub(super) text: &'a str,
-    pub(super) is_index: bool,
+    pub(super) place: Place,
 }
 
-/// The parts of a text. An index follows a single letter: a short word after `_`, or one or two digits; names such as `force_N` have
-/// none.
+/// The parts of a text. An index follows a single letter: a short word after `_`, one or two digits, or the i of a sum (`ci`); names such as `force_N` have
+/// none. A power stands between `^(` and `)` behind a letter.
 pub(super) fn parts(text: &str) -> Vec<Part<'_>> {
     let mut parts = Vec::new();
     let (mut begun, mut from) = (0, 0);
-    while let Some(found) = text[from..].find(|c: char| c == '_' || c.is_ascii_digit()) {
+    while let Some(found) =
+        text[from..].find(|c: char| matches!(c, '_' | '^' | 'i') || c.is_ascii_digit())
+    {
         let at = from + found;
+        if text[at..].starts_with('^') {
+            from = at + 1;
+            if let Some(power) = power(text, at) {
+                parts.push(Part { text: &text[begun..at], place: Place::Line });
+                parts.push(Part { text: power, place: Place::Power });
+                from = at + "^()".len() + power.len();
+                begun = from;
+            }
+            continue;
+        }
         let index = at + usize::from(text[at..].starts_with('_'));
         let run = text[index..].find(|c: char| !c.is_ascii_alphanumeric());
         let length = run.unwrap_or(text.len() - index);
@@ -21,13 +44,20 @@ pub(super) fn parts(text: &str) -> Vec<Part<'_>> {
         if !is_index(text, at, index, length) {
             continue;
         }
-        parts.push(Part { text: &text[begun..at], is_index: false });
-        parts.push(Part { text: &text[index..from], is_index: true });
+        parts.push(Part { text: &text[begun..at], place: Place::Line });
+        parts.push(Part { text: &text[index..from], place: Place::Index });
         begun = from;
     }
-    parts.push(Part { text: &text[begun..], is_index: false });
+    parts.push(Part { text: &text[begun..], place: Place::Line });
     parts.retain(|part| !part.text.is_empty());
     parts
+}
+
+/// What stands between the parentheses behind a `^` that follows a letter, where there are none within.
+fn power(text: &str, at: usize) -> Option<&str> {
+    let is_symbol = text[..at].chars().next_back().is_some_and(char::is_alphabetic);
+    let (power, _) = text[at..].strip_prefix("^(")?.split_once(')')?;
+    (is_symbol && !power.is_empty() && !power.contains('(')).then_some(power)
 }
 
 /// Whether so many bytes from `index` on are the index of the one letter that ends at `at`.
@@ -38,7 +68,9 @@ fn is_index(text: &str, at: usize, index: usize, length: usize) -> bool {
     let is_short = if index > at {
         (1..=4).contains(&length)
     } else {
-        length <= 2 && text[index..index + length].bytes().all(|b| b.is_ascii_digit())
+        let run = &text[index..index + length];
+        length <= 2 && run.bytes().all(|b| b.is_ascii_digit())
+            || run == "i" && !text[..at].ends_with('p')
     };
     let mut behind = text[index + length..].chars();
     let goes_on = match behind.next() {
@@ -54,14 +86,16 @@ mod tests {
     use super::*;
 
     fn shown(text: &str) -> String {
-        let part = |part: &Part| {
-            if part.is_index { format!("[{}]", part.text) } else { part.text.to_owned() }
+        let part = |part: &Part| match part.place {
+            Place::Line => part.text.to_owned(),
+            Place::Index => format!("[{}]", part.text),
+            Place::Power => format!("{{{}}}", part.text),
         };
         parts(text).iter().map(part).collect()
     }
 
     #[test]
-    fn an_index_stands_lower_and_names_of_columns_and_files_stay() {
+    fn an_index_stands_lower_a_power_higher_and_names_of_columns_and_files_stay() {
         for (text, expected) in [
             ("ε_e", "ε[e]"),
             ("ε_0 − ε_e", "ε[0] − ε[e]"),
@@ -74,6 +108,9 @@ mod tests {
             ("_e", "_e"),
             ("no index", "no index"),
             ("v1 (1/s), c12", "v[1] (1/s), c[12]"),
+            ("N/mm^(q+1), 1/(s·mm^(n−1))", "N/mm{q+1}, 1/(s·mm{n−1})"),
+            ("x^2, 2^(a), x^(f(a)), a^()", "x^2, 2^(a), x^(f(a)), a^()"),
+            ("1 − Σ ci, pi, if, in point i", "1 − Σ c[i], pi, if, in point i"),
             ("c1.csv, row-01, 3e5, mm2, v123, A4x", "c1.csv, row-01, 3e5, mm2, v123, A4x"),
         ] {
             assert_eq!(shown(text), expected);

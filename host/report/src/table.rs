@@ -1,5 +1,7 @@
 //! A table as plain data, for pages and terminals alike.
 
+use super::number::beside;
+
 /// How a column of a table is set.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Align {
@@ -79,6 +81,22 @@ impl Table {
         self
     }
 
+    /// The same table with numbers of one kind alike: in each of these columns the largest has so many significant digits, and the
+    /// others its decimals. The cells are numbers in full (`{value}`); what is none stays as it is.
+    #[must_use]
+    pub fn alike(mut self, columns: impl IntoIterator<Item = usize>, digits: usize) -> Self {
+        for column in columns {
+            let cells = self.rows.iter_mut().filter_map(|row| row.get_mut(column));
+            let mut numbers: Vec<(&mut String, f64)> =
+                cells.filter_map(|cell| cell.parse().ok().map(|value| (cell, value))).collect();
+            let largest = numbers.iter().fold(0.0_f64, |most, (_, value)| most.max(value.abs()));
+            for (cell, value) in &mut numbers {
+                **cell = beside(*value, largest, digits);
+            }
+        }
+        self
+    }
+
     /// The same table with a remark below it.
     #[must_use]
     pub fn note(mut self, note: impl Into<String>) -> Self {
@@ -111,6 +129,20 @@ pub(super) fn split_decimal(cell: &str) -> (&str, &str) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn numbers_of_one_kind_have_one_number_of_decimals() {
+        let column = |cells: &[&str]| {
+            let empty = Table::new("", vec![Column::number("force", "N")]);
+            let table = cells.iter().fold(empty, |table, cell| table.row([*cell])).alike([0], 4);
+            table.rows.concat()
+        };
+        assert_eq!(column(&["0.00254", "-2.3041", "0", "–"]), ["0.003", "-2.304", "0.000", "–"]);
+        assert_eq!(column(&["NaN", "477.31", "0.4"]), ["–", "477.3", "0.4"]);
+        assert_eq!(column(&["35041", "12.3"]), ["35040", "10"]);
+        assert_eq!(column(&["1.2e-9", "3e-10"]), ["1.200e-9", "3.000e-10"]);
+        assert_eq!(column(&["0", "0"]), ["0", "0"]);
+    }
 
     #[test]
     fn numbers_split_where_their_decimal_point_is_or_would_be() {

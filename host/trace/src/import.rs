@@ -118,7 +118,7 @@ struct Recording {
     values: Vec<Vec<f64>>,
     rows: usize,
     stamps: usize,
-    /// The whole second from which written times are counted, and the last of them.
+    /// The whole second from which written times are counted, else the whole count of the clock's own unit; and the last written time.
     origin: i64,
     last: Option<Instant>,
 }
@@ -127,7 +127,7 @@ struct Recording {
 const DAY: i64 = 86_400;
 
 impl Recording {
-    /// Takes every row of a file. Written times are counted from `origin`, which the first file of a recording sets.
+    /// Takes every row of a file. Times are counted from `origin`, which the first file of a recording sets.
     fn read(path: &Path, mapping: &Mapping, origin: &mut Option<i64>) -> Result<Self, ImportError> {
         let mut rows = Rows::open(path, mapping)?;
         let mut recording = None;
@@ -136,7 +136,7 @@ impl Recording {
                 Some(recording) => recording,
                 none => {
                     let mut plan = Self::plan(&rows, mapping)?;
-                    plan.origin = *origin.get_or_insert(plan.first_second(&rows)?);
+                    plan.origin = *origin.get_or_insert(plan.first_count(&rows)?);
                     none.insert(plan)
                 }
             };
@@ -165,6 +165,7 @@ impl Recording {
             && start <= end
         {
             let (path, other) = (path.into(), before.into());
+            let (start, end) = (self.told(start), self.told(end));
             return Err(ImportError::PartsOverlap { path, other, start, end });
         }
         for (source, more) in self.sources.iter_mut().zip(part.sources) {
@@ -253,14 +254,21 @@ impl Recording {
         })
     }
 
-    /// The whole second of the first written time, where times are counted from the first in the end: near 0 none of their
-    /// digits are lost.
-    fn first_second(&self, rows: &Rows) -> Result<i64, ImportError> {
+    /// The whole second of the first written time, or the whole count of the clock's own unit, where times are counted from the
+    /// first in the end: near 0 none of their digits are lost.
+    fn first_count(&self, rows: &Rows) -> Result<i64, ImportError> {
         let from_first = self.plan.reference == Some(Reference::Word(Word::First));
-        match (self.plan.stamp, self.time_from) {
-            (Some(stamp), Some(index)) if from_first => Ok(instant(rows, index, stamp)?.whole),
-            _ => Ok(0),
+        match (self.plan.stamp, self.time_from.filter(|_| from_first)) {
+            (Some(stamp), Some(index)) => Ok(instant(rows, index, stamp)?.whole),
+            (None, Some(index)) => Ok(rows.number(index)?.floor() as i64),
+            (_, None) => Ok(0),
         }
+    }
+
+    /// A time as the file tells it, s; a written one from its first whole second on.
+    fn told(&self, time: f64) -> f64 {
+        let numbers = self.plan.stamp.is_none();
+        if numbers { time + self.time_change.apply(self.origin as f64) } else { time }
     }
 
     /// The time of a row, s.
@@ -269,7 +277,9 @@ impl Recording {
             let (start, step) = (self.plan.start_s, self.plan.step_s);
             return Ok(start.unwrap_or(0.0) + self.rows as f64 * step.unwrap_or(1.0));
         };
-        let Some(stamp) = self.plan.stamp else { return changed(rows, index, &self.time_change) };
+        let Some(stamp) = self.plan.stamp else {
+            return counted(rows, index, self.origin as f64, &self.time_change);
+        };
         let mut now = instant(rows, index, stamp)?;
         // A clock that falls by half a day or more has passed midnight.
         if let Some(last) = self.last.filter(|_| stamp == Stamp::Clock) {
@@ -307,7 +317,8 @@ impl Recording {
         let repeated = self.plan.repeated;
         if time < before || (time == before && repeated == Repeated::Error) {
             let place = rows.place(self.time_from.unwrap_or(0));
-            return Err(ImportError::TimeOrder { place, time, previous: before });
+            let (time, previous) = (self.told(time), self.told(before));
+            return Err(ImportError::TimeOrder { place, time, previous });
         }
         match &mut self.open {
             Some(stamp) if time == before => match repeated {
@@ -455,7 +466,12 @@ impl Clocked {
 
 /// The number in a cell, in the unit of the trace.
 fn changed(rows: &Rows, index: usize, change: &Change) -> Result<f64, ImportError> {
-    let value = change.apply(rows.number(index)?);
+    counted(rows, index, 0.0, change)
+}
+
+/// The number in a cell, counted from `zero` in its own unit.
+fn counted(rows: &Rows, index: usize, zero: f64, change: &Change) -> Result<f64, ImportError> {
+    let value = change.apply(rows.number(index)? - zero);
     if value.is_finite() {
         return Ok(value);
     }
@@ -663,6 +679,21 @@ mod tests {
         assert!(matches!(error, ImportError::PartsDiffer { .. }), "{error}");
         let even = map("start_s = 0.0\nstep_s = 1.0");
         assert!(matches!(refused(&[early, late], &even), ImportError::PartsWithoutClock));
+    }
+
+    #[test]
+    fn a_clock_that_counts_from_1970_keeps_its_digits_in_any_unit() {
+        for (unit, step) in [("ns", 500), ("us", 250), ("ms", 10), ("min", 1)] {
+            let row = |i: i64| format!("{},{i}\n", 1_717_164_185_000_000 + step * i);
+            let rows: String = (0..4).map(row).collect();
+            let map = format!("[time]\nfrom = 1\nunit = \"{unit}\"\nreference = \"first\"");
+            let found = try_import(&map, rows.as_bytes()).unwrap();
+            let alone = try_import(
+                &format!("[time]\nfrom = 1\nunit = \"{unit}\""),
+                (0..4).map(|i| format!("{},{i}\n", step * i)).collect::<String>().as_bytes(),
+            );
+            assert_eq!(found.trace.time, alone.unwrap().trace.time, "{unit}");
+        }
     }
 
     #[test]

@@ -84,7 +84,7 @@ pub use segments::{Kind, Segment, segments};
 pub use set::{order, read_set};
 pub use stamp::Stamp;
 #[cfg(feature = "suggest")]
-pub use suggest::suggest;
+pub use suggest::{Proposal, propose, suggest};
 pub use tare::{resting_value, tare};
 pub use write::{shortest, write, write_to};
 

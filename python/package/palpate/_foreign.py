@@ -17,15 +17,16 @@ def suggest(path: PathLike, *, part: str | None = None) -> str:
 
 
 def import_(
-    *files: PathLike, map: PathLike | str, part: str | None = None, every: int | None = None
+    *files: PathLike, map: PathLike | str | None = None, part: str | None = None, every: int | None = None
 ) -> DataSet:
     """Makes a trace of one recording of another program, in one file or several: `palpate import`.
 
-    `map` is a mapping file, or the text of one as `suggest` gives it. Several files are joined by their times. `part` names
+    `map` is a mapping file, or the text of one as `suggest` gives it; without it, what the names and units in the file say, where
+    they leave no question open. Several files are joined by their times. `part` names
     one of several tables, `every` keeps every so many-th sample. The mapping is kept in the head of the trace.
     """
-    given = os.fspath(map)
+    given = None if map is None else os.fspath(map)
     # A text has lines; a path has none.
-    name, text = ("mapping", given) if "\n" in given else (given, None)
+    name, text = ("mapping", given) if given is not None and "\n" in given else (given, None)
     paths = [os.fspath(file) for file in files]
     return DataSet(_palpate.DataSet.imported(paths, name, text, part, every))

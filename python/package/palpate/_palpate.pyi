@@ -64,7 +64,7 @@ class DataSet:
     @staticmethod
     def imported(
         paths: Sequence[str | os.PathLike[str]],
-        map: str | os.PathLike[str],
+        map: str | os.PathLike[str] | None,
         text: str | None,
         part: str | None,
         every: int | None,

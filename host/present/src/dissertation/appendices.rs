@@ -275,7 +275,7 @@ fn relaxation_section() -> Section {
     let section = section.callout(
         Callout::Warning,
         "A slip",
-        "The last entry of Table A.1 is 11628 s, but the rate printed in (A.4), 8.5e-5 /s, gives 11765 s: the table comes from coefficients that were not rounded. Either is two thousand times as long as the hold: it says that the term is a constant.",
+        "The last entry of Table A.1 is 11628 s, but the rate printed in (A.4), 8.5e-5 1/s, gives 11765 s: the table comes from coefficients that were not rounded. Either is two thousand times as long as the hold: it says that the term is a constant.",
     );
     let Some(found) = row_05_terms() else { return section };
     let decided = found.decided();
@@ -344,7 +344,7 @@ fn creep_section(creep: &Creep) -> Section {
         section = section.callout(Callout::Warning, format!("n = {n}"), format!("{text}."));
     }
     let words = format!(
-        "The data show {}. A time constant of 128 s cannot be distinguished from a straight line in 9.5 s, so D = 8.10 mm is an extrapolation; one exponential gives 6.48 mm. With three, Table B.1 lists v3 below v2 and both near 0.01 /s: two names for one slow drift, of which the hold identifies neither.",
+        "The data show {}. A time constant of 128 s cannot be distinguished from a straight line in 9.5 s, so D = 8.10 mm is an extrapolation; one exponential gives 6.48 mm. With three, Table B.1 lists v3 below v2 and both near 0.01 1/s: two names for one slow drift, of which the hold identifies neither.",
         counted(found.decided(), "exponential")
     );
     section = section.callout(Callout::Finding, "What 9.5 s determine", words);

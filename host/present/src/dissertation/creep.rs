@@ -53,7 +53,7 @@ fn inertia() -> Comparison {
 fn claim() -> Section {
     Section::new("What was claimed")
         .paragraph("A block of silicone was pressed with a controlled force, and its displacement recorded while the force was held. It was written as δ = D (1 + Σ ci e^(−vi t)) (6.1, 6.2): here the constant is one, not the sum, because where the displacement ends is the same whatever the loading, and how it begins is not. After loading it grows, ci < 0 (Type I, 6.3), after partial unloading it falls, ci > 0 (Type II, 6.4). Faster loading leaves more to creep, looks stiffer and dissipates more.")
-        .paragraph(format!("The recordings are not printed. Here a specimen with the compliance of (B.1), {D} mm at {FORCE_HELD} N with a rate of {RATE} /s, follows the printed loading rates; `palpate creep` and `palpate segment` look at it. Appendix B has the fits that are printed."))
+        .paragraph(format!("The recordings are not printed. Here a specimen with the compliance of (B.1), {D} mm at {FORCE_HELD} N with a rate of {RATE} 1/s, follows the printed loading rates; `palpate creep` and `palpate segment` look at it. Appendix B has the fits that are printed."))
 }
 
 /// The answer of the specimen to a force through corners of (time, force).

@@ -29,7 +29,7 @@ pub(super) fn section() -> Section {
     let study = markers(std::slice::from_ref(&trace), Order::Fixed(1.0));
     let section = Section::new("Markers seen by a camera (4.3, 5.3.2.1)").paragraph(format!(
         "A cylinder of the soft silicone of Table 5.2, {HEIGHT} mm high, is pressed by {COMPRESSION} mm at {SPEED} mm/s \
-         and held; {NODES} nodes relax by (4.11) with v1 = {RATE} /s. A camera of {FRAMES} frames a second sees a marker on \
+         and held; {NODES} nodes relax by (4.11) with v1 = {RATE} 1/s. A camera of {FRAMES} frames a second sees a marker on \
          the jaw and on each inner node, within {SCATTER} mm. `palpate markers` fits the latency model to the gaps, from the markers alone."
     ));
     let section = section.figure(
@@ -95,7 +95,7 @@ fn words(study: &Study) -> String {
     let rates: Vec<String> = study.gaps.iter().map(|gap| significant(gap.fit.rate.0, 3)).collect();
     let within = told.iter().filter(|off| **off < 3.0).count();
     format!(
-        "From {} gaps v1 comes out as {} /s; {within} of them lie within three standard errors of the {RATE} /s of the force's \
+        "From {} gaps v1 comes out as {} 1/s; {within} of them lie within three standard errors of the {RATE} 1/s of the force's \
          relaxation. Inside and contact follow one law: what a camera sees gives the rate without a load cell.",
         study.gaps.len(),
         rates.join(", ")

@@ -41,14 +41,14 @@ pub fn change_report(change: &Change, comparison: &Comparison) -> Vec<Section> {
 fn in_short(change: &Change) -> String {
     let unit = unit_of(&change.model.base.signal);
     let fitted =
-        (significant(change.before.fitted_rms, 4), significant(change.after.fitted_rms, 4));
+        (significant(change.before.fitted_rms, 3), significant(change.after.fitted_rms, 3));
     let mut text = format!("Error on the traces fitted {} → {} {unit} RMS", fitted.0, fitted.1);
     if let Some((before, after)) = change.before.heldout_rms.zip(change.after.heldout_rms) {
-        text += &format!(", held out {} → {}", significant(before, 4), significant(after, 4));
+        text += &format!(", held out {} → {}", significant(before, 3), significant(after, 3));
     }
     text + &change.noise.map_or_else(
         || "; the recordings do not determine the noise.".into(),
-        |noise| format!("; noise floor {}.", significant(noise.standard_deviation, 4)),
+        |noise| format!("; noise floor {}.", significant(noise.standard_deviation, 3)),
     )
 }
 
@@ -101,9 +101,9 @@ fn rungs(change: &Change) -> Table {
     let mut table = Table::new("The ladder", columns);
     let noise = change.noise.map(|noise| noise.standard_deviation);
     let row = |rung: &Rung| {
-        let held_out = rung.heldout_rms.map_or("–".into(), |rms| significant(rms, 4));
+        let held_out = rung.heldout_rms.map_or("–".into(), |rms| significant(rms, 3));
         let times = noise.map_or("–".into(), |noise| format!("{:.2}", rung.fitted_rms / noise));
-        [rung.add.clone(), significant(rung.fitted_rms, 4), held_out, times]
+        [rung.add.clone(), significant(rung.fitted_rms, 3), held_out, times]
     };
     for rung in &change.model.ladder {
         table = table.row(row(rung));

@@ -6,7 +6,7 @@ use palpate_diagnose::criticism::compare::{Cell, Comparison};
 use palpate_diagnose::criticism::dependence::{Dependence, SEED};
 use palpate_diagnose::criticism::region::Region;
 use palpate_model::Model;
-use palpate_report::number::{percent, significant};
+use palpate_report::number::{percent, share, significant};
 use palpate_report::{
     Axis, Block, Callout, CellFormat, Colour, Column, HeatMap, Panels, Plot, Section, Series, Table,
 };
@@ -37,7 +37,7 @@ fn place(comparison: &Comparison) -> Section {
             )
         },
     );
-    let rms = significant(comparison.rms, 4);
+    let rms = significant(comparison.rms, 3);
     let text = format!("The model leaves {rms} {unit} RMS{floor}. {}", comparison.in_words());
     let mut section = Section::new("Where the model fails").callout(kind, "In short", text);
     for what in &comparison.left_out {
@@ -73,7 +73,7 @@ fn error_table(comparison: &Comparison) -> Table {
     }
     let shares = Region::ALL.map(|region| {
         let of_region = comparison.by_region().into_iter().find(|(r, _)| *r == region);
-        of_region.map_or(String::new(), |(_, share)| percent(share, 2))
+        of_region.map_or(String::new(), |(_, part)| share(part))
     });
     let first = "share of what is left".to_owned();
     table.row(std::iter::once(first).chain(shares).chain([String::new()]))
@@ -81,7 +81,7 @@ fn error_table(comparison: &Comparison) -> Table {
 
 /// Share of what is left in every region of every trace.
 pub(super) fn heat_map(comparison: &Comparison) -> HeatMap {
-    let share = |trace, region| {
+    let part = |trace, region| {
         cell(comparison, trace, region).map_or(f64::NAN, |cell| cell.share_of_excess)
     };
     HeatMap {
@@ -92,7 +92,7 @@ pub(super) fn heat_map(comparison: &Comparison) -> HeatMap {
         rows: comparison.labels.clone(),
         columns: Region::ALL.map(|region| region.name().to_owned()).to_vec(),
         values: (0..comparison.labels.len())
-            .map(|trace| Region::ALL.map(|region| share(trace, region)).to_vec())
+            .map(|trace| Region::ALL.map(|region| part(trace, region)).to_vec())
             .collect(),
         format: CellFormat::Percent,
         strongest: None,
@@ -162,18 +162,26 @@ fn by_p_value(comparison: &Comparison) -> Vec<&Dependence> {
     found
 }
 
-/// Measurement and model of every trace with what is left, regions shaded.
+/// Measurement and model of every trace with what is left, on one scale for all, regions shaded.
 #[must_use]
 pub fn overlays(comparison: &Comparison) -> Section {
     let mut section = Section::new("Each trace");
-    for stretch in comparison.stretches.iter().take(MOST_DRAWN) {
+    let drawn = || comparison.stretches.iter().take(MOST_DRAWN);
+    let residuals = drawn().flat_map(|stretch| stretch.residual());
+    let most = 1.05 * residuals.fold(0.0_f64, |most, left| most.max(left.abs()));
+    let mut residual = Axis::new("residual", unit_of(&comparison.signal));
+    // A law that is exact leaves nothing.
+    if most > 0.0 && most.is_finite() {
+        residual = residual.range(-most, most);
+    }
+    for stretch in drawn() {
         let (name, unit) = (name_of(&comparison.signal), unit_of(&comparison.signal));
         let time = || Axis::new("time", "s");
         let line = |label: &str, values: &[f64]| Series::line(label, &stretch.time[..], values);
         let mut overlay = Plot::new("", time(), Axis::new(name, unit))
             .series(line("measured", &stretch.measured).colour(Colour::MEASURED))
             .series(line("model", &stretch.predicted).colour(Colour::MODEL).width(1.8));
-        let mut left = Plot::new("", time(), Axis::new("residual", unit))
+        let mut left = Plot::new("", time(), residual.clone())
             .series(line("residual", &stretch.residual()).colour(Colour::RESIDUAL))
             .height(140.0);
         if let Some(noise) = comparison.noise {

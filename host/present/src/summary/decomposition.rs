@@ -49,16 +49,17 @@ pub fn region_table(trace: &Trace, channel: &Channel, stretches: &[Stretch]) -> 
             format!("{until:.3}"),
         ];
         for name in &shown {
-            cells.push(
-                trace.column(name).map_or(String::new(), |values| significant(values[last], 4)),
-            );
+            cells.push(trace.column(name).map_or(String::new(), |values| values[last].to_string()));
         }
         if !shown.contains(&channel.signal.as_str()) {
-            cells.push(significant(channel.input[last], 4));
+            cells.push(channel.input[last].to_string());
         }
         table = table.row(cells);
     }
-    table.note("Displacement, force and strain are those at the end of each region.")
+    let measured = 4..table.columns.len();
+    table
+        .alike(measured, 4)
+        .note("Displacement, force and strain are those at the end of each region.")
 }
 
 /// The type of relaxation, where the region is one of relaxing.

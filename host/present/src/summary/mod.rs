@@ -131,7 +131,7 @@ fn bandwidth_words(found: &Derivative) -> String {
         });
     let quiet = if found.quiet { "" } else { ", still above 5 % of the fastest rate" };
     format!(
-        "The derivative is the slope of parabolas fitted within ±{width} s: bandwidth (−3 dB) {bandwidth}; noise of 1 in a sample makes {} /s{quiet}.",
+        "The derivative is the slope of parabolas fitted within ±{width} s: bandwidth (−3 dB) {bandwidth}; noise of 1 in a sample makes {} 1/s{quiet}.",
         significant(found.noise_gain, 2)
     )
 }

@@ -72,7 +72,7 @@ fn parts(trace: &Trace, press: &Press) -> Section {
     let relaxation = &press.relaxation;
     let text = format!(
         "Every sample went through the filter of the device, in the device's 24-bit numbers, set to the \
-         relaxation function that was fitted to the force: c0 {:.3}, c1 {:.3} at {:.3} /s, c2 {:.3} at {:.3} /s. \
+         relaxation function that was fitted to the force: c0 {:.3}, c1 {:.3} at {:.3} 1/s, c2 {:.3} at {:.3} 1/s. \
          FA + SA is the signal, bit for bit.",
         relaxation.c0(),
         relaxation.c1,

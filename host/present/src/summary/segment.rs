@@ -7,7 +7,7 @@ use super::{estimate, region_spans, shaded};
 use palpate_analysis::cycles::{Cycle, Inertia, Piece, Segmentation, Turn};
 use palpate_analysis::regions::{name, type_name};
 use palpate_report::number::{counted, percent, significant};
-use palpate_report::{Axis, Callout, Colour, Column, Panels, Plot, Section, Series, Table};
+use palpate_report::{Axis, Block, Callout, Colour, Column, Panels, Plot, Section, Series, Table};
 use palpate_trace::{Control, Trace};
 
 /// Most cycles whose regions are listed one by one in print; JSON has them all.
@@ -17,7 +17,6 @@ const MOST_LISTED: usize = 12;
 #[must_use]
 pub fn segment_sections(trace: &Trace, found: &Segmentation) -> Vec<Section> {
     let mut section = Section::new(trace.label()).paragraph(introduction(trace, found));
-    section = section.table(point_table(found)).table(piece_table(trace, found));
     section = section.table(cycle_table(trace, found));
     if let Some(table) = pull_off_table(found) {
         section = section.table(table);
@@ -28,11 +27,16 @@ pub fn segment_sections(trace: &Trace, found: &Segmentation) -> Vec<Section> {
     if let Some(inertia) = &found.inertia {
         section = section.paragraph(inertia_words(inertia));
     }
-    section = section.figure(
-        loop_plot(trace, found),
-        "Points as in Fig. 3.10. A loop that runs clockwise dissipates what it encloses.",
-    );
-    vec![section.figure(time_panels(trace, found), "The regions, shaded.")]
+    section = section
+        .figure(
+            loop_plot(trace, found),
+            "Points as in Fig. 3.10. A loop that runs clockwise dissipates what it encloses.",
+        )
+        .figure(time_panels(trace, found), "The regions, shaded.");
+    vec![section.block(Block::Details {
+        summary: "Points and regions of each cycle".into(),
+        blocks: vec![Block::Table(point_table(found)), Block::Table(piece_table(trace, found))],
+    })]
 }
 
 fn introduction(trace: &Trace, found: &Segmentation) -> String {
@@ -92,8 +96,8 @@ fn point_table(found: &Segmentation) -> Table {
                 cycle.number.to_string(),
                 point.name.clone(),
                 format!("{:.3}", point.time_s),
-                significant(point.displacement_mm, 4),
-                significant(point.force_n, 4),
+                point.displacement_mm.to_string(),
+                point.force_n.to_string(),
             ]);
         }
     }
@@ -101,7 +105,7 @@ fn point_table(found: &Segmentation) -> Table {
         true => " Z the force passes zero, P the largest pull,",
         false => "",
     };
-    let table = table.note(format!(
+    let table = table.alike([3, 4], 4).note(format!(
         "O the approach begins, A touch, B end of loading or its largest force, C and D the hold begins and ends,{pulls} E contact is lost, F recovered.",
     ));
     shortened(table, found)
@@ -128,13 +132,14 @@ fn piece_table(trace: &Trace, found: &Segmentation) -> Table {
                 cycle.number.to_string(),
                 points.to_owned(),
                 format!("{region}{}", of_type(piece)),
-                significant(change(&trace.time), 4),
-                significant(change(x), 3),
-                significant(change(force), 3),
-                significant(piece.work_mj, 4),
+                change(&trace.time).to_string(),
+                change(x).to_string(),
+                change(force).to_string(),
+                piece.work_mj.to_string(),
             ]);
         }
     }
+    let table = table.alike(3..7, 4);
     shortened(table.note("Work is positive where it goes into the specimen."), found)
 }
 

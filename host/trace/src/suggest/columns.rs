@@ -59,6 +59,7 @@ const DISPLACEMENTS: &[&str] = &[
     "position",
     "extension",
     "travel",
+    "distance",
     "stroke",
     "deflection",
     "depth",
@@ -83,16 +84,23 @@ const ALIASES: &[(&str, &str)] = &[
     ("seconds", "s"),
     ("sekunden", "s"),
     ("msec", "ms"),
+    ("millis", "ms"),
+    ("milliseconds", "ms"),
+    ("micros", "us"),
+    ("microseconds", "us"),
     ("minutes", "min"),
     ("newton", "N"),
     ("newtons", "N"),
     ("millimeter", "mm"),
+    ("mm", "mm"),
     ("micron", "um"),
     ("microns", "um"),
     ("℃", "C"),
     ("degc", "C"),
     ("deg c", "C"),
 ];
+/// What instruments write for the weight of so much mass, where the column is a force.
+const WEIGHTS: &[(&str, &str)] = &[("g", "gf"), ("kg", "kgf"), ("lb", "lbf"), ("lbs", "lbf")];
 
 /// The unit of that name, however it is written.
 pub(super) fn unit_named(text: &str) -> Option<&'static Unit> {
@@ -102,19 +110,41 @@ pub(super) fn unit_named(text: &str) -> Option<&'static Unit> {
     units::named(&plain).or_else(|| units::named(alias()?.1))
 }
 
+/// The weight of what a mass of that name says.
+fn weight_named(text: &str) -> Option<&'static Unit> {
+    let mass = text.trim().to_lowercase();
+    units::named(WEIGHTS.iter().find(|(other, _)| *other == mass)?.1)
+}
+
 /// Whether a cell is a unit, in brackets or not, as in a row below the names.
 pub(super) fn is_unit(cell: &str) -> bool {
     let inner = cell.trim_matches(|c: char| "()[]{}<>".contains(c));
     cell.starts_with(['(', '[', '{', '<'])
         || matches!(inner, "-" | "—")
+        || weight_named(inner).is_some()
         || unit_named(inner).is_some()
 }
 
 impl Seen {
     /// The unit that is written below the name, else in it: in brackets, behind a stroke or an underscore, or as its last word.
     pub(super) fn unit(&self) -> Option<&'static Unit> {
-        let inner = |text: &String| unit_named(text.trim_matches(|c: char| "()[]{}<>".contains(c)));
+        let inner = |text: &String| self.named(text.trim_matches(|c: char| "()[]{}<>".contains(c)));
         self.below.iter().find_map(inner).or_else(|| self.unit_in_name().map(|(_, unit)| unit))
+    }
+
+    /// What a message calls it.
+    pub(super) fn shown(&self) -> String {
+        match self.name.as_str() {
+            "" => format!("column {}", self.index + 1),
+            name => format!("`{name}`"),
+        }
+    }
+
+    /// The unit of that name; a mass is the weight of it where the column is called a force.
+    fn named(&self, text: &str) -> Option<&'static Unit> {
+        let name = self.name.to_lowercase();
+        let force = || FORCES.iter().any(|word| word.len() > 2 && name.contains(word));
+        unit_named(text).or_else(|| weight_named(text).filter(|_| force()))
     }
 
     /// The name without its unit, and the unit.
@@ -123,19 +153,23 @@ impl Seen {
         if let Some((rest, unit)) = name
             .strip_suffix([')', ']', '}', '>'])
             .and_then(|open| open.rsplit_once(['(', '[', '{', '<']))
-            .and_then(|(rest, unit)| Some((rest, unit_named(unit)?)))
+            .and_then(|(rest, unit)| Some((rest, self.named(unit)?)))
         {
             return Some((rest, unit));
         }
         if let Some(unit) = units::of_column(name) {
             return Some((name.strip_suffix(unit.name)?, unit));
         }
+        // A clock that is called by its unit: `millis`.
+        if let Some(unit) = unit_named(name).filter(|unit| unit.quantity == Quantity::Time) {
+            return Some((name, unit));
+        }
         let (rest, unit) = name.rsplit_once(['/', ' ', ','])?;
         // A single letter behind a blank is more often a name (`Channel C`) than a unit.
         let letter = unit.len() == 1 && !matches!(unit, "s" | "N");
         let behind_blank = name[..name.len() - unit.len()].ends_with(' ');
         (!(letter && behind_blank)).then_some(())?;
-        Some((rest, unit_named(unit)?))
+        Some((rest, self.named(unit)?))
     }
 
     /// The name without its unit, in small letters.

@@ -1,4 +1,4 @@
-//! A proposed mapping for a file nobody has described yet: for a person to check, never applied.
+//! A proposed mapping for a file nobody has described yet. Where names and units leave a question open it is for a person to check.
 
 mod columns;
 mod encoding;
@@ -15,7 +15,9 @@ use super::error::Error;
 use super::foreign::{self, Opened};
 use super::import_error::ImportError;
 use super::lines::Lines;
+use super::mapping::Mapping;
 use super::table::part_of;
+use super::units::{Quantity, Unit};
 use columns::{Seen, is_gap, is_unit, proposals, time_of};
 use encoding::encoding;
 use guess::{Guess, Kind, cells, guess};
@@ -37,13 +39,39 @@ struct Beginning {
     more: Lines,
 }
 
-/// Proposes a mapping for a recording from its first lines, as the text of a mapping file in which
-/// every line is to be checked by a person. `part` names one of several tables of the file.
+/// A mapping for a recording, from what stands in the file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Proposal {
+    /// The text of the mapping file.
+    pub text: String,
+    /// What the file does not say, so that it was guessed or left; empty where names and units say enough.
+    pub open: Vec<String>,
+}
+
+impl Proposal {
+    /// The mapping itself; in heads it is called `proposed`.
+    ///
+    /// # Errors
+    /// Those of [`Mapping::parse`].
+    pub fn mapping(&self) -> Result<Mapping, ImportError> {
+        Mapping::parse(Path::new("proposed"), &self.text)
+    }
+}
+
+/// Proposes a mapping for a recording, as the text of a mapping file for a person to check: [`propose`].
+///
+/// # Errors
+/// Those of [`propose`].
+pub fn suggest(path: &Path, part: Option<&str>) -> Result<String, ImportError> {
+    propose(path, part).map(|proposal| proposal.text)
+}
+
+/// Proposes a mapping for a recording from its first lines. `part` names one of several tables of the file.
 ///
 /// # Errors
 /// [`ImportError::NoTable`] if no three rows of numbers follow each other, or that the file cannot be
 /// read, or has several tables.
-pub fn suggest(path: &Path, part: Option<&str>) -> Result<String, ImportError> {
+pub fn propose(path: &Path, part: Option<&str>) -> Result<Proposal, ImportError> {
     let mut beginning = beginning(path, part)?;
     let guess = guess(&beginning).ok_or_else(|| ImportError::NoTable {
         path: path.into(),
@@ -91,7 +119,7 @@ fn text(
     guess: &Guess,
     header: Option<usize>,
     rest: &Rest,
-) -> String {
+) -> Proposal {
     let lines = &beginning.lines;
     let mut out = String::new();
     let file = path.file_name().unwrap_or_default().to_string_lossy();
@@ -141,8 +169,8 @@ fn text(
         }
         None => {}
     }
-    write_columns(&mut out, &seen(lines, guess, header));
-    out
+    let open = write_columns(&mut out, &seen(lines, guess, header));
+    Proposal { text: out, open }
 }
 
 /// The line above the numbers that names the columns: as wide as they, with two words at least that are no units.
@@ -173,8 +201,8 @@ fn seen(lines: &[String], guess: &Guess, header: Option<usize>) -> Vec<Seen> {
     all.filter(|column| column.kind.is_value()).collect()
 }
 
-/// The sections of the columns: time first, the rest under names with the unit that is wanted.
-fn write_columns(out: &mut String, columns: &[Seen]) {
+/// The sections of the columns: time first, the rest under names with the unit that is wanted. Gives what is left open.
+fn write_columns(out: &mut String, columns: &[Seen]) -> Vec<String> {
     let from = |column: &Seen| {
         let same = columns.iter().filter(|other| other.name == column.name).count();
         match column.name.as_str() {
@@ -191,13 +219,25 @@ fn write_columns(out: &mut String, columns: &[Seen]) {
         (_, Some(unit)) => writeln!(out, "unit = \"{}\"", unit.name),
         _ => writeln!(out, "unit = \"s\"   # not written in the file"),
     };
+    let mut open = Vec::new();
+    if time.kind == Kind::Number && time.unit().is_none() {
+        open.push(format!("the unit of {}", time.shown()));
+    }
     let counted_from_afar = time.values.first().is_some_and(|first| first.abs() > AFAR_S);
     if counted_from_afar || matches!(time.kind, Kind::Time(_)) {
         let _ = writeln!(out, "reference = \"first\"");
     }
     let others = columns.iter().filter(|column| column.index != time.index);
     let others: Vec<&Seen> = others.filter(|column| column.kind == Kind::Number).collect();
-    for (column, proposal) in others.iter().zip(proposals(&others)) {
+    let proposals = proposals(&others);
+    let guessed = others.iter().zip(&proposals).filter(|(_, proposal)| proposal.guessed);
+    open.extend(guessed.map(|(column, _)| format!("the unit of {}", column.shown())));
+    // Another clock beside the time is no signal.
+    let measures = |unit: &Unit| unit.quantity != Quantity::Time;
+    if !proposals.iter().any(|proposal| proposal.guessed || proposal.unit.is_some_and(measures)) {
+        open.push("what its columns measure".into());
+    }
+    for (column, proposal) in others.iter().zip(proposals) {
         let _ = writeln!(out, "\n[[column]]\nfrom = {}", from(column));
         let _ = match (&proposal.unit, proposal.guessed) {
             (_, true) => writeln!(
@@ -223,12 +263,13 @@ fn write_columns(out: &mut String, columns: &[Seen]) {
             );
         }
     }
+    open
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Mapping, import};
+    use crate::import;
 
     fn proposal(
         bytes: &[u8],
@@ -313,6 +354,41 @@ mod tests {
             let trace = import(&path, &mapping).unwrap_or_else(|e| panic!("{e}\n{text}")).trace;
             assert!(trace.displacement().is_some() && trace.force().is_some(), "{text}");
         }
+    }
+
+    #[test]
+    fn what_the_file_does_not_say_is_left_open() {
+        let open = |text: &str| {
+            let folder = tempfile::tempdir().unwrap();
+            let path = folder.path().join("foreign.txt");
+            let width = text.lines().next().unwrap().split(';').count();
+            let row = |row: usize| vec![row.to_string(); width].join(";") + "\n";
+            std::fs::write(&path, text.to_owned() + &(0..9).map(row).collect::<String>()).unwrap();
+            propose(&path, None).unwrap().open
+        };
+        assert_eq!(open("Time (s);Weg (mm);Kraft (N);Kanal 7\n"), [] as [String; 0]);
+        assert_eq!(open("Zeit;Stress\ns;kPa\n"), [] as [String; 0]);
+        assert_eq!(open("Time;Force;Gap (mm)\n"), ["the unit of `Time`", "the unit of `Force`"]);
+        assert_eq!(open("Time (s);a;Other clock (s)\n"), ["what its columns measure"]);
+        assert_eq!(open("0;0;0\n"), ["the unit of column 1", "what its columns measure"]);
+    }
+
+    #[test]
+    fn a_mass_that_a_force_is_told_in_is_its_weight_and_a_clock_may_be_called_by_its_unit() {
+        for (header, force, second) in [
+            ("Force (g);Distance (mm);Time (sec)\n", 9.806_65e-3, 1.0),
+            ("Load [kg];DISTANCE [MM];millis\n", 9.806_65, 1e-3),
+            ("Load;Distance;Zeit\nlb;mm;ms\n", 4.448_221_615_260_5, 1e-3),
+        ] {
+            let rows: String = (0..9).map(|i| format!("{i};{i};{i}\n")).collect();
+            let (mapping, path, _folder) = proposal(format!("{header}{rows}").as_bytes()).unwrap();
+            let trace = import(&path, &mapping).unwrap().trace;
+            assert!((trace.force().unwrap()[3] - 3.0 * force).abs() < 1e-12, "{header}");
+            assert!((trace.time[3] - 3.0 * second).abs() < 1e-12, "{header}");
+            assert_eq!(trace.displacement().unwrap()[3], 3.0, "{header}");
+        }
+        let (mapping, path, _folder) = proposal(b"Time (s);Mass (g)\n0;1\n1;2\n2;3\n").unwrap();
+        assert_eq!(import(&path, &mapping).unwrap().trace.force(), None, "a mass is no force");
     }
 
     #[test]

@@ -76,7 +76,7 @@ impl SurfaceSummary<'_> {
             .row(row("its arm", self.contact.arm(), "mm"))
             .row(row("contact area", shape.area(), "mm²"))
             .row(row("pressure in the middle", 1e3 * mean * middle, "kPa"))
-            .row(row("pressure in the middle over mean pressure, Ck", middle, ""))
+            .row(row("pressure in the middle over mean pressure, C_k", middle, ""))
     }
 
     fn plot(&self) -> Plot {

@@ -1,0 +1,89 @@
+//! A folder of recordings comes in by one command: at once where names and units say enough, after one edit where they do not.
+
+use std::fs;
+use std::path::Path;
+
+use palpate::trace::read;
+use palpate_tests::palpate;
+
+/// Status, standard output and standard error of a call in a folder.
+fn call(folder: &Path, arguments: &[&str]) -> (Option<i32>, String, String) {
+    let output = palpate().current_dir(folder).args(arguments).output().unwrap();
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    (output.status.code(), text(&output.stdout), text(&output.stderr))
+}
+
+/// A folder with a table of nine rows under this line of names, by the name of its file.
+fn lab(files: &[(&str, &str)]) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    fs::create_dir(folder.path().join("lab")).unwrap();
+    for (name, header) in files {
+        let width = header.split(',').count();
+        let row = |row: usize| vec![row.to_string(); width].join(",") + "\n";
+        let rows: String = (0..9).map(row).collect();
+        fs::write(folder.path().join("lab").join(name), format!("{header}\n{rows}")).unwrap();
+    }
+    folder
+}
+
+#[test]
+fn a_file_whose_names_and_units_say_enough_needs_no_mapping() {
+    let folder = lab(&[("a.txt", "Time (s),Weg (mm),Kraft (mN)"), ("b.txt", "Time,Force")]);
+    let (status, _, said) = call(folder.path(), &["import", "lab/a.txt"]);
+    assert_eq!(status, Some(0), "{said}");
+    assert!(said.contains("force_N  from Kraft (mN)"), "{said}");
+    assert_eq!(read(&folder.path().join("a.trace.csv")).unwrap().force().unwrap()[3], 0.003);
+    let (status, _, said) = call(folder.path(), &["import", "lab/b.txt"]);
+    assert_eq!(status, Some(2), "{said}");
+    assert!(said.contains("does not say the unit of `Time`, the unit of `Force`"), "{said}");
+    assert!(said.contains("palpate import lab/b.txt --suggest > b.map.toml"), "{said}");
+    assert!(!folder.path().join("b.trace.csv").exists());
+}
+
+#[test]
+fn a_folder_comes_in_with_one_edit_for_what_its_files_do_not_say() {
+    let own = "time_s,displacement_mm,force_N";
+    let folder = lab(&[("a.txt", "Time (s),Force (N)"), ("a.csv", "Time,Force"), ("own.csv", own)]);
+    let folder = folder.path();
+    let again = || call(folder, &["import", "lab", "-o", "traces"]);
+    let (status, _, said) = again();
+    assert_eq!(status, Some(2), "{said}");
+    assert!(said.contains("lab/own.csv: is a trace as it is"), "{said}");
+    let open = "lab/a.csv: the file does not say the unit of `Time`, the unit of `Force`; complete traces/a.map.toml";
+    assert!(said.contains(open), "{said}");
+    assert!(said.contains("1 of 3 tables did not come in"), "{said}");
+    assert_eq!(read(&folder.join("traces/a-txt.trace.csv")).unwrap().force().unwrap()[3], 3.0);
+
+    // Nobody has looked at the proposal: it is still not taken.
+    assert_eq!(again().0, Some(2));
+    assert!(!folder.join("traces/a.trace.csv").exists());
+    let map = folder.join("traces/a.map.toml");
+    let text = fs::read_to_string(&map).unwrap().replace("unit = \"s\"", "unit = \"ms\"");
+    fs::write(&map, text).unwrap();
+    let (status, said, _) = again();
+    assert_eq!((status, &*said), (Some(0), "2 traces in traces\n"));
+    assert_eq!(read(&folder.join("traces/a.trace.csv")).unwrap().time[3], 0.003);
+
+    // What is there is what would be written; where it is not, it may be precious.
+    assert_eq!(again().0, Some(0));
+    fs::write(folder.join("traces/a-txt.trace.csv"), "time_s,force_N\n0,1\n1,2\n").unwrap();
+    let (status, _, said) = again();
+    assert_eq!(status, Some(2), "{said}");
+    assert!(said.contains("a-txt.trace.csv: exists already"), "{said}");
+}
+
+#[test]
+fn what_is_no_recording_is_named_and_does_not_stop_the_others() {
+    let folder = lab(&[("a.txt", "Time (s),Force (N)")]);
+    let folder = folder.path();
+    fs::write(folder.join("lab/poem.txt"), "of\ntwo lines\n").unwrap();
+    fs::write(folder.join("lab/old.xls"), b"\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1").unwrap();
+    let (status, said, error) = call(folder, &["import", "lab", "--preview"]);
+    assert_eq!(status, Some(2), "{error}");
+    assert!(said.contains("force_N  from Force (N)"), "{said}");
+    assert!(error.contains("lab/poem.txt: three rows of at least two numbers"), "{error}");
+    assert!(error.contains("lab/old.xls") && error.contains("Save it as .xlsx"), "{error}");
+    assert!(!folder.join("lab.traces").exists(), "a preview writes nothing");
+    assert_eq!(call(folder, &["import", "lab"]).0, Some(2));
+    assert!(folder.join("lab.traces/a.trace.csv").exists());
+}
