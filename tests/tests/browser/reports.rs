@@ -33,9 +33,10 @@ fn reports(folder: &Path) -> [std::path::PathBuf; 3] {
     ["compare.html", "relaxation.html", "segment.html"].map(|file| folder.join(file))
 }
 
-/// Left edge of each table, and whether it can be seen whole or scrolled by keyboard.
+/// Left edge of each table that is not folded away, and whether it can be seen whole or scrolled by keyboard.
 const TABLES: &str = r"
-  return [...document.querySelectorAll('div.table')].map((box) => [
+  const shown = [...document.querySelectorAll('div.table')].filter((box) => !box.closest('details'));
+  return shown.map((box) => [
     Math.round(box.querySelector('table').getBoundingClientRect().left),
     box.scrollWidth <= box.clientWidth || box.tabIndex === 0,
   ])";

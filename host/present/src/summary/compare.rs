@@ -167,8 +167,9 @@ fn by_p_value(comparison: &Comparison) -> Vec<&Dependence> {
 pub fn overlays(comparison: &Comparison) -> Section {
     let mut section = Section::new("Each trace");
     let drawn = || comparison.stretches.iter().take(MOST_DRAWN);
-    let residuals = drawn().flat_map(|stretch| stretch.residual());
-    let most = 1.05 * residuals.fold(0.0_f64, |most, left| most.max(left.abs()));
+    let largest =
+        |residual: Vec<f64>| residual.iter().fold(0.0_f64, |most, left| most.max(left.abs()));
+    let most = drawn().map(|stretch| 1.05 * largest(stretch.residual())).fold(0.0, f64::max);
     let mut residual = Axis::new("residual", unit_of(&comparison.signal));
     // A law that is exact leaves nothing.
     if most > 0.0 && most.is_finite() {
