@@ -445,7 +445,7 @@ mod tests {
     fn refitted(fit: &MotionFit, data: &Data) -> Vec<f64> {
         let white = Whitening::none();
         let error = |trace| {
-            let problem = Problem::new(&fit.chain, data, &white, Some(trace));
+            let problem = Problem::new(&fit.chain, data, &white, Some(Fold::alone(trace)));
             let found = minimise(&problem, &problem.point(&fit.values));
             error_on(&problem, data, &found.point, trace, false)
         };
