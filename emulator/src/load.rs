@@ -9,7 +9,7 @@ use crate::{Board, MS};
 const LOOK_NS: f64 = 1_500.0;
 /// Numbers of exceptions (ARMv7-M architecture, table B1-4; RM0090 table 62): interrupt `n` is exception 16 + n.
 const PARTS: [(u16, &str); 6] =
-    [(15, "timer"), (22, "exti0"), (23, "exti1"), (39, "read"), (55, "line"), (83, "on_usb")];
+    [(15, "timer"), (22, "filter"), (23, "tasks"), (39, "read"), (55, "line"), (83, "on_usb")];
 
 /// Where the processor's time went, as shares of it.
 #[derive(Clone, Debug)]

@@ -23,7 +23,7 @@ pub const KILLS: u32 = 20;
 pub fn run(kills: u32) -> miette::Result<()> {
     fetch()?;
     let kills = kills.to_string();
-    cargo("modelled board", &["test"], &[("PALPATE_KILLS", &kills)])
+    cargo("modelled board", &["test", "--", "--nocapture"], &[("PALPATE_KILLS", &kills)])
 }
 
 /// Format and lints.
