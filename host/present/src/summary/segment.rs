@@ -264,7 +264,7 @@ fn time_panels(trace: &Trace, found: &Segmentation) -> Panels {
                 Series::line(label, &trace.time[..], values.unwrap_or(&[]))
                     .colour(Colour::MEASURED),
             )
-            .height(170.0)
+            .height(100.0)
     };
     Panels::new("Force and displacement over time")
         .summary("Force and displacement over time, regions shaded")
