@@ -4,7 +4,7 @@ use std::path::Path;
 use std::process::Command;
 use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
-use miette::{IntoDiagnostic, bail};
+use miette::{IntoDiagnostic, bail, miette};
 
 use crate::{browser, emulate, firmware, formats, modelled, supply};
 
@@ -32,8 +32,7 @@ pub fn run() -> miette::Result<()> {
     let consumer =
         ["clippy", "--package", "palpate-consumer", "--all-targets", "--", "-D", "warnings"];
     step("lints of a program that links it", &consumer, &[])?;
-    // The same random cases on every machine; `cargo test` alone draws new ones each time.
-    step("tests", &["test", "--workspace"], &[("PROPTEST_RNG_SEED", "1")])?;
+    tests()?;
     step(
         "documentation",
         &["doc", "--workspace", "--no-deps"],
@@ -53,6 +52,22 @@ pub fn run() -> miette::Result<()> {
     emulate::run(STEADY_S, false)?;
     modelled::check()?;
     modelled::run(modelled::KILLS)
+}
+
+/// Every test that needs no set-up. Those of the crates run beside those of the product, many of which wait for a device.
+fn tests() -> miette::Result<()> {
+    // The same random cases on every machine; `cargo test` alone draws new ones each time.
+    let seed = [("PROPTEST_RNG_SEED", "1")];
+    step("build of the tests", &["test", "--workspace", "--no-run"], &seed)?;
+    let crates = ["test", "--workspace", "--lib", "--bins", "--examples"];
+    let product = ["test", "--workspace", "--test", "*"];
+    std::thread::scope(|scope| {
+        let beside = scope.spawn(|| step("tests of the crates", &crates, &seed));
+        let product = step("tests of the product", &product, &seed);
+        beside.join().unwrap_or_else(|_| Err(miette!("the tests of the crates ended early")))?;
+        product
+    })?;
+    step("tests of the documentation", &["test", "--workspace", "--doc"], &seed)
 }
 
 /// Installs a component of the toolchain where it is missing.
