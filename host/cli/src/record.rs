@@ -143,7 +143,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         eprintln!();
     }
     let mcap = screen.mcap.map_or(Ok(()), McapFile::end);
-    summarise(args, &outcome.map_err(failed)?)?;
+    summarise(args, None, &outcome.map_err(failed)?)?;
     mcap.map_err(Failure::work)
 }
 
@@ -162,18 +162,20 @@ impl Args {
     }
 }
 
-/// Says how it went.
-fn summarise(args: &Args, view: &View) -> Result<(), Failure> {
+/// Says how it went; of one of several devices, by its number from 1.
+fn summarise(args: &Args, device: Option<u32>, view: &View) -> Result<(), Failure> {
     let file = args.output.display();
     if args.json {
-        let answer = RecordedAnswer::of(&args.output, args.mcap.as_deref(), view);
+        let of_one = RecordedAnswer::of(&args.output, args.mcap.as_deref(), view);
+        let answer = RecordedAnswer { device, ..of_one };
         return print(&format!("{}\n", answers::json(&answer)));
     }
     if args.quiet {
         return Ok(());
     }
+    let device = device.map_or_else(String::new, |number| format!(", device {number}"));
     print(&format!(
-        "{file}: {:.1} s, {} rows, {} gaps, {} drops\n",
+        "{file}{device}: {:.1} s, {} rows, {} gaps, {} drops\n",
         view.passed.as_secs_f64(),
         view.tally.rows,
         view.gaps,

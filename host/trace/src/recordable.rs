@@ -290,14 +290,11 @@ impl<W: Write> Device<W> {
 
     fn say_status(&mut self) -> io::Result<()> {
         self.say(&ToHost::Status(Status {
-            counters: Counters::default(),
             gauges: self.pipeline.counters(),
             rows: self.next,
             streaming: Some(self.source),
             temperature: self.rows.temperature,
-            converter: None,
-            stack_used: 0,
-            queue_most: 0,
+            ..Status::default()
         }))
     }
 

@@ -337,7 +337,7 @@ mod tests {
     fn a_status_whose_arrival_was_not_noted_says_whose_rows_follow_all_the_same() {
         let mut bytes = Vec::new();
         let mut writer = Writer::new(&mut bytes, &Opened::timeless("tty")).unwrap();
-        let status = Status { streaming: Some(Source::Converter), ..quiet_status() };
+        let status = Status { streaming: Some(Source::Converter), ..Status::default() };
         writer.frame(0, &settings(1)).unwrap();
         // Too soon after another frame for a note of its own.
         writer.frame(1, &said(0, &ToHost::Status(status))).unwrap();
@@ -350,19 +350,6 @@ mod tests {
         let reader = Reader::new(&bytes[..]).unwrap();
         let found = to_traces(Path::new("take.palpate"), reader, &options).unwrap();
         assert_eq!(found.traces[0].len(), 57);
-    }
-
-    fn quiet_status() -> Status {
-        Status {
-            counters: Default::default(),
-            gauges: Default::default(),
-            rows: 0,
-            streaming: None,
-            temperature: None,
-            converter: None,
-            stack_used: 0,
-            queue_most: 0,
-        }
     }
 
     /// A block of a device whose clock reads `at_us(t)` when the host's reads t µs, with its first row then.

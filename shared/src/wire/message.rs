@@ -253,8 +253,8 @@ pub struct Felt {
     pub event: events::Event,
 }
 
-/// How the device is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
+/// How the device is; by default as one that has done nothing yet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize, Schema)]
 pub struct Status {
     /// What was lost.
     pub counters: Counters,

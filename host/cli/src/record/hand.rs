@@ -6,10 +6,10 @@ use std::path::Path;
 use miette::miette;
 use shared::wire::Felt;
 
-use super::{Args, failed};
+use super::{Args, failed, summarise};
 use crate::Failure;
 use crate::output::print;
-use palpate_link::device::answers::{EventAnswer, RecordedAnswer, SecondAnswer};
+use palpate_link::device::answers::{EventAnswer, SecondAnswer};
 use palpate_link::device::describe::{felt_in_words, live_line_of_all};
 use palpate_link::device::hand::{BesideAll, record_all};
 use palpate_link::device::record::{RecordError, View};
@@ -76,30 +76,7 @@ pub fn run(args: &Args, ended: fn() -> bool) -> Result<(), Failure> {
         eprintln!();
     }
     let views = outcome.map_err(|(device, error)| of_device(&args.ports[device], error))?;
-    summarise(args, &views)
-}
-
-/// Says how it went, device by device.
-fn summarise(args: &Args, views: &[View]) -> Result<(), Failure> {
-    let file = args.output.display();
-    for (number, view) in (1..).zip(views) {
-        if args.json {
-            let answer = RecordedAnswer {
-                device: Some(number),
-                ..RecordedAnswer::of(&args.output, None, view)
-            };
-            print(&format!("{}\n", answers::json(&answer)))?;
-        } else if !args.quiet {
-            print(&format!(
-                "{file}, device {number}: {:.1} s, {} rows, {} gaps, {} drops\n",
-                view.passed.as_secs_f64(),
-                view.tally.rows,
-                view.gaps,
-                view.drops
-            ))?;
-        }
-    }
-    Ok(())
+    (1..).zip(&views).try_for_each(|(number, view)| summarise(args, Some(number), view))
 }
 
 /// Which device it was that failed, where the error does not name the file.

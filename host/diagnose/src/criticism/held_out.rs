@@ -133,16 +133,17 @@ fn held_out_with(
         Some(rows) if problem.stands_for_samples() => (None, unseen(&problem, rows, fitted)),
         rows => (rows.as_ref(), vec![0.0; traces]),
     };
-    let errors: Vec<Vec<TraceError>> = Fold::all(traces)
-        .into_par_iter()
-        .map(|fold| left_out(&problem, fitted, fold, in_earnest, instead))
+    let folds = Fold::all(traces);
+    let of_folds: Vec<Vec<TraceError>> = folds
+        .par_iter()
+        .map(|fold| left_out(&problem, fitted, *fold, in_earnest, instead))
         .collect();
-    let mut of_fold: Vec<_> = errors.into_iter().map(Vec::into_iter).collect();
-    let folds = of_fold.len();
-    let mut errors: Vec<TraceError> =
-        (0..traces).filter_map(|trace| of_fold[trace % folds].next()).collect();
-    for (error, unseen) in errors.iter_mut().zip(unseen) {
-        error.square = (error.square + unseen).max(0.0);
+    let mut errors = vec![TraceError::default(); traces];
+    for (fold, found) in folds.iter().zip(of_folds) {
+        for (trace, error) in fold.traces(traces).zip(found) {
+            let square = (error.square + unseen[trace]).max(0.0);
+            errors[trace] = TraceError { square, ..error };
+        }
     }
     let total: f64 = errors.iter().map(|error| error.square).sum();
     let samples: f64 = errors.iter().map(|error| error.samples).sum();

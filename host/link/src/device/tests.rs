@@ -266,25 +266,11 @@ fn what_comes_while_a_command_waits_is_heard_afterwards_in_order() {
     assert_eq!(generations, [1, 2, 3]);
 }
 
-/// How a device is that has done nothing yet.
-fn status() -> Status {
-    Status {
-        counters: Counters::default(),
-        gauges: Default::default(),
-        rows: 0,
-        streaming: None,
-        temperature: None,
-        converter: None,
-        stack_used: 0,
-        queue_most: 0,
-    }
-}
-
 #[test]
 fn rows_that_do_not_come_are_not_waited_for_because_a_device_goes_on_talking() {
     let (line, far) = line();
     let (talker, mut said) = (far.to.clone(), Vec::new());
-    say(&ToHost::Status(status()), &mut said);
+    say(&ToHost::Status(Status::default()), &mut said);
     let talking = std::thread::spawn(move || {
         for _ in 0..200 {
             if talker.send(said.clone()).is_err() {
@@ -300,7 +286,7 @@ fn rows_that_do_not_come_are_not_waited_for_because_a_device_goes_on_talking() {
             _ => Done::Carried,
         };
         answer(number, Ok(outcome), out);
-        say(&ToHost::Status(status()), out);
+        say(&ToHost::Status(Status::default()), out);
     };
     let mut session = session_over(line, far, Box::new(lose));
     let replayed = replay(&mut session, 1_000_000, Columns::Parts, None, &[[1; GAUGES]]).unwrap();
