@@ -109,6 +109,8 @@ pub struct State {
     peak_at: u32,
     /// The last sample with the latent part outside the dead band.
     unsettled_at: u32,
+    /// Where the signal would settle by itself; in recovery, the lowest of it since contact was lost.
+    settles_at: i32,
     sense: Sense,
 }
 
@@ -188,6 +190,7 @@ impl State {
             peak: signal,
             peak_at: 0,
             unsettled_at: 0,
+            settles_at: signal,
             sense: Sense::Compression,
         }
     }
@@ -250,6 +253,11 @@ impl State {
         if self.phase.relaxation != RelaxationType::None {
             self.unsettled_at = self.now;
         }
+        let settles_at = mean.signal.saturating_sub(latent);
+        self.settles_at = match self.phase.region {
+            Region::Recovery => self.settles_at.min(settles_at),
+            _ => settles_at,
+        };
         let next = self.next(config, mean.signal);
         if let Some((region, since)) = next {
             let ago = self.enter(region, since);
@@ -309,7 +317,9 @@ impl State {
                 Some((Region::Preloading, moved_at))
             }
             // What recovers into contact without a motion is no second grasp: the next begins with its motion. Nor is it one when it has settled.
-            (Region::Recovery, Direction::Advancing) if touching => {
+            (Region::Recovery, Direction::Advancing)
+                if touching && self.is_beyond_recovery(config, signal) =>
+            {
                 let moved_first = self.before(moved_at, below_at);
                 Some((Region::Preloading, if moved_first { below_at } else { moved_at }))
             }
@@ -337,6 +347,15 @@ impl State {
             (Region::Transition, Direction::Advancing)
             | (Region::Relaxation, Direction::Still)
             | (Region::Unloading, Direction::Retreating) => None,
+        }
+    }
+
+    /// Whether a signal is higher than it comes by itself after contact was lost. Where the motion is told from the signal, the
+    /// material that springs back looks like one; it does not bring the signal beyond where it was about to settle.
+    fn is_beyond_recovery(&self, config: &Config, signal: i32) -> bool {
+        match self.sense {
+            Sense::Compression => true,
+            Sense::Found { .. } => signal >= config.touch.saturating_add(self.settles_at.max(0)),
         }
     }
 

@@ -350,6 +350,41 @@ fn a_signal_that_recovers_through_the_touch_level_without_a_motion_is_no_second_
     assert_eq!(found.last().unwrap().0, Rest, "{found:.2?}");
 }
 
+/// A gauge whose silicone, let go, springs back through the gauge and settles from there: pressed for 6 s, or pressed again while
+/// it still recovers.
+fn springs_back(rate_hz: f64, pressed_again: bool) -> Vec<i32> {
+    let course = |t: f64| {
+        let press = (t / 0.5).min(1.0) - ((t - 6.0) / 0.3).clamp(0.0, 1.0);
+        let free = t - 6.3;
+        let springs = (free / 0.15).clamp(0.0, 1.0) * (-free.max(0.0) / 2.0).exp();
+        let again = ((free - 4.0) / 0.3).clamp(0.0, 1.0) - ((free - 6.0) / 0.3).clamp(0.0, 1.0);
+        0.8 * press + 0.12 * springs + if pressed_again { 0.25 * again } else { 0.0 }
+    };
+    let samples = (20.0 * rate_hz) as u32;
+    (0..samples).map(|i| (FULL * course(f64::from(i) / rate_hz)) as i32).collect()
+}
+
+#[test]
+fn silicone_that_springs_back_is_no_second_touch_and_a_press_in_recovery_is_one() {
+    for rate_hz in [200.0, 1000.0, 4000.0] {
+        for way in [1, -1] {
+            for (pressed_again, touches) in [(false, 1), (true, 2)] {
+                let seen: Vec<i32> =
+                    springs_back(rate_hz, pressed_again).iter().map(|s| way * s).collect();
+                let found = regions_of_gauge(&seen, rate_hz);
+                let loaded: Vec<f64> = found
+                    .iter()
+                    .filter(|(region, ..)| *region == Loading)
+                    .map(|(.., entered)| *entered)
+                    .collect();
+                let case = format!("{rate_hz} Hz, {way}: {found:.2?}");
+                assert_eq!(loaded.len(), touches, "{case}");
+                assert!(loaded.iter().all(|at| *at < 0.1 || (10.2..10.5).contains(at)), "{case}");
+            }
+        }
+    }
+}
+
 #[test]
 fn a_gauge_that_drifts_or_undershoots_below_zero_is_not_taken_for_one_that_is_stretched() {
     let rate_hz = 1000.0;

@@ -2,8 +2,11 @@
 
 use palpate::decomposition::{decompose, default_relaxation, signals};
 use palpate::trace::{FORCE, read};
-use palpate_tests::all_bundled;
+use palpate_tests::{all_bundled, bundled};
 use shared::adaptation::Relaxation;
+use shared::phase::Region;
+use shared::pipeline::{GAUGES, Pipeline};
+use shared::wire::Settings;
 
 /// One channel of the filter's recurrence in f64, in LSB; the first sample counts as settled.
 struct Reference {
@@ -70,4 +73,27 @@ fn every_bundled_recording_is_decomposed_within_two_lsb_and_fa_plus_sa_is_the_si
     }
     println!("{channels} channels; largest error {worst:.3} LSB");
     assert!(channels > 60 && worst <= 2.0, "{worst} LSB over {channels} channels");
+}
+
+/// Let go at 14.53 s, the silicone springs back through the gauges and settles: the device sees recovery, no second touch.
+#[test]
+fn a_device_that_replays_a_press_is_in_contact_until_it_lets_go() {
+    let trace = read(&bundled("press.csv")).unwrap();
+    let interval_s = trace.time[1] - trace.time[0];
+    let mut pipeline = Pipeline::new(&Settings::DEFAULT.config(interval_s).unwrap());
+    let gauges: Vec<&[f64]> =
+        trace.gauges().into_iter().map(|name| trace.column(name).unwrap()).collect();
+    for (k, time) in trace.time.iter().enumerate() {
+        let strain = std::array::from_fn(|gauge| (gauges[gauge][k] * 256.0) as i32);
+        pipeline.process_strain(&strain, None);
+        let regions = pipeline.outputs().map(|output| output.region);
+        if (2.5..7.5).contains(time) || (9.0..14.0).contains(time) {
+            assert_eq!(regions, [Region::Relaxation; GAUGES], "{time} s");
+        } else if (14.8..16.0).contains(time) {
+            assert_eq!(regions, [Region::Recovery; GAUGES], "{time} s");
+        } else if *time >= 16.0 {
+            let free = |region: &Region| matches!(region, Region::Recovery | Region::Rest);
+            assert!(regions.iter().all(free), "{time} s: {regions:?}");
+        }
+    }
 }
