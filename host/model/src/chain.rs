@@ -236,8 +236,25 @@ impl Chain {
         });
     }
 
-    /// Lets the last effect alone act on `force`, which the chain without it predicts: the same as a
-    /// run of the whole chain where nothing acts after it.
+    /// Whether the last effect acts on what the chain without it predicts: it changes the force, nothing acts after it, and nothing
+    /// feeds back from it.
+    #[must_use]
+    pub fn ends_with_last(&self) -> bool {
+        let Some((last, before)) = self.effects.split_last() else { return false };
+        let stage = last.stage;
+        let follows = |effect: &Applied| {
+            effect.stage > stage || (matches!(effect.act, Act::Yield(_)) && stage < Stage::Sensor)
+        };
+        let on_force = match last.act {
+            Act::Force(_) => true,
+            Act::Own(_) => matches!(stage, Stage::Contact | Stage::Sensor),
+            _ => false,
+        };
+        on_force && !before.iter().any(follows)
+    }
+
+    /// Lets the last effect alone act on `force`, which the chain without it predicts: the same as a run of the whole chain where it
+    /// [ends with it](Self::ends_with_last).
     pub fn run_last(
         &self,
         parameters: &[f64],
@@ -250,9 +267,11 @@ impl Chain {
         else {
             return;
         };
-        if let Act::Force(law) = effect.act {
-            let own = &parameters[parameters.len() - effect.parameters.len()..];
-            law(scene, own, remembered, force);
+        let own = &parameters[parameters.len() - effect.parameters.len()..];
+        match &effect.act {
+            Act::Force(law) => law(scene, own, remembered, force),
+            Act::Own(expression) => expression.add_to_force(scene, own, force),
+            _ => {}
         }
     }
 

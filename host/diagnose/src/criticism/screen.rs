@@ -17,7 +17,7 @@ use palpate_fit::problem::Problem;
 use palpate_fit::watch;
 use palpate_fit::whitening::Whitening;
 use palpate_model::effects::{Candidate, Form};
-use palpate_model::{Act, Chain, Elasticity, History, Scene, Stage};
+use palpate_model::{Chain, Elasticity, History, Scene};
 
 /// One law of one candidate with its shapes at one point of their grid.
 #[derive(Clone, Debug)]
@@ -253,7 +253,7 @@ struct Probe {
     histories: Vec<History>,
     typical: f64,
     each_trace: usize,
-    /// Whether the effect acts last, on the prediction itself.
+    /// Whether the effect acts on the prediction itself.
     last: bool,
 }
 
@@ -264,15 +264,14 @@ impl Probe {
             let own = (0..strengths).map(|k| if k == raised { form.typical } else { 0.0 });
             parameters.iter().copied().chain(own).chain(shapes.iter().copied()).collect()
         };
-        let after = |stage: Stage| chain.effects.iter().any(|effect| effect.stage > stage);
-        let stage = form.applied.stage;
+        let chain = chain.with(form.applied.clone());
         Self {
-            chain: chain.with(form.applied.clone()),
+            last: chain.ends_with_last(),
+            chain,
             points: (0..strengths).map(at).collect(),
             histories: vec![History::default(); strengths],
             typical: form.typical,
             each_trace: form.applied.each_trace,
-            last: matches!(form.applied.act, Act::Force(_)) && !after(stage),
         }
     }
 

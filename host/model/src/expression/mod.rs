@@ -1,5 +1,6 @@
 //! Laws of the user's own: an expression over what is known at every sample.
 
+mod evaluation;
 mod function;
 mod memory;
 mod parser;
@@ -7,7 +8,9 @@ mod token;
 
 pub use self::memory::low_pass;
 
-use self::memory::Kept;
+use std::ops::Range;
+
+use self::evaluation::{BLOCK, Evaluation, Operand};
 use self::parser::Step;
 use super::{Hereditary, Scene};
 
@@ -34,8 +37,6 @@ pub struct Expression {
     text: String,
     /// In postfix order.
     program: Vec<Step>,
-    /// How many of its functions have a memory.
-    memories: usize,
 }
 
 /// What is wrong with an expression, and where.
@@ -52,47 +53,42 @@ pub struct ExpressionError {
     pub message: String,
 }
 
-/// What is known at one sample.
-struct Sample<'a> {
-    scene: &'a Scene<'a>,
-    k: usize,
-    /// Compression, elastic response or force at hand.
-    x: f64,
-    elastic: f64,
-    force: f64,
+/// What an expression is added to, with the compressions x, mm, where it is not they.
+#[derive(Clone, Copy)]
+enum Target<'a> {
+    Compression,
+    Elastic(&'a [f64]),
+    Rates(&'a [f64]),
+    Force(&'a [f64]),
 }
 
-impl Sample<'_> {
-    fn value(&self, variable: usize) -> f64 {
-        let (scene, k) = (self.scene, self.k);
-        match VARIABLES[variable].0 {
-            "t" => scene.since[k],
-            "t_set" => scene.set_time(k),
-            "x" => self.x,
-            "v" => scene.velocity[k],
-            "a" => scene.acceleration[k],
-            "T" => scene.warmth(k),
-            "n" => scene.loadings[k],
-            "x_max" => scene.largest[k],
-            "N" => self.elastic,
-            _ => self.force,
+impl Target<'_> {
+    /// A variable at the samples of a block, of whose values at hand these are known; written into an empty column.
+    fn variable(
+        self,
+        index: usize,
+        scene: &Scene,
+        samples: Range<usize>,
+        values: &[f64],
+        mut column: Vec<f64>,
+    ) -> Operand {
+        match (VARIABLES[index].0, self) {
+            ("t", _) => column.extend(&scene.since[samples]),
+            ("t_set", _) => column.extend(samples.map(|k| scene.set_time(k))),
+            ("v", _) => column.extend(&scene.velocity[samples]),
+            ("a", _) => column.extend(&scene.acceleration[samples]),
+            ("T", _) => column.extend(samples.map(|k| scene.warmth(k))),
+            ("n", _) => column.extend(&scene.loadings[samples]),
+            ("x_max", _) => column.extend(&scene.largest[samples]),
+            ("x", Self::Elastic(x) | Self::Rates(x) | Self::Force(x)) => {
+                column.extend(&x[samples]);
+            }
+            ("x", Self::Compression) | ("N", Self::Elastic(_)) | ("F", Self::Force(_)) => {
+                column.extend(values);
+            }
+            _ => return Operand::Same(0.0),
         }
-    }
-}
-
-/// What an evaluation needs from sample to sample.
-struct Workspace {
-    stack: Vec<f64>,
-    /// Of each function with a memory, in the order of the program.
-    kept: Vec<Option<Kept>>,
-    /// Time since the sample before, s.
-    interval: f64,
-}
-
-impl Workspace {
-    fn of(expression: &Expression) -> Self {
-        let stack = Vec::with_capacity(expression.program.len());
-        Self { stack, kept: vec![None; expression.memories], interval: 0.0 }
+        Operand::Each(column)
     }
 }
 
@@ -113,8 +109,7 @@ impl Expression {
             length: fault.length,
             message: fault.message,
         })?;
-        let memories = program.iter().filter(|step| matches!(step, Step::Remember(_))).count();
-        Ok(Self { text: text.into(), program, memories })
+        Ok(Self { text: text.into(), program })
     }
 
     /// The expression as it was written.
@@ -125,7 +120,7 @@ impl Expression {
 
     /// Adds the expression, mm, to the compression.
     pub fn add(&self, scene: &Scene, parameters: &[f64], x: &mut [f64]) {
-        self.over(parameters, x, |k, x| Sample { scene, k, x, elastic: 0.0, force: 0.0 });
+        self.over(scene, parameters, Target::Compression, x);
     }
 
     /// Adds the expression, N, to the elastic response.
@@ -136,19 +131,12 @@ impl Expression {
         x: &[f64],
         elastic: &mut [f64],
     ) {
-        self.over(parameters, elastic, |k, elastic| Sample {
-            scene,
-            k,
-            x: x[k],
-            elastic,
-            force: 0.0,
-        });
+        self.over(scene, parameters, Target::Elastic(x), elastic);
     }
 
     /// Adds the expression, N, to the force; x is the commanded displacement here.
     pub fn add_to_force(&self, scene: &Scene, parameters: &[f64], force: &mut [f64]) {
-        let x = &scene.motion.displacement;
-        self.over(parameters, force, |k, force| Sample { scene, k, x: x[k], elastic: 0.0, force });
+        self.over(scene, parameters, Target::Force(&scene.motion.displacement), force);
     }
 
     /// Multiplies the rates of relaxation by one plus the expression, but never by less than 0.
@@ -160,9 +148,8 @@ impl Expression {
         relaxation: &mut Hereditary,
     ) {
         let mut factor = relaxation.rate_factor.take().unwrap_or_else(|| vec![1.0; x.len()]);
-        let sample = |k, _| Sample { scene, k, x: x[k], elastic: 0.0, force: 0.0 };
         let mut change = vec![0.0; x.len()];
-        self.over(parameters, &mut change, sample);
+        self.over(scene, parameters, Target::Rates(x), &mut change);
         for (factor, change) in factor.iter_mut().zip(change) {
             *factor *= (1.0 + change).max(0.0);
         }
@@ -170,63 +157,28 @@ impl Expression {
     }
 
     /// Adds the expression to every value; where it has no finite value, nothing is added.
-    fn over<'a>(
-        &self,
-        parameters: &[f64],
-        values: &mut [f64],
-        sample: impl Fn(usize, f64) -> Sample<'a>,
-    ) {
-        let mut workspace = Workspace::of(self);
-        for (k, value) in values.iter_mut().enumerate() {
-            let at = sample(k, *value);
-            if self.memories > 0 && k > 0 {
-                let time = &at.scene.motion.time;
-                workspace.interval = time[k] - time[k - 1];
-            }
-            let change = self.value(parameters, |variable| at.value(variable), &mut workspace);
-            if change.is_finite() {
-                *value += change;
-            }
-        }
-    }
-
-    /// Its value, with those of the variables.
-    fn value(
-        &self,
-        parameters: &[f64],
-        variable: impl Fn(usize) -> f64,
-        workspace: &mut Workspace,
-    ) -> f64 {
-        let Workspace { stack, kept, interval } = workspace;
-        stack.clear();
-        let (mut top, mut kept) = (0.0, kept.iter_mut());
-        for step in &self.program {
-            // The topmost value stays out of the stack.
-            match step {
-                Step::One(apply) => top = apply(top),
-                Step::Two(apply) => top = apply(stack.pop().unwrap_or_default(), top),
-                Step::Remember((memory, values)) => {
-                    let time = if *values == 2 {
-                        std::mem::replace(&mut top, stack.pop().unwrap_or_default())
-                    } else {
-                        0.0
-                    };
-                    if let Some(kept) = kept.next() {
-                        top = memory.follow(kept, top, time, *interval);
-                    }
+    fn over(&self, scene: &Scene, parameters: &[f64], target: Target, values: &mut [f64]) {
+        let mut evaluation = Evaluation::of(self);
+        let time = &scene.motion.time;
+        for (block, values) in values.chunks_mut(BLOCK).enumerate() {
+            let samples = block * BLOCK..block * BLOCK + values.len();
+            let intervals = samples.clone().map(|k| time[k] - time[k.saturating_sub(1)]);
+            let variable =
+                |index, column| target.variable(index, scene, samples.clone(), values, column);
+            let change = evaluation.run(parameters, variable, intervals);
+            let add = |(value, change): (&mut f64, f64)| {
+                if change.is_finite() {
+                    *value += change;
                 }
-                known => {
-                    stack.push(top);
-                    top = match *known {
-                        Step::Number(number) => number,
-                        Step::Parameter(index) => parameters[index],
-                        Step::Variable(index) => variable(index),
-                        _ => top,
-                    };
+            };
+            match &change {
+                Operand::Same(change) => values.iter_mut().for_each(|value| add((value, *change))),
+                Operand::Each(column) => {
+                    values.iter_mut().zip(column.iter().copied()).for_each(add)
                 }
             }
+            evaluation.recycle(change);
         }
-        top
     }
 }
 
@@ -234,16 +186,28 @@ impl Expression {
 mod tests {
     use super::*;
 
+    /// Its values at two samples, in the order of the values given of each variable.
+    fn values(text: &str, k: f64, known: impl Fn(&str) -> [f64; 2]) -> [f64; 2] {
+        let expression = Expression::parse(text, &["k"]).unwrap();
+        let variable = |index: usize, mut column: Vec<f64>| {
+            column.extend(known(VARIABLES[index].0));
+            Operand::Each(column)
+        };
+        match Evaluation::of(&expression).run(&[k], variable, [0.0, 0.1].into_iter()) {
+            Operand::Same(value) => [value; 2],
+            Operand::Each(column) => [column[0], column[1]],
+        }
+    }
+
     /// Its value where x = 3, v = −2, a = 2, every other variable 0, and k = 5.
     fn value(text: &str) -> f64 {
-        let of = |index: usize| match VARIABLES[index].0 {
-            "x" => 3.0,
-            "v" => -2.0,
-            "a" => 2.0,
-            _ => 0.0,
+        let known = |name: &str| match name {
+            "x" => [3.0, 7.0],
+            "v" => [-2.0, 1.0],
+            "a" => [2.0, -9.0],
+            _ => [0.0, 0.5],
         };
-        let expression = Expression::parse(text, &["k"]).unwrap();
-        expression.value(&[5.0], of, &mut Workspace::of(&expression))
+        values(text, 5.0, known)[0]
     }
 
     #[test]
@@ -279,13 +243,23 @@ mod tests {
         let time: Vec<f64> = (0..41).map(|k| 0.1 * f64::from(k)).collect();
         let x: Vec<f64> = time.iter().map(|t| 2.0 - (t - 2.0_f64).abs()).collect();
         let expression = Expression::parse(text, &["k"]).unwrap();
-        let mut workspace = Workspace::of(&expression);
-        let value = |k: usize| {
-            workspace.interval = 0.1;
-            let of = |index: usize| if VARIABLES[index].0 == "x" { x[k] } else { 1.0 };
-            expression.value(&[0.7], of, &mut workspace)
-        };
-        (0..41).map(value).collect()
+        let mut evaluation = Evaluation::of(&expression);
+        let mut found = Vec::new();
+        // In blocks: what is remembered goes on from one to the next.
+        for x in x.chunks(16) {
+            let variable = |index: usize, mut column: Vec<f64>| {
+                if VARIABLES[index].0 != "x" {
+                    return Operand::Same(1.0);
+                }
+                column.extend(x);
+                Operand::Each(column)
+            };
+            match evaluation.run(&[0.7], variable, x.iter().map(|_| 0.1)) {
+                Operand::Same(value) => found.extend(x.iter().map(|_| value)),
+                Operand::Each(column) => found.extend(column),
+            }
+        }
+        found
     }
 
     #[test]

@@ -2,7 +2,7 @@
 //! the sign before `*` and `/`, these before `+` and `-`; `^` from the right, all else from the left.
 
 use super::VARIABLES;
-use super::function::{CONSTANTS, ONE, TWO, names, of};
+use super::function::{CONSTANTS, ONE, OfOne, OfTwo, TWO, every, names, negate, of, power};
 use super::memory::{MEMORIES, Memory};
 use super::token::{Fault, Token, Word, tokens};
 
@@ -14,8 +14,8 @@ pub(super) enum Step {
     Variable(usize),
     /// By its place among the parameters.
     Parameter(usize),
-    One(fn(f64) -> f64),
-    Two(fn(f64, f64) -> f64),
+    One(OfOne),
+    Two(OfTwo),
     /// With a memory, of one value or two.
     Remember((Memory, usize)),
 }
@@ -60,13 +60,13 @@ struct Parser<'a> {
 }
 
 /// How strongly an operator binds on its left and on its right, and what it does.
-fn operator(sign: char) -> Option<(u8, u8, super::function::OfTwo)> {
+fn operator(sign: char) -> Option<(u8, u8, OfTwo)> {
     Some(match sign {
-        '+' => (1, 2, |a, b| a + b),
-        '-' => (1, 2, |a, b| a - b),
-        '*' => (3, 4, |a, b| a * b),
-        '/' => (3, 4, |a, b| a / b),
-        '^' => (7, 6, f64::powf),
+        '+' => (1, 2, |pairs| every(pairs, |a, b| a + b)),
+        '-' => (1, 2, |pairs| every(pairs, |a, b| a - b)),
+        '*' => (3, 4, |pairs| every(pairs, |a, b| a * b)),
+        '/' => (3, 4, |pairs| every(pairs, |a, b| a / b)),
+        '^' => (7, 6, power),
         _ => return None,
     })
 }
@@ -114,7 +114,7 @@ impl<'a> Parser<'a> {
             Word::Sign('+') => self.expression(SIGN, depth + 1)?,
             Word::Sign('-') => {
                 self.expression(SIGN, depth + 1)?;
-                self.program.push(Step::One(|x| -x));
+                self.program.push(Step::One(negate));
             }
             Word::Sign('*') if self.tokens.get(self.next.wrapping_sub(2)).is_some_and(is_times) => {
                 return self.fault(Some(token), "a power is written `^`");
