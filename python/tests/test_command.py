@@ -42,8 +42,8 @@ def hang_up() -> None:
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="a signal to another process is POSIX")
-def test_ctrl_c_ends_the_command_as_a_shell_expects(practice: Path, model: Path) -> None:
-    call = [COMMAND, "diagnose", "--model", str(model), str(practice)]
+def test_ctrl_c_ends_the_command_as_a_shell_expects(tmp_path: Path) -> None:
+    call = [COMMAND, "dissertation", "-o", str(tmp_path / "report")]
     # Under `nohup` the command would leave signals alone; here it is called as from a terminal.
     child = subprocess.Popen(call, stdout=subprocess.PIPE, stderr=subprocess.PIPE, preexec_fn=hang_up)
     time.sleep(0.7)

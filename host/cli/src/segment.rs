@@ -79,7 +79,8 @@ impl Answer for Segmented {
     }
 
     fn sections(&self) -> Result<Vec<Section>, Failure> {
-        let each = self.each().flat_map(|(trace, found)| segment_sections(trace, found));
-        Ok(each.chain(self.growth.as_ref().map(growth_section)).collect())
+        let mut sections = segment_sections(&self.each().collect::<Vec<_>>());
+        sections.extend(self.growth.as_ref().map(growth_section));
+        Ok(sections)
     }
 }

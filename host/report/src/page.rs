@@ -277,9 +277,11 @@ impl Writer {
         html! {
             figure id=(id) {
                 div.canvas { (PreEscaped(&drawing.svg)) }
-                figcaption {
-                    @if !caption.is_empty() { span { (inline(caption)) } " " }
-                    @if let Some(note) = &drawing.note { span.note { (note) } }
+                @if !caption.is_empty() || drawing.note.is_some() {
+                    figcaption {
+                        @if !caption.is_empty() { span { (inline(caption)) } " " }
+                        @if let Some(note) = &drawing.note { span.note { (note) } }
+                    }
                 }
                 @if let Some(data) = &drawing.data {
                     script.data type="application/json" { (PreEscaped(data)) }

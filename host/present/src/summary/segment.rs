@@ -13,30 +13,59 @@ use palpate_trace::{Control, Trace};
 /// Most cycles whose regions are listed one by one in print; JSON has them all.
 const MOST_LISTED: usize = 12;
 
-/// Points, regions, work and inertia of one recording.
+/// What the drawings of a cycle show.
+const LOOP_WORDS: &str =
+    "Points as in Fig. 3.10. A loop that runs clockwise dissipates what it encloses.";
+const TIME_WORDS: &str = "The regions, shaded.";
+
+/// Points, regions, work and inertia: of several recordings, work and inertia side by side before each.
 #[must_use]
-pub fn segment_sections(trace: &Trace, found: &Segmentation) -> Vec<Section> {
-    let mut section = Section::new(trace.label()).paragraph(introduction(trace, found));
-    section = section.table(cycle_table(trace, found));
+pub fn segment_sections(each: &[(&Trace, &Segmentation)]) -> Vec<Section> {
+    if let [(trace, found)] = *each {
+        let mut section = Section::new(trace.label()).paragraph(introduction(trace, found));
+        section = beware(section.table(cycle_table(each)), found);
+        if let Some(inertia) = &found.inertia {
+            section = section.paragraph(inertia_words(inertia));
+        }
+        return vec![drawn(section, trace, found, [LOOP_WORDS, TIME_WORDS])];
+    }
+    let mut overview = Section::new("Every cycle").table(cycle_table(each));
+    if each.iter().any(|(_, found)| found.inertia.is_some()) {
+        overview = overview.table(inertia_table(each));
+    }
+    let of_one = |(index, (trace, found)): (usize, &(&Trace, &Segmentation))| {
+        let section = Section::new(trace.label()).paragraph(introduction(trace, found));
+        let words = if index == 0 { [LOOP_WORDS, TIME_WORDS] } else { [""; 2] };
+        drawn(beware(section, found), trace, found, words)
+    };
+    std::iter::once(overview).chain(each.iter().enumerate().map(of_one)).collect()
+}
+
+/// The pull where the specimen adheres, and what is odd.
+fn beware(mut section: Section, found: &Segmentation) -> Section {
     if let Some(table) = pull_off_table(found) {
         section = section.table(table);
     }
     for warning in warnings(found) {
         section = section.callout(Callout::Warning, "Beware", warning);
     }
-    if let Some(inertia) = &found.inertia {
-        section = section.paragraph(inertia_words(inertia));
-    }
-    section = section
-        .figure(
-            loop_plot(trace, found),
-            "Points as in Fig. 3.10. A loop that runs clockwise dissipates what it encloses.",
-        )
-        .figure(time_panels(trace, found), "The regions, shaded.");
-    vec![section.block(Block::Details {
+    section
+}
+
+fn drawn(
+    section: Section,
+    trace: &Trace,
+    found: &Segmentation,
+    [of_loop, of_time]: [&str; 2],
+) -> Section {
+    let folded = Block::Details {
         summary: "Points and regions of each cycle".into(),
         blocks: vec![Block::Table(point_table(found)), Block::Table(piece_table(trace, found))],
-    })]
+    };
+    section
+        .figure(loop_plot(trace, found), of_loop)
+        .figure(time_panels(trace, found), of_time)
+        .block(folded)
 }
 
 fn introduction(trace: &Trace, found: &Segmentation) -> String {
@@ -155,7 +184,9 @@ pub fn type_of(relaxation: RelaxationType) -> Option<String> {
     (relaxation != RelaxationType::None).then(|| type_name(relaxation))
 }
 
-fn cycle_table(trace: &Trace, found: &Segmentation) -> Table {
+/// Work of each cycle, with the recording where there are several.
+fn cycle_table(each: &[(&Trace, &Segmentation)]) -> Table {
+    let several = each.len() > 1;
     let columns = vec![
         Column::text("cycle"),
         Column::number("largest force", "N"),
@@ -166,22 +197,56 @@ fn cycle_table(trace: &Trace, found: &Segmentation) -> Table {
         Column::text("share of work in"),
         Column::text("loop"),
     ];
+    let columns = several.then(|| Column::text("trace")).into_iter().chain(columns).collect();
     let mut table = Table::new("Work of each cycle", columns);
-    for cycle in &found.cycles {
-        let share = cycle.dissipated_mj() / cycle.work_in_mj.max(f64::MIN_POSITIVE);
-        let open = if cycle.closed { "" } else { ", open" };
-        table = table.row([
-            cycle.number.to_string(),
-            significant(cycle.peak_force_n, 4),
-            format!("{:.3}", trace.time[cycle.peak]),
-            significant(cycle.work_in_mj, 4),
-            significant(cycle.work_out_mj, 4),
-            estimate(cycle.dissipated_mj(), Some(cycle.work_error_mj)),
-            percent(share, 3),
-            format!("{}{open}", turn_word(cycle.turn())),
-        ]);
+    for (trace, found) in each {
+        for cycle in &found.cycles {
+            let share = cycle.dissipated_mj() / cycle.work_in_mj.max(f64::MIN_POSITIVE);
+            let open = if cycle.closed { "" } else { ", open" };
+            let row = [
+                cycle.number.to_string(),
+                significant(cycle.peak_force_n, 4),
+                format!("{:.3}", trace.time[cycle.peak]),
+                significant(cycle.work_in_mj, 4),
+                significant(cycle.work_out_mj, 4),
+                estimate(cycle.dissipated_mj(), Some(cycle.work_error_mj)),
+                percent(share, 3),
+                format!("{}{open}", turn_word(cycle.turn())),
+            ];
+            table = table.row(several.then(|| trace.label()).into_iter().chain(row));
+        }
     }
     table.note("The difference is what a closed loop dissipates; an open one also stores some of it. ± is what the noise of the force makes.")
+}
+
+/// What the moving mass adds to the force of several recordings.
+fn inertia_table(each: &[(&Trace, &Segmentation)]) -> Table {
+    let columns = vec![
+        Column::text("trace"),
+        Column::number("mass", "g"),
+        Column::number("acceleration", "mm/s²"),
+        Column::number("of it scatter", "mm/s²"),
+        Column::number("force", "N"),
+        Column::text("share of largest"),
+        Column::number("hidden below", "N"),
+        Column::text("shows"),
+    ];
+    let mut table = Table::new("Inertia (3.3.4)", columns);
+    for (trace, inertia) in each.iter().filter_map(|(t, found)| Some((t, found.inertia.as_ref()?)))
+    {
+        let shows = if inertia.force_n > inertia.resolution_n { "yes" } else { "no" };
+        table = table.row([
+            trace.label(),
+            significant(inertia.mass_g, 3),
+            significant(inertia.acceleration_mm_per_s2, 3),
+            significant(inertia.scatter_mm_per_s2, 2),
+            significant(inertia.force_n, 3),
+            percent(inertia.share_of_peak, 2),
+            significant(inertia.resolution_n, 2),
+            shows.to_owned(),
+        ]);
+    }
+    table.note("Mass times largest acceleration, beside the resolution of the force, or its noise where the head gives none.")
 }
 
 fn turn_word(turn: Turn) -> &'static str {
