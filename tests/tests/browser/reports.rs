@@ -120,11 +120,11 @@ fn the_numbers_of_a_figure_are_saved_as_csv() {
 
 #[test]
 #[ignore = "needs a browser: cargo xtask browser"]
-fn a_report_of_ten_traces_fits_on_six_pages_and_one_of_their_regions_on_seven() {
+fn a_report_of_ten_traces_fits_on_six_pages() {
     let folder = tempfile::tempdir().unwrap();
-    for (file, most) in reports(folder.path()).iter().zip([6, 6, 7]) {
-        let pages = opened(file).printed_pages();
-        assert!((2..=most).contains(&pages), "{file:?}: {pages}");
+    for file in reports(folder.path()) {
+        let pages = opened(&file).printed_pages();
+        assert!((2..=6).contains(&pages), "{file:?}: {pages}");
     }
 }
 
