@@ -1,6 +1,8 @@
 //! Every room and a report as pictures, in `target/browser/`, at the widths of a phone, a tablet, a desk and a wall, light and
 //! dark. `cargo xtask pictures` puts those of the docs into their place.
 
+use std::time::Duration;
+
 use palpate_tests::browser::Browser;
 use palpate_tests::server::Server;
 use palpate_tests::{answer, bundled, workspace};
@@ -99,6 +101,9 @@ fn no_room_is_torn_at_any_width_in_any_theme() {
     assert_eq!(browser.complaints(), Vec::<String>::new());
 }
 
+/// What a picture of a moving page shows of a press.
+const OF_A_PRESS: Duration = Duration::from_secs(5);
+
 #[test]
 #[ignore = "needs a browser: cargo xtask browser"]
 fn a_replayed_press_in_the_live_room_is_pictured() {
@@ -107,6 +112,7 @@ fn a_replayed_press_in_the_live_room_is_pictured() {
     let browser = opened(&server);
     browser.resize(1440, 900);
     browser.says(".gauge .reading", "EF");
+    std::thread::sleep(OF_A_PRESS);
     for_docs(&browser, "page-live");
     assert_eq!(browser.complaints(), Vec::<String>::new());
 }
@@ -118,6 +124,7 @@ fn a_hand_is_pictured_and_torn_at_no_width() {
     let browser = opened(&server);
     browser.resize(1440, 900);
     browser.says(".finger:last-child .tip-regions", "1 CD");
+    std::thread::sleep(OF_A_PRESS);
     for_docs(&browser, "page-hand");
     assert_eq!(looked_at(&browser, "hand"), Vec::<String>::new());
     assert_eq!(browser.complaints(), Vec::<String>::new());
