@@ -502,6 +502,31 @@ fn each_finger_of_a_hand_has_a_device_of_its_own() {
 }
 
 #[test]
+fn the_fingers_of_a_hand_are_recorded_into_one_file_on_one_clock() {
+    let folder = tempfile::tempdir().unwrap();
+    let place = folder.path().display().to_string();
+    let server = Server::begin(&["--simulate", "--fingers", "3", "--recordings", &place]);
+    let wish = |number: usize, wish: &Value| {
+        let path = format!("/api/fingers/{number}/live/wish");
+        server.ask("POST", &path, &server.headers(), wish.to_string().as_bytes()).status
+    };
+    let record = json!({ "record": { "file": "grasp", "together": true } });
+    assert_eq!([1, 2, 3].map(|number| wish(number, &record)), [200; 3]);
+    std::thread::sleep(Duration::from_millis(1_500));
+    assert_eq!([1, 2, 3].map(|number| wish(number, &json!("end-recording"))), [200; 3]);
+    assert_ne!(wish(2, &record), 200, "the file is there now");
+    let call = ["convert", "grasp.palpate", "-o", "hand.csv"];
+    let done = program().current_dir(&folder).args(call).output().unwrap();
+    assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+    for finger in 1..=3 {
+        let name = format!("hand-{finger}.csv");
+        let trace = palpate::trace::read(&folder.path().join(&name)).unwrap();
+        assert!(trace.len() > 1_000, "{name}: {}", trace.len());
+        assert!((-0.1..1.0).contains(&trace.time[0]), "{name} began at {} s", trace.time[0]);
+    }
+}
+
+#[test]
 fn a_hand_that_cannot_be_is_refused() {
     for (arguments, words) in [
         (&["--fingers", "3"][..], "--simulate"),

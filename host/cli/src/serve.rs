@@ -12,7 +12,7 @@ use palpate_link::robots::Viewers;
 use palpate_model::Model;
 use palpate_serve::held::Law;
 use palpate_serve::lab::Session;
-use palpate_serve::live::{Elf, Given, Live, Source};
+use palpate_serve::live::{Elf, Given, Hand, Live, Source};
 use palpate_serve::{Options, run as serve};
 
 /// Folder of the demo, where none is named.
@@ -199,12 +199,12 @@ impl Args {
                 ))),
             };
         }
-        let (given, elf) = (self.given(beside)?, self.elf()?);
+        let (given, elf, hand) = (self.given(beside)?, self.elf()?, Hand::default());
         let begin = |(index, source)| {
             let listener = viewers.map(|viewers| viewers.finger(index + 1)).transpose();
             let listener = listener.map_err(Failure::work)?;
-            Live::begin(source, self.recordings.clone(), elf.clone(), given.clone(), listener)
-                .map_err(Failure::input)
+            let (folder, elf, given) = (self.recordings.clone(), elf.clone(), given.clone());
+            Live::begin(source, folder, elf, given, listener, &hand).map_err(Failure::input)
         };
         sources(self)?.into_iter().enumerate().map(begin).collect()
     }

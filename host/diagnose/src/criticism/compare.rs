@@ -216,10 +216,10 @@ impl Comparison {
         let regions = self.by_region();
         let (first, share) = regions[0];
         let mut text =
-            format!("{:.0} % of what is left{beyond} sits in {}", 100.0 * share, first.name());
+            format!("{:.0} % of what is left{beyond} sits {}", 100.0 * share, first.place());
         let (second, share) = regions[1];
         if share > 0.15 {
-            text += &format!(", {:.0} % in {}", 100.0 * share, second.name());
+            text += &format!(", {:.0} % {}", 100.0 * share, second.place());
         }
         text += ".";
         let told: Vec<String> = self

@@ -42,6 +42,18 @@ impl Region {
             Self::After => "after",
         }
     }
+
+    /// Where that is, in a sentence.
+    pub(super) fn place(self) -> &'static str {
+        match self {
+            Self::Approach => "in the approach",
+            Self::Loading => "in the loading",
+            Self::EarlyHold => "in the early hold",
+            Self::LateHold => "in the late hold",
+            Self::Unloading => "in the unloading",
+            Self::After => "after the release",
+        }
+    }
 }
 
 /// Share of a hold's time that counts as early.

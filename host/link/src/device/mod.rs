@@ -17,6 +17,7 @@
 //! - [`calibrate`]: gain and offset of a gauge.
 //! - [`self_test`]: what the device's test of itself found.
 //! - [`release`]: whether firmware and program go together.
+//! - [`share`]: a file that several devices write.
 //! - [`log`]: the device's log in words.
 //! - [`describe`]: everything else in words.
 //! - [`answers`]: what commands answer, as types.
@@ -40,13 +41,13 @@ pub mod release;
 pub mod replay;
 pub mod self_test;
 pub mod session;
+pub mod share;
 #[cfg(unix)]
 pub mod simulate;
 pub mod stream;
 pub mod watch;
 
 mod handshake;
-mod share;
 
 #[cfg(test)]
 mod tests;

@@ -9,10 +9,10 @@ use palpate_trace::recording::{Note, Opened, Writer};
 
 /// A recording that is being written.
 #[derive(Clone)]
-pub(super) struct File(Arc<Mutex<Option<Writer<fs::File>>>>);
+pub struct File(Arc<Mutex<Option<Writer<fs::File>>>>);
 
 /// A device's share of it.
-pub(super) struct Share {
+pub struct Share {
     file: File,
     /// Its number from 0, where there are several.
     device: Option<u8>,
@@ -20,7 +20,10 @@ pub(super) struct Share {
 
 impl File {
     /// Begins a recording, of one device or of several.
-    pub(super) fn create(
+    ///
+    /// # Errors
+    /// When it cannot be made; without `overwrite` also where something is there.
+    pub fn create(
         path: &Path,
         overwrite: bool,
         opened: &Opened<'_>,
@@ -31,17 +34,22 @@ impl File {
     }
 
     /// The share of the only device.
-    pub(super) fn alone(&self) -> Share {
+    #[must_use]
+    pub fn alone(&self) -> Share {
         Share { file: self.clone(), device: None }
     }
 
-    /// The share of one of several devices.
-    pub(super) fn of_device(&self, device: u8) -> Share {
+    /// The share of one of several devices, which count from 0.
+    #[must_use]
+    pub fn of_device(&self, device: u8) -> Share {
         Share { file: self.clone(), device: Some(device) }
     }
 
     /// Ends the recording in order.
-    pub(super) fn close(&self, now_us: u64) -> io::Result<()> {
+    ///
+    /// # Errors
+    /// When the last of it cannot be written.
+    pub fn close(&self, now_us: u64) -> io::Result<()> {
         let writer = self.lock().take();
         writer.map_or(Ok(()), |writer| writer.close(now_us))
     }
@@ -54,17 +62,26 @@ impl File {
 
 impl Share {
     /// Appends a frame of this device.
-    pub(super) fn frame(&self, arrived_us: u64, frame: &[u8]) -> io::Result<()> {
+    ///
+    /// # Errors
+    /// When it cannot be written.
+    pub fn frame(&self, arrived_us: u64, frame: &[u8]) -> io::Result<()> {
         self.write(arrived_us, |writer| writer.frame(arrived_us, frame))
     }
 
     /// Appends a note of the host about this device.
-    pub(super) fn note(&self, host_us: u64, note: &Note<'_>) -> io::Result<()> {
+    ///
+    /// # Errors
+    /// When it cannot be written.
+    pub fn note(&self, host_us: u64, note: &Note<'_>) -> io::Result<()> {
         self.write(host_us, |writer| writer.note(host_us, note))
     }
 
     /// Writes what has waited long enough.
-    pub(super) fn tick(&self, now_us: u64) -> io::Result<()> {
+    ///
+    /// # Errors
+    /// When it cannot be written.
+    pub fn tick(&self, now_us: u64) -> io::Result<()> {
         self.file.lock().as_mut().map_or(Ok(()), |writer| writer.tick(now_us))
     }
 

@@ -13,6 +13,7 @@ use super::care::calibration;
 use super::counts::Counts;
 use super::foretold::Foretelling;
 use super::grasp::Grasp;
+use super::hand::Hand;
 use super::log::Log;
 use super::recorder::Recorder;
 use super::replay::{Replay, Step};
@@ -47,6 +48,8 @@ pub(super) struct Feed {
     pub(super) port: PathBuf,
     /// Folder for recordings.
     pub(super) folder: PathBuf,
+    /// The fingers that write files together, and which of them this is, from 0.
+    pub(super) hand: (Hand, u8),
     /// Where rows go.
     pub(super) store: Arc<Mutex<Store>>,
     /// What pages ask for.
@@ -316,7 +319,7 @@ impl Feed {
             Wish::Stop => self.stop(session)?,
             Wish::Tare => self.command(session, &ToDevice::Tare, "zero is read from here on")?,
             Wish::Untare => self.command(session, &ToDevice::Untare, "the tare is taken back")?,
-            Wish::Record { file } => self.begin_recording(file, session)?,
+            Wish::Record { file, together } => self.begin_recording(file, *together, session)?,
             Wish::EndRecording => self.end_recording(),
             Wish::Set(setting) => return self.set(setting, session),
             Wish::SelfTest => return self.test(session),
@@ -351,13 +354,23 @@ impl Feed {
     }
 
     /// A recording begins with who the device is and its settings, so the stream begins anew.
-    fn begin_recording(&mut self, file: &str, session: &mut Session) -> Result<(), Trouble> {
+    fn begin_recording(
+        &mut self,
+        file: &str,
+        together: bool,
+        session: &mut Session,
+    ) -> Result<(), Trouble> {
         let file = file_name(file).map_err(Trouble::Words)?;
         if let Some((other, _)) = &self.recorder {
             return Err(Trouble::Words(format!("{other} is being recorded")));
         }
         let path = self.folder.join(&file);
-        let recorder = Recorder::create(&path, &self.port.to_string_lossy()).map_err(|error| {
+        let (hand, device) = &self.hand;
+        let begun = match together {
+            true => Recorder::join(&path, hand, *device),
+            false => Recorder::create(&path, &self.port.to_string_lossy()),
+        };
+        let recorder = begun.map_err(|error| {
             Trouble::Words(match error.kind() {
                 std::io::ErrorKind::AlreadyExists => {
                     format!("{file} is there already; take another name")

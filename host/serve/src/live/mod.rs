@@ -20,6 +20,7 @@ mod counts;
 mod feed;
 pub mod foretold;
 pub mod grasp;
+mod hand;
 pub mod log;
 mod push;
 pub mod pyramid;
@@ -49,6 +50,7 @@ pub(super) use self::feed::lock;
 use self::foretold::Foretelling;
 pub use self::foretold::Given;
 use self::grasp::Grasp;
+pub use self::hand::Hand;
 pub use self::log::Elf;
 use self::log::Log;
 use self::pyramid::{Bin, Course, SIGNALS};
@@ -123,7 +125,7 @@ pub struct Live {
 
 impl Live {
     /// Begins to listen; recordings go to `folder`, the words of the device's log are in `elf`, and `given` foretells in place
-    /// of the filter of the device; `listener` hears all that is shown.
+    /// of the filter of the device; `listener` hears all that is shown. It becomes the next finger of `hand`.
     ///
     /// # Errors
     /// [`LiveError`].
@@ -133,6 +135,7 @@ impl Live {
         elf: Option<Elf>,
         given: Option<Given>,
         listener: Option<Box<dyn Listener>>,
+        hand: &Hand,
     ) -> Result<Self, LiveError> {
         let ended = Arc::new(AtomicBool::new(false));
         let mut threads = Vec::new();
@@ -160,6 +163,7 @@ impl Live {
         let feed = Feed {
             port: port.clone(),
             folder,
+            hand: (hand.clone(), hand.enter(&port)),
             store: Arc::clone(&store),
             requests: received,
             ended: Arc::clone(&ended),

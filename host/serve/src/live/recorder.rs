@@ -1,27 +1,45 @@
 //! What comes, into a file, as `palpate record` writes it.
 
-use std::fs::File;
 use std::io;
 use std::path::Path;
 use std::time::Instant;
 
+use super::hand::{Hand, Membership};
 use palpate_link::device::heard::{Heard, Said};
+use palpate_link::device::share::{File, Share};
 use palpate_link::device::stream::Mark;
-use palpate_trace::recording::{Gap, Note, Opened, Writer};
+use palpate_trace::recording::{Gap, Note, Opened};
 
-/// A file that is being written.
+/// A device's part of a file that is being written.
 pub(super) struct Recorder {
-    writer: Writer<File>,
+    share: Share,
     began: Instant,
-    /// Rows in it.
+    end: End,
+    /// Rows in it, of this device.
     pub(super) rows: u64,
+}
+
+/// Who ends the file.
+enum End {
+    /// The only device in it.
+    Alone(File),
+    /// The last of those that write it.
+    Together(Membership),
 }
 
 impl Recorder {
     /// Begins a file that must not be there yet.
     pub(super) fn create(file: &Path, port: &str) -> io::Result<Self> {
-        let writer = Writer::create(file, false, &Opened::now(port))?;
-        Ok(Self { writer, began: Instant::now(), rows: 0 })
+        let file = File::create(file, false, &Opened::now(port), false)?;
+        let (share, began) = (file.alone(), Instant::now());
+        Ok(Self { share, began, end: End::Alone(file), rows: 0 })
+    }
+
+    /// Begins a file that must not be there yet, or joins the fingers of a hand that write it.
+    pub(super) fn join(file: &Path, hand: &Hand, device: u8) -> io::Result<Self> {
+        let (share, membership) = hand.join(file, device)?;
+        let began = membership.began();
+        Ok(Self { share, began, end: End::Together(membership), rows: 0 })
     }
 
     fn now_us(&self, at: Instant) -> u64 {
@@ -39,28 +57,31 @@ impl Recorder {
                 // The frame after it will be missing; the settings are in the recording.
                 Mark::Damaged(_) | Mark::Settings { .. } => continue,
             };
-            self.writer.note(at_us, &Note::Gap(gap))?;
+            self.share.note(at_us, &Note::Gap(gap))?;
         }
         let Ok((_, said)) = &heard.said else { return Ok(()) };
         if let Said::Rows(rows) = said {
             self.rows += rows.len() as u64;
         }
-        self.writer.frame(at_us, &heard.frame)
+        self.share.frame(at_us, &heard.frame)
     }
 
     /// Notes that something is missing now.
     pub(super) fn gap(&mut self, gap: Gap) -> io::Result<()> {
-        self.writer.note(self.now_us(Instant::now()), &Note::Gap(gap))
+        self.share.note(self.now_us(Instant::now()), &Note::Gap(gap))
     }
 
     /// Writes what has waited long enough.
     pub(super) fn tick(&mut self) -> io::Result<()> {
-        self.writer.tick(self.now_us(Instant::now()))
+        self.share.tick(self.now_us(Instant::now()))
     }
 
-    /// Ends the file in order.
+    /// Ends the file in order, or this device's part of it.
     pub(super) fn close(self) -> io::Result<()> {
         let now_us = self.now_us(Instant::now());
-        self.writer.close(now_us)
+        match self.end {
+            End::Alone(file) => file.close(now_us),
+            End::Together(membership) => membership.end(),
+        }
     }
 }

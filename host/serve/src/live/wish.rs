@@ -30,6 +30,9 @@ pub enum Wish {
     Record {
         /// Its name, without a folder.
         file: String,
+        /// Whether other fingers of the hand write the same file.
+        #[serde(default)]
+        together: bool,
     },
     /// End the file.
     EndRecording,
@@ -162,9 +165,11 @@ pub fn command(wish: &Wish, port: &str) -> Option<String> {
         Wish::Start | Wish::Stop | Wish::EndRecording | Wish::Average(_) | Wish::Grasp(None) => {
             return None;
         }
+        // One command with a port for each finger.
+        Wish::Record { together: true, .. } => return None,
         Wish::Tare => format!("palpate device tare --port {port}"),
         Wish::Untare => format!("palpate device tare --undo --port {port}"),
-        Wish::Record { file } => {
+        Wish::Record { file, .. } => {
             format!("palpate record --port {port} --all -o {}", file_name(file).ok()?)
         }
         Wish::Set(setting) => format!("palpate device set --port {port}{}", options(setting)),

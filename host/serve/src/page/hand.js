@@ -37,9 +37,9 @@ export function open(root, api, { fingers: devices }) {
     start: button("Start all", () => all(() => "start", "Started")),
     stop: button("Stop all", () => all(() => "stop", "Stopped")),
     tare: button("Tare all", () => all(() => "tare", "Zero is read from here on")),
-    record: button("Record all", () => all((number) => ({ record: { file: `${file.value}-finger${number}` } }), "Recording")),
+    record: button("Record all", () => all(() => ({ record: { file: file.value, together: true } }), "Recording")),
     end: button("End", async () => {
-      if (await all(() => "end-recording", "The recordings are written")) file.value = `grasp-${stamp()}`;
+      if (await all(() => "end-recording", "The recording is written")) file.value = `grasp-${stamp()}`;
     }),
   };
   const place = h("div", { class: "fingers" });
@@ -50,7 +50,7 @@ export function open(root, api, { fingers: devices }) {
       h("label", {}, oneScale, "one scale"), asPicture,
       h("span", { class: "hand-legend", role: "group", "aria-label": "Gauges" }, LINES.map(([colour], gauge) => [h("span", { class: `key ${colour}` }), `gauge ${gauge + 1} `]).flat())),
     h("div", { class: "tools", role: "group", "aria-label": "All fingers" }, commands.start, commands.stop, commands.tare,
-      h("label", {}, "Files ", file), commands.record, commands.end), said.root, place, h("div", { class: "hand-legend" }, tipLegend()));
+      h("label", {}, "File ", file), commands.record, commands.end), said.root, place, h("div", { class: "hand-legend" }, tipLegend()));
   root.append(room);
   const fingers = devices.map((device, index) => shown(device, index + 1));
 
