@@ -182,7 +182,7 @@ fn gram(
     let mut sums = whitening.levels().map(|levels| LevelSums::zeros(size + 1, levels.traces()));
     let pieces = FEWEST_PARTS.div_ceil(data.pieces.len());
     let mut along: Vec<DVector<f64>> = vec![];
-    let mut index = 0;
+    let (mut index, mut history, mut force) = (0, History::default(), Vec::new());
     watch::stage("stretches screened", data.pieces.len());
     problem.derivatives(point, |piece, mut residual, derivatives| {
         let place = index;
@@ -196,7 +196,9 @@ fn gram(
         let mut columns: Vec<(usize, Vec<f64>)> = derivatives;
         let law = problem.chain.base;
         let shape = law.constants(&parameters).shape;
-        let elasticity = Elasticity::at(law.elastic, shape, &piece.motion.displacement);
+        let mut elasticity = Elasticity::at(law.elastic, shape, &piece.motion.displacement);
+        // Where a set-up that yields comes to, a term changes little.
+        problem.chain.run(&parameters, &scene, &mut history, &mut elasticity, &mut force);
         let sensitivities: Vec<Vec<(usize, Vec<f64>)>> = probes
             .par_iter_mut()
             .map(|probe| {

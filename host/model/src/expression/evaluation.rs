@@ -41,7 +41,7 @@ impl<'a> Evaluation<'a> {
         &mut self,
         parameters: &[f64],
         variable: impl Fn(usize, Vec<f64>) -> Operand,
-        intervals: impl Iterator<Item = f64> + Clone,
+        intervals: &(impl Iterator<Item = f64> + Clone),
     ) -> Operand {
         let mut memories = 0;
         for step in self.program {

@@ -165,16 +165,18 @@ impl Expression {
             let intervals = samples.clone().map(|k| time[k] - time[k.saturating_sub(1)]);
             let variable =
                 |index, column| target.variable(index, scene, samples.clone(), values, column);
-            let change = evaluation.run(parameters, variable, intervals);
+            let change = evaluation.run(parameters, variable, &intervals);
             let add = |(value, change): (&mut f64, f64)| {
                 if change.is_finite() {
                     *value += change;
                 }
             };
             match &change {
-                Operand::Same(change) => values.iter_mut().for_each(|value| add((value, *change))),
+                Operand::Same(change) => {
+                    values.iter_mut().for_each(|value| add((value, *change)));
+                }
                 Operand::Each(column) => {
-                    values.iter_mut().zip(column.iter().copied()).for_each(add)
+                    values.iter_mut().zip(column.iter().copied()).for_each(add);
                 }
             }
             evaluation.recycle(change);
@@ -193,7 +195,7 @@ mod tests {
             column.extend(known(VARIABLES[index].0));
             Operand::Each(column)
         };
-        match Evaluation::of(&expression).run(&[k], variable, [0.0, 0.1].into_iter()) {
+        match Evaluation::of(&expression).run(&[k], variable, &[0.0, 0.1].into_iter()) {
             Operand::Same(value) => [value; 2],
             Operand::Each(column) => [column[0], column[1]],
         }
@@ -254,7 +256,7 @@ mod tests {
                 column.extend(x);
                 Operand::Each(column)
             };
-            match evaluation.run(&[0.7], variable, x.iter().map(|_| 0.1)) {
+            match evaluation.run(&[0.7], variable, &x.iter().map(|_| 0.1)) {
                 Operand::Same(value) => found.extend(x.iter().map(|_| value)),
                 Operand::Each(column) => found.extend(column),
             }
