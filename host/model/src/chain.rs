@@ -68,6 +68,13 @@ impl Elasticity {
         Self { unit: Arc::new(Unit { elastic, shape, x: x.to_vec(), response }), ..Self::default() }
     }
 
+    /// The same for a run whose parameters differ a little from those of the last one: where a set-up yields, what is nearby is
+    /// followed to a few hundredths of the difference.
+    #[must_use]
+    pub fn nearby(&self) -> Self {
+        Self { unit: Arc::clone(&self.unit), yielding: self.yielding.nearby() }
+    }
+
     /// Elastic response N, N, of this stiffness and shape at each displacement x, mm.
     pub(super) fn response(
         &mut self,
@@ -144,13 +151,15 @@ impl Chain {
                 _ => None,
             })
             .collect();
-        let next =
-            |x: f64, force: f64| x - yields.iter().map(|(law, own)| law(own, force)).sum::<f64>();
+        let yielded = |force: f64| yields.iter().map(|(law, own)| law(own, force)).sum::<f64>();
+        let next = |x: f64, force: f64| x - yielded(force);
         if yields.is_empty() {
             self.contact(parameters, scene, (history, elasticity), &x, force);
         } else if let Some(response) = self.bare_response(parameters) {
             let stretch = (&scene.motion.time[..], &x[..], scene.motion.rest_before);
             response.run_yielding(stretch, &mut history.relaxation, next, force);
+            let start = scene.motion.time.first().copied().unwrap_or(0.0);
+            elasticity.yielding.came_to(start, force.iter().map(|&force| yielded(force)));
         } else {
             let before = history.clone();
             let mut yielding = std::mem::take(&mut elasticity.yielding);

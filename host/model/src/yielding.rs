@@ -61,20 +61,44 @@ impl Yielding {
 /// The same for a whole stretch at once, where what happens at one sample depends on those before: secants
 /// at every sample. It remembers where the last stretch came to, as most runs of a fit come to nearly the
 /// same.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct StretchYielding {
     /// Time of the stretch's first sample, s.
     start: f64,
     yielded: Vec<f64>,
     slope: Vec<f64>,
+    most_runs: usize,
+}
+
+impl Default for StretchYielding {
+    fn default() -> Self {
+        Self { start: 0.0, yielded: Vec::new(), slope: Vec::new(), most_runs: MOST_RUNS }
+    }
 }
 
 /// Largest part of the compressions of a stretch that is left open, mm.
 const STRETCH_SETTLED: f64 = 1e-10;
 /// Most runs over a stretch.
 const MOST_RUNS: usize = 24;
+/// Runs that follow a small change to a few hundredths of it.
+const RUNS_NEARBY: usize = 3;
 
 impl StretchYielding {
+    /// The same for stretches where little has changed since: a few runs, not until all is settled.
+    #[must_use]
+    pub fn nearby(&self) -> Self {
+        Self { most_runs: RUNS_NEARBY, ..self.clone() }
+    }
+
+    /// A stretch that begins at `start`, s, came to where the set-up yielded so much, mm.
+    pub fn came_to(&mut self, start: f64, yielded: impl Iterator<Item = f64>) {
+        self.start = start;
+        self.yielded.clear();
+        self.yielded.extend(yielded);
+        self.slope.clear();
+        self.slope.resize(self.yielded.len(), 1.0);
+    }
+
     /// Finds the compressions, mm, of a stretch that begins at `start`, s, at the commanded ones, x, mm:
     /// `next` gives where the set-up comes to under the force at compressions, and its last call is at those
     /// found. The number of those calls.
@@ -85,14 +109,14 @@ impl StretchYielding {
         mut next: impl FnMut(&[f64]) -> Vec<f64>,
     ) -> usize {
         if self.start.to_bits() != start.to_bits() || self.yielded.len() != x.len() {
-            let count = x.len();
-            *self = Self { start, yielded: vec![0.0; count], slope: vec![1.0; count] };
+            self.came_to(start, x.iter().map(|_| 0.0));
+            self.most_runs = MOST_RUNS;
         }
         let mut at: Vec<f64> =
             x.iter().zip(&self.yielded).map(|(x, yielded)| x - yielded).collect();
         let mut reached = next(&at);
         let mut runs = 1;
-        while runs < MOST_RUNS {
+        while runs < self.most_runs {
             let open =
                 at.iter().zip(&reached).fold(0.0, |most: f64, (z, to)| most.max((z - to).abs()));
             if open <= STRETCH_SETTLED || !open.is_finite() {
@@ -149,6 +173,16 @@ mod tests {
         let first = yielding.settle(0.0, &x, next(0.4));
         let again = yielding.settle(0.0, &x, next(0.4 * (1.0 + 1e-6)));
         assert!(first <= 9 && again < first, "{first}, then {again}");
+        let mut nearby = yielding.nearby();
+        assert_eq!(nearby.settle(0.0, &x, next(0.4 * 1.01)), RUNS_NEARBY);
+        let before = yielding.yielded.clone();
+        yielding.settle(0.0, &x, next(0.4 * 1.01));
+        let apart = |a: &[f64], b: &[f64]| {
+            a.iter().zip(b).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()))
+        };
+        let (off, changed) =
+            (apart(&nearby.yielded, &yielding.yielded), apart(&yielding.yielded, &before));
+        assert!(off < 0.05 * changed, "{off} of {changed} mm");
     }
 
     proptest! {

@@ -202,7 +202,7 @@ fn gram(
         let sensitivities: Vec<Vec<(usize, Vec<f64>)>> = probes
             .par_iter_mut()
             .map(|probe| {
-                probe.sensitivities(&scene, piece.trace, &predicted, &mut elasticity.clone())
+                probe.sensitivities(&scene, piece.trace, &predicted, &mut elasticity.nearby())
             })
             .collect();
         for (direction, found) in directions.iter().zip(sensitivities) {
