@@ -113,10 +113,19 @@ impl Server {
         serde_json::from_slice(&answer.body).unwrap()
     }
 
-    /// Status and answer of a wish.
+    /// Status and answer of a wish to the first device.
     pub fn wish(&self, wish: &Value) -> (u16, Value) {
+        self.wish_at("/api/live/wish", wish)
+    }
+
+    /// Those of a wish to a finger of a hand, from 1.
+    pub fn wish_of(&self, finger: usize, wish: &Value) -> (u16, Value) {
+        self.wish_at(&format!("/api/fingers/{finger}/live/wish"), wish)
+    }
+
+    fn wish_at(&self, path: &str, wish: &Value) -> (u16, Value) {
         let body = wish.to_string();
-        let answer = self.ask("POST", "/api/live/wish", &self.headers(), body.as_bytes());
+        let answer = self.ask("POST", path, &self.headers(), body.as_bytes());
         (answer.status, serde_json::from_slice(&answer.body).unwrap_or_default())
     }
 

@@ -1,12 +1,12 @@
 //! The filter of the device over every bundled recording, against the recurrence in f64.
 
 use palpate::decomposition::{decompose, default_relaxation, signals};
+use palpate::trace::recordable::samples;
 use palpate::trace::{FORCE, read};
 use palpate_tests::{all_bundled, bundled};
 use shared::adaptation::Relaxation;
 use shared::phase::Region;
 use shared::pipeline::{GAUGES, Pipeline};
-use shared::wire::Settings;
 
 /// One channel of the filter's recurrence in f64, in LSB; the first sample counts as settled.
 struct Reference {
@@ -79,13 +79,12 @@ fn every_bundled_recording_is_decomposed_within_two_lsb_and_fa_plus_sa_is_the_si
 #[test]
 fn a_device_that_replays_a_press_is_in_contact_until_it_lets_go() {
     let trace = read(&bundled("press.csv")).unwrap();
-    let interval_s = trace.time[1] - trace.time[0];
-    let mut pipeline = Pipeline::new(&Settings::DEFAULT.config(interval_s).unwrap());
-    let gauges: Vec<&[f64]> =
-        trace.gauges().into_iter().map(|name| trace.column(name).unwrap()).collect();
-    for (k, time) in trace.time.iter().enumerate() {
-        let strain = std::array::from_fn(|gauge| (gauges[gauge][k] * 256.0) as i32);
-        pipeline.process_strain(&strain, None);
+    let replayed = samples(&trace).unwrap();
+    let mut pipeline = Pipeline::new(&replayed.settings.config(replayed.interval_s).unwrap());
+    let counts = replayed.stretches.concat();
+    assert_eq!(counts.len(), trace.len());
+    for (time, counts) in trace.time.iter().zip(&counts) {
+        pipeline.process(counts, 25 * 256);
         let regions = pipeline.outputs().map(|output| output.region);
         if (2.5..7.5).contains(time) || (9.0..14.0).contains(time) {
             assert_eq!(regions, [Region::Relaxation; GAUGES], "{time} s");

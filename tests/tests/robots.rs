@@ -163,9 +163,7 @@ fn a_viewer_sees_every_finger_of_a_hand_and_the_margin_of_its_grasp() {
     let wanted = [1, 2].map(|finger| all.map(|name| format!("/palpate/finger_{finger}/{name}")));
     assert_eq!(told, wanted.concat());
     let holding = json!({ "grasp": { "contact": "circle:5", "friction": 0.7, "normal": "0.001" } });
-    let (path, body) = ("/api/fingers/2/live/wish", holding.to_string());
-    let answer = server.ask("POST", path, &server.headers(), body.as_bytes());
-    assert_eq!(answer.status, 200);
+    assert_eq!(server.wish_of(2, &holding).0, 200);
     let ids = ["finger_1/fingertip", "finger_2/fingertip", "finger_2/margin"].map(|name| {
         let is = |channel: &&Value| channel["topic"].as_str().unwrap().ends_with(name);
         channels.iter().find(is).unwrap()["id"].clone()

@@ -476,11 +476,7 @@ fn each_finger_of_a_hand_has_a_device_of_its_own() {
     }
     assert_eq!(server.json("/api/live/about")["port"], ports[0], "the first, where none is named");
     assert_eq!(server.get("/api/fingers/4/live/about").status, 404);
-    let stop = |number: usize| {
-        let path = format!("/api/fingers/{number}/live/wish");
-        server.ask("POST", &path, &server.headers(), b"\"stop\"").status
-    };
-    assert_eq!(stop(2), 200);
+    assert_eq!(server.wish_of(2, &json!("stop")).0, 200);
     let streams = |number: usize| {
         let token = format!("token.{}", server.token);
         let origin = format!("http://{}", server.host());
@@ -506,10 +502,7 @@ fn the_fingers_of_a_hand_are_recorded_into_one_file_on_one_clock() {
     let folder = tempfile::tempdir().unwrap();
     let place = folder.path().display().to_string();
     let server = Server::begin(&["--simulate", "--fingers", "3", "--recordings", &place]);
-    let wish = |number: usize, wish: &Value| {
-        let path = format!("/api/fingers/{number}/live/wish");
-        server.ask("POST", &path, &server.headers(), wish.to_string().as_bytes()).status
-    };
+    let wish = |number: usize, wish: &Value| server.wish_of(number, wish).0;
     let record = json!({ "record": { "file": "grasp", "together": true } });
     assert_eq!([1, 2, 3].map(|number| wish(number, &record)), [200; 3]);
     std::thread::sleep(Duration::from_millis(1_500));

@@ -245,6 +245,12 @@ impl Chain {
         });
     }
 
+    /// Whether the set-up yields under the force.
+    #[must_use]
+    pub fn yields(&self) -> bool {
+        self.effects.iter().any(|effect| matches!(effect.act, Act::Yield(_)))
+    }
+
     /// Whether the last effect acts on what the chain without it predicts: it changes the force, nothing acts after it, and nothing
     /// feeds back from it.
     #[must_use]

@@ -197,8 +197,10 @@ fn gram(
         let law = problem.chain.base;
         let shape = law.constants(&parameters).shape;
         let mut elasticity = Elasticity::at(law.elastic, shape, &piece.motion.displacement);
-        // Where a set-up that yields comes to, a term changes little.
-        problem.chain.run(&parameters, &scene, &mut history, &mut elasticity, &mut force);
+        if problem.chain.yields() {
+            // Where the set-up comes to, a term changes little.
+            problem.chain.run(&parameters, &scene, &mut history, &mut elasticity, &mut force);
+        }
         let sensitivities: Vec<Vec<(usize, Vec<f64>)>> = probes
             .par_iter_mut()
             .map(|probe| {

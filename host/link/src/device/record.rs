@@ -165,7 +165,8 @@ pub(super) fn not_created(file: &Path, error: io::Error) -> RecordError {
 }
 
 /// Time since a recording began, µs.
-pub(super) fn since_us(began: Instant, at: Instant) -> u64 {
+#[must_use]
+pub fn since_us(began: Instant, at: Instant) -> u64 {
     at.saturating_duration_since(began).as_micros() as u64
 }
 
@@ -323,14 +324,8 @@ impl<'p> Recorder<'p> {
 
     fn take(&mut self, heard: &Heard) -> io::Result<()> {
         let at_us = self.now_us(heard.at);
-        for mark in self.stream.take(heard) {
-            match mark {
-                Mark::FramesLost(frames) => self.gap(at_us, Gap::FramesLost(frames))?,
-                Mark::RowsLost { count, .. } => self.gap(at_us, Gap::RowsLost(count))?,
-                Mark::Reset => self.gap(at_us, Gap::Reset)?,
-                // The frame after it will be missing; the settings are in the recording.
-                Mark::Damaged(_) | Mark::Settings { .. } => {}
-            }
+        for gap in self.stream.take(heard).into_iter().filter_map(Mark::gap) {
+            self.gap(at_us, gap)?;
         }
         let Ok((_, said)) = &heard.said else { return Ok(()) };
         self.heard_at = heard.at;

@@ -3,6 +3,7 @@
 use shared::wire::FrameError;
 
 use super::heard::{Heard, Said};
+use palpate_trace::recording::Gap;
 
 /// Something about a stream that is not a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,6 +26,20 @@ pub enum Mark {
     },
     /// The device began anew.
     Reset,
+}
+
+impl Mark {
+    /// The gap that a recording tells of it; none of what it holds anyway: after a damaged frame one is missing, and the settings
+    /// are in it.
+    #[must_use]
+    pub fn gap(self) -> Option<Gap> {
+        match self {
+            Self::FramesLost(frames) => Some(Gap::FramesLost(frames)),
+            Self::RowsLost { count, .. } => Some(Gap::RowsLost(count)),
+            Self::Reset => Some(Gap::Reset),
+            Self::Damaged(_) | Self::Settings { .. } => None,
+        }
+    }
 }
 
 /// What came and what did not.

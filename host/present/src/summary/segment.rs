@@ -235,18 +235,22 @@ fn inertia_table(each: &[(&Trace, &Segmentation)]) -> Table {
     for (trace, inertia) in each.iter().filter_map(|(t, found)| Some((t, found.inertia.as_ref()?)))
     {
         let shows = if inertia.force_n > inertia.resolution_n { "yes" } else { "no" };
-        table = table.row([
-            trace.label(),
-            significant(inertia.mass_g, 3),
-            significant(inertia.acceleration_mm_per_s2, 3),
-            significant(inertia.scatter_mm_per_s2, 2),
-            significant(inertia.force_n, 3),
-            percent(inertia.share_of_peak, 2),
-            significant(inertia.resolution_n, 2),
-            shows.to_owned(),
-        ]);
+        let row = std::iter::once(trace.label()).chain(inertia_cells(inertia));
+        table = table.row(row.chain([shows.to_owned()]));
     }
     table.note("Mass times largest acceleration, beside the resolution of the force, or its noise where the head gives none.")
+}
+
+/// Mass, acceleration, its scatter, force, share of the largest force and resolution, in the digits that they are told with.
+fn inertia_cells(inertia: &Inertia) -> [String; 6] {
+    [
+        significant(inertia.mass_g, 3),
+        significant(inertia.acceleration_mm_per_s2, 3),
+        significant(inertia.scatter_mm_per_s2, 2),
+        significant(inertia.force_n, 3),
+        percent(inertia.share_of_peak, 2),
+        significant(inertia.resolution_n, 2),
+    ]
 }
 
 fn turn_word(turn: Turn) -> &'static str {
@@ -266,14 +270,9 @@ fn inertia_words(inertia: &Inertia) -> String {
             significant(inertia.force_n / inertia.resolution_n.max(f64::MIN_POSITIVE), 2)
         ),
     };
+    let [mass, acceleration, scatter, force, share, resolution] = inertia_cells(inertia);
     format!(
-        "Inertia (3.3.4): {} g times at most {} mm/s² is {} N, {} of the largest force; the {against} of the force is {} N: {verdict}. (The scatter of the displacement alone shows {} mm/s².)",
-        significant(inertia.mass_g, 3),
-        significant(inertia.acceleration_mm_per_s2, 3),
-        significant(inertia.force_n, 3),
-        percent(inertia.share_of_peak, 2),
-        significant(inertia.resolution_n, 2),
-        significant(inertia.scatter_mm_per_s2, 2),
+        "Inertia (3.3.4): {mass} g times at most {acceleration} mm/s² is {force} N, {share} of the largest force; the {against} of the force is {resolution} N: {verdict}. (The scatter of the displacement alone shows {scatter} mm/s².)"
     )
 }
 

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
+use palpate_link::device::record::since_us;
 use palpate_link::device::share::{File, Share};
 use palpate_trace::recording::Opened;
 
@@ -62,7 +63,7 @@ impl Hand {
             return Ok(());
         }
         let Joint { file, began, .. } = known.files.swap_remove(index);
-        file.close(began.elapsed().as_micros() as u64)
+        file.close(since_us(began, Instant::now()))
     }
 
     fn known(&self) -> MutexGuard<'_, Known> {

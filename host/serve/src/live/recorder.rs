@@ -6,6 +6,7 @@ use std::time::Instant;
 
 use super::hand::{Hand, Membership};
 use palpate_link::device::heard::{Heard, Said};
+use palpate_link::device::record::since_us;
 use palpate_link::device::share::{File, Share};
 use palpate_link::device::stream::Mark;
 use palpate_trace::recording::{Gap, Note, Opened};
@@ -43,20 +44,13 @@ impl Recorder {
     }
 
     fn now_us(&self, at: Instant) -> u64 {
-        at.saturating_duration_since(self.began).as_micros() as u64
+        since_us(self.began, at)
     }
 
     /// Writes what was heard, behind what is missing before it.
     pub(super) fn take(&mut self, heard: &Heard, marks: &[Mark]) -> io::Result<()> {
         let at_us = self.now_us(heard.at);
-        for mark in marks {
-            let gap = match *mark {
-                Mark::FramesLost(frames) => Gap::FramesLost(frames),
-                Mark::RowsLost { count, .. } => Gap::RowsLost(count),
-                Mark::Reset => Gap::Reset,
-                // The frame after it will be missing; the settings are in the recording.
-                Mark::Damaged(_) | Mark::Settings { .. } => continue,
-            };
+        for gap in marks.iter().copied().filter_map(Mark::gap) {
             self.share.note(at_us, &Note::Gap(gap))?;
         }
         let Ok((_, said)) = &heard.said else { return Ok(()) };
