@@ -7,6 +7,7 @@ import subprocess
 import sys
 import threading
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import palpate
@@ -74,15 +75,19 @@ def test_ctrl_c_ends_it_and_the_work_behind_it(practice: Path, model: Path) -> N
     assert child.wait(10) == 0
 
 
+def diagnose_until(enough: Callable[[], bool], model: Path, practice: Path) -> None:
+    """Again and again: one may be done before anything is told."""
+    for _ in range(100):
+        palpate.diagnose(model, practice)
+        if enough():
+            return
+
+
 def test_progress_is_told_and_an_exception_in_it_ends_the_work(practice: Path, model: Path) -> None:
     seen: list[tuple[str, int, int]] = []
     try:
         palpate.progress(lambda *told: seen.append(told))
-        # One may be done before anything is told.
-        for _ in range(100):
-            palpate.diagnose(model, practice)
-            if seen:
-                break
+        diagnose_until(lambda: bool(seen), model, practice)
         assert seen and all(0 <= done <= of for _, done, of in seen)
         assert all(isinstance(what, str) and what for what, _, _ in seen)
 
@@ -91,19 +96,25 @@ def test_progress_is_told_and_an_exception_in_it_ends_the_work(practice: Path, m
 
         palpate.progress(stop)
         with pytest.raises(RuntimeError, match="enough"):
-            for _ in range(100):
-                palpate.diagnose(model, practice)
+            diagnose_until(lambda: False, model, practice)
     finally:
         palpate.progress(None)
 
 
 def test_progress_on_a_terminal_is_wiped(practice: Path, model: Path, capsys: pytest.CaptureFixture) -> None:
+    told = ""
+
+    def is_told() -> bool:
+        nonlocal told
+        told += capsys.readouterr().err
+        return "/" in told
+
     try:
         palpate.progress(True)
-        palpate.diagnose(model, practice)
+        diagnose_until(is_told, model, practice)
     finally:
         palpate.progress(None)
-    told = capsys.readouterr().err
+    told += capsys.readouterr().err
     assert "/" in told and told.endswith(" \r")
     palpate.fit(practice)
     assert capsys.readouterr().err == ""
