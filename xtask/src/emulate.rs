@@ -30,7 +30,7 @@ fn install() -> miette::Result<()> {
 /// Sets up what the tests need: the emulator and the firmware.
 pub fn set_up() -> miette::Result<()> {
     install()?;
-    firmware::build().map(drop)
+    firmware::release().map(drop)
 }
 
 /// Instructions of a sample, printed beside those of rivals and held to the golden file.

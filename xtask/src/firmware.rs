@@ -101,7 +101,7 @@ fn build_pico2() -> miette::Result<()> {
 }
 
 /// Builds the firmware and leaves it in `target/firmware/`, with its sizes.
-pub fn build() -> miette::Result<Sizes> {
+fn build() -> miette::Result<Sizes> {
     set_up()?;
     cargo("firmware", &["build", "--release", "--bin", "palpate"])?;
     let elf = executable("palpate");
