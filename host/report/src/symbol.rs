@@ -19,7 +19,7 @@ pub(super) struct Part<'a> {
 }
 
 /// The parts of a text. An index follows a single letter: a short word after `_`, one or two digits, or the i of a sum (`ci`); names such as `force_N` have
-/// none. A power stands between `^(` and `)` behind a letter.
+/// none. A power stands between `^(` and `)`, or is one letter or digit, behind a letter, a parenthesis or the stroke of an absolute value.
 pub(super) fn parts(text: &str) -> Vec<Part<'_>> {
     let mut parts = Vec::new();
     let (mut begun, mut from) = (0, 0);
@@ -32,7 +32,8 @@ pub(super) fn parts(text: &str) -> Vec<Part<'_>> {
             if let Some(power) = power(text, at) {
                 parts.push(Part { text: &text[begun..at], place: Place::Line });
                 parts.push(Part { text: power, place: Place::Power });
-                from = at + "^()".len() + power.len();
+                let marks = if text[at..].starts_with("^(") { "^()" } else { "^" };
+                from = at + marks.len() + power.len();
                 begun = from;
             }
             continue;
@@ -53,11 +54,19 @@ pub(super) fn parts(text: &str) -> Vec<Part<'_>> {
     parts
 }
 
-/// What stands between the parentheses behind a `^` that follows a letter, where there are none within.
+/// What stands between the parentheses behind a `^`, where there are none within, or the one character there.
 fn power(text: &str, at: usize) -> Option<&str> {
-    let is_symbol = text[..at].chars().next_back().is_some_and(char::is_alphabetic);
-    let (power, _) = text[at..].strip_prefix("^(")?.split_once(')')?;
-    (is_symbol && !power.is_empty() && !power.contains('(')).then_some(power)
+    let is_base = |c: char| c.is_alphabetic() || matches!(c, ')' | '|');
+    if !text[..at].ends_with(is_base) {
+        return None;
+    }
+    let behind = text[at..].strip_prefix('^')?;
+    if let Some(within) = behind.strip_prefix('(') {
+        let (power, _) = within.split_once(')')?;
+        return (!power.is_empty() && !power.contains('(')).then_some(power);
+    }
+    let word = behind.find(|c: char| !(c.is_alphanumeric() || c == '_')).unwrap_or(behind.len());
+    (behind[..word].chars().count() == 1).then_some(&behind[..word])
 }
 
 /// Whether so many bytes from `index` on are the index of the one letter that ends at `at`.
@@ -109,7 +118,8 @@ mod tests {
             ("no index", "no index"),
             ("v1 (1/s), c12", "v[1] (1/s), c[12]"),
             ("N/mm^(q+1), 1/(s·mm^(n−1))", "N/mm{q+1}, 1/(s·mm{n−1})"),
-            ("x^2, 2^(a), x^(f(a)), a^()", "x^2, 2^(a), x^(f(a)), a^()"),
+            ("w |v/V|^k, x^2, (t/1 s)^(−β)", "w |v/V|{k}, x{2}, (t/1 s){−β}"),
+            ("2^(a), x^(f(a)), a^(), x^ab, x^", "2^(a), x^(f(a)), a^(), x^ab, x^"),
             ("1 − Σ ci, pi, if, in point i", "1 − Σ c[i], pi, if, in point i"),
             ("c1.csv, row-01, 3e5, mm2, v123, A4x", "c1.csv, row-01, 3e5, mm2, v123, A4x"),
         ] {
