@@ -223,6 +223,14 @@ fn all_traces_stand_side_by_side_or_lie_over_each_other() {
     );
     let _ = browser.picture("lab-over");
     assert_eq!(browser.count(".lab-over li"), 10);
+    // In a narrow window figures are drawn anew, not shrunk.
+    browser.resize(390, HEIGHT);
+    browser.until(
+        "letters keep their size",
+        "[...document.querySelectorAll('.lab-all .lab-chart text, .lab-against .lab-chart text')]
+             .every((text) => text.getBoundingClientRect().height > 11)",
+    );
+    browser.fits("the Lab");
     assert_eq!(browser.complaints(), Vec::<String>::new());
 }
 

@@ -297,7 +297,7 @@ export function open(root, api) {
       symbolDrawn = symbol;
       keepingFocus(root, () => panels.against.show(...against()));
     };
-    return [covariate(state.comparison, symbolDrawn, panels.against.body.clientWidth, show)];
+    return [covariate(state.comparison, symbolDrawn, show)];
   }
 
   const taken = () => state.traces.filter((of) => of.chosen);

@@ -1,13 +1,13 @@
 // All traces that were taken: as small pictures side by side on one scale, or one over the other.
 
 import { choice, h, number, quantity } from "../dom.js";
-import { chart } from "./chart.js";
+import { chart, fitted } from "./chart.js";
 
 /** Most traces that are drawn, and points across a picture. */
 const [MOST, ACROSS] = [60, 160];
 const COLOURS = 6;
 const SMALL = [230, 130];
-const WIDE = [820, 300];
+const [WIDEST, HEIGHT] = [820, 300];
 
 /**
  * A fold-out; nothing is asked for while it is shut. `ask(path)` fetches, `fail(error)` hears what went wrong, `show(trace)` opens one.
@@ -98,7 +98,7 @@ export function allTraces(ask, fail, show) {
     const all = drawings.map((of, trace) => ({ ...lines(of, [[name, `trace-${trace % COLOURS}`]])[0], name: info.labels[trace] }));
     const told = (trace) => (residuals() ? `, ${number(rms(drawings[trace].residual.filter((value) => value !== null)))} ${info.unit}` : "");
     return h("div", {},
-      chart({ label: `${axis()} of all traces over time`, x: "time since the first sample, s", lines: all, size: WIDE, caption: axis() }),
+      fitted(WIDEST, (width) => chart({ label: `${axis()} of all traces over time`, x: "time since the first sample, s", lines: all, size: [width, HEIGHT], caption: axis() })),
       h("ul", { class: "lab-over" }, drawings.map((_, trace) => h("li", {}, h("button", { type: "button", onclick: () => show(trace), title: "Show it above" },
         h("span", { class: `lab-key lab-key-trace-${trace % COLOURS}` }), `${info.labels[trace]}${told(trace)}`)))));
   }

@@ -16,6 +16,22 @@ function ticks(least, most, whole, steps) {
   return Array.from({ length: Math.max(Math.floor(most / step) - first + 1, 0) }, (_, k) => (first + k) * step);
 }
 
+/** Least width of a figure that takes the room it has, px. */
+const NARROWEST = 300;
+
+/** A place that is as wide as its surroundings let it be, at most `widest` px, and drawn anew when that changes: `draw(width)`. Letters keep their size. */
+export function fitted(widest, draw) {
+  const place = h("div", {});
+  let drawn = 0;
+  new ResizeObserver(([{ contentRect }]) => {
+    const width = Math.round(Math.min(Math.max(contentRect.width, NARROWEST), widest));
+    if (width === drawn) return;
+    drawn = width;
+    place.replaceChildren(draw(width));
+  }).observe(place);
+  return place;
+}
+
 const plain = new Intl.NumberFormat("en", { maximumSignificantDigits: 4, useGrouping: false });
 const decimal = (value) => plain.format(value).replace("-", "−");
 

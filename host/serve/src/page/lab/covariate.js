@@ -1,13 +1,13 @@
 // The residual against anything it could depend on: means in bins with their standard errors.
 
 import { choice, h, percent } from "../dom.js";
-import { chart } from "./chart.js";
+import { chart, fitted } from "./chart.js";
 
-/** Least and most width, and height, px. */
-const [NARROWEST, WIDEST, HEIGHT] = [300, 640, 240];
+/** Most width, and height, px. */
+const [WIDEST, HEIGHT] = [640, 240];
 
-/** The plot with the list of what to draw against, `room` px wide; `symbol` is drawn, `onchoice` gets another. */
-export function covariate(comparison, symbol, room, onchoice) {
+/** The plot with the list of what to draw against; `symbol` is drawn, `onchoice` gets another. */
+export function covariate(comparison, symbol, onchoice) {
   const drawn = comparison.drawn;
   if (!drawn.length) return h("p", {}, "Nothing that the residual could depend on changes in these traces.");
   const told = (of) => comparison.depends_on.find((other) => other.covariate === of.covariate);
@@ -17,7 +17,7 @@ export function covariate(comparison, symbol, room, onchoice) {
     "div",
     {},
     choice("Residual against", drawn.map((of) => [of.covariate, name(of)]), one.covariate, onchoice),
-    figure(one, told(one), comparison.unit, Math.min(Math.max(room, NARROWEST), WIDEST)),
+    fitted(WIDEST, (width) => figure(one, told(one), comparison.unit, width)),
   );
 }
 
