@@ -72,12 +72,20 @@ impl Growth {
                 let gone = (power.signum() * logarithm.exp()).max(-1.0);
                 gone.ln_1p() / power
             }
-            // tanh(s y/2) decays exponentially; its complement keeps its digits where y is large.
             Self::Sinh(strength, full) => {
                 let y = (strength * x / full).abs();
-                let rest = 2.0 / (y.exp() + 1.0) + (0.5 * y).tanh() * -(-turns).exp_m1();
-                let after = ((2.0 - rest) / rest).ln();
-                if y < 1e-6 { turns } else { (y / after).ln().max(0.0) }
+                if y < 1e-6 {
+                    return turns;
+                }
+                // tanh(s y/2) decays exponentially; where it is near 1, its complement keeps its digits.
+                let kept = (0.5 * y).tanh() * (-turns).exp();
+                let after = if kept < 0.5 {
+                    2.0 * kept.atanh()
+                } else {
+                    let rest = 2.0 / (y.exp() + 1.0) + (0.5 * y).tanh() * -(-turns).exp_m1();
+                    ((2.0 - rest) / rest).ln()
+                };
+                (y / after).ln().max(0.0)
             }
         }
     }
@@ -150,6 +158,26 @@ impl Growth {
             }
             let longer = if error > 0.0 { 0.9 * (allowed / error).cbrt() } else { 5.0 };
             part = (part * longer.clamp(0.1, 5.0)).max(SHORTEST_PART).min(1.0 - done);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(20_000))]
+
+        #[test]
+        fn by_eyrings_law_a_state_decays_faster_than_by_a_linear_one_however_long_it_rests(
+            y in 1e-7..50.0f64,
+            turns in 1e-3..1e3f64,
+            strength in 0.01..8.0f64,
+        ) {
+            let after = Growth::Sinh(strength, 1.0).alone(y, turns);
+            prop_assert!((0.0..=y * (-turns).exp() * (1.0 + 1e-9)).contains(&after), "{after}");
         }
     }
 }
