@@ -271,10 +271,11 @@ pub fn minimise_with(problem: &impl LeastSquares, start: &[f64], effort: Effort)
     Solution { point, normal, at_bound, stop, iterations }
 }
 
-/// Whether coordinate `j` sits on a bound and the sum of squares would fall beyond it.
+/// Whether coordinate `j` has no range, or sits on a bound and the sum of squares would fall beyond it.
 fn pushed(normal: &Normal, point: &[f64], bounds: &[(f64, f64)], j: usize) -> bool {
     let (lower, upper) = bounds[j];
-    (point[j] <= lower && normal.gradient[j] >= 0.0)
+    lower >= upper
+        || (point[j] <= lower && normal.gradient[j] >= 0.0)
         || (point[j] >= upper && normal.gradient[j] <= 0.0)
 }
 
@@ -439,6 +440,15 @@ mod tests {
         let (raced, alone) = (count(raced), count(alone));
         assert!(raced < alone, "{raced} for {alone}");
         assert!(race(&TwoValleys::default(), &[]).is_empty());
+    }
+
+    #[test]
+    fn a_coordinate_without_a_range_is_held_wherever_it_stands() {
+        let mut normal = Normal::zeros(1);
+        for (point, gradient) in [(1.9, 1.0), (1.9, -1.0), (2.0, 1.0), (2.1, -1.0), (2.1, 1.0)] {
+            normal.gradient[0] = gradient;
+            assert!(pushed(&normal, &[point], &[(2.0, 2.0)], 0), "{point}, {gradient}");
+        }
     }
 
     const WIDE: [(f64, f64); 2] = [(-100.0, 100.0), (0.0, 100.0)];

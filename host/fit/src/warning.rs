@@ -5,6 +5,7 @@ use std::fmt;
 use super::data::Data;
 use super::least_squares::Stop;
 use super::whole_motion::{Basis, MotionFit};
+use palpate_model::Parameter;
 use palpate_trace::{Noise, units};
 
 /// A reason to be careful with a fit.
@@ -155,7 +156,8 @@ fn resting(data: &Data) -> Option<f64> {
 fn each_parameter(fit: &MotionFit, data: &Data, found: &mut Vec<Warning>) {
     let constants = fit.chain.base.constants(&fit.values);
     let rates = fit.chain.base.rates();
-    for (k, parameter) in fit.parameters().into_iter().enumerate() {
+    let fitted = |(_, parameter): &(usize, Parameter)| parameter.lower < parameter.upper;
+    for (k, parameter) in fit.parameters().into_iter().enumerate().filter(fitted) {
         let (parameter, value) = (parameter.name.to_string(), fit.values[k]);
         let branch = rates.contains(&k).then(|| k - rates.start);
         let at_work = branch.filter(|&branch| constants.shares[branch] > 0.0);

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use palpate_fit::data::Data;
-use palpate_model::effects::{Count, Effect, LIBRARY, Law, Role, Setting, Sign};
+use palpate_model::effects::{Count, Effect, LIBRARY, Law, Setting, Sign};
 use palpate_model::{Applied, BaseLaw, Chain, Elasticity, History, Separation};
 use palpate_trace::{Column, DISPLACEMENT, FORCE, TANGENTIAL, TEMPERATURE, Trace};
 
@@ -173,10 +173,9 @@ fn declarations_hold_together() {
         for shape in case.law.shapes {
             let grid = (shape.grid)(&scales);
             assert!(grid.is_sorted() && !grid.is_empty(), "{}: {}", case.name(), shape.name);
-            match shape.role {
-                Role::Given => assert_eq!(grid.len(), 1, "{}: {}", case.name(), shape.name),
-                Role::Fitted(bounds) => {
-                    let (lower, upper) = bounds(&scales);
+            match shape.role.bounds(&scales) {
+                None => assert_eq!(grid.len(), 1, "{}: {}", case.name(), shape.name),
+                Some((lower, upper)) => {
                     let within = grid.iter().all(|value| (lower..=upper).contains(value));
                     assert!(within, "{}: {} {grid:?}", case.name(), shape.name);
                 }
