@@ -67,6 +67,36 @@ fn an_effect_in_a_foreign_law_is_recognised() {
     }
 }
 
+/// The first specimen on which an effect can be as large as asked for.
+fn reaching(seed: u64, hidden: (&str, LawKind), r: f64) -> DataSet {
+    let mut sets = (0..8).map(|draw| generate(&scenario(seed + draw, &[hidden], r)));
+    sets.find(|set| set.truth.reaches(r)).expect("a specimen")
+}
+
+#[test]
+fn a_strong_effect_of_the_temperature_is_not_cut_off_where_that_hardly_changes() {
+    let set = reaching(0x105_0000_2000, ("time-temperature", LawKind::Reference), 2.0);
+    let diagnosis = ask(&set);
+    assert_eq!(names(&diagnosis), ["time-temperature"]);
+    assert!(held_out(&diagnosis, &set) < 1.05);
+}
+
+#[test]
+fn a_pull_that_does_not_grow_with_the_speed_is_adhesion_all_the_same() {
+    let set = reaching(0x10E_0001_0400, ("adhesion", LawKind::ForeignMore), 2.0);
+    let diagnosis = ask(&set);
+    assert_eq!(diagnosis.verdict, Verdict::Named);
+    assert_eq!(names(&diagnosis), ["adhesion"]);
+}
+
+#[test]
+fn a_state_that_relaxes_after_eyring_is_named_alone() {
+    let set = reaching(0x107_0001_2C00, ("latency-law", LawKind::Foreign), 0.5);
+    let diagnosis = ask(&set);
+    assert_eq!(names(&diagnosis), ["latency-law"]);
+    assert!(held_out(&diagnosis, &set) < 1.05);
+}
+
 #[test]
 fn two_hidden_effects_are_both_named() {
     let hidden = [("permanent-set", LawKind::Reference), ("viscous-drag", LawKind::Reference)];

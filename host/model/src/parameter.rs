@@ -15,6 +15,6 @@ pub struct Parameter {
     pub lower: f64,
     /// Largest value that makes sense; equal to the smallest where the parameter is not fitted.
     pub upper: f64,
-    /// Whether physics itself forbids what is beyond the largest value.
+    /// Whether physics itself forbids what is beyond these values.
     pub bounded: bool,
 }

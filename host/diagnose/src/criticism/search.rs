@@ -33,9 +33,13 @@ const IN_EARNEST: usize = 4;
 /// Rivals that are refitted without each trace in earnest whatever one step says: the likeliest, and those on which the parts of
 /// the data agree most.
 const LIKELIEST: usize = 2;
-/// Part of all that was explained so far that a further effect must explain: less is how a law's form
-/// differs from the specimen's.
-const MINOR: f64 = 0.04;
+/// Part of all that was explained so far that a further effect must explain to be tried beside the others: one that is right
+/// may take their place.
+const WORTH_TRYING: f64 = 0.04;
+/// Part of all that is explained, of the sum of squares and of that of the whitened residual, below which the last effect is
+/// how the law of another differs from the specimen's: with one effect in another law it is less, and the smaller of two
+/// effects explains more (docs/measured.md).
+const MINOR: f64 = 0.12;
 /// Which laws are refitted in a step.
 struct Breadth {
     /// Most laws.
@@ -245,6 +249,8 @@ impl Search<'_> {
                 break;
             }
         }
+        self.order(&mut found);
+        self.drop_minor(&mut found);
         for step in &mut found.steps {
             resample(self.problem, &mut step.rivals, self.options.seed);
             step.credible = credible(&step.effect, &step.rivals);
@@ -275,6 +281,12 @@ impl Search<'_> {
             found.evidence.push(self.evidence(&found.models[index]));
             let refusal = weigh(found.judged(index), found.judged(index + 1), exact).err();
             if let Some(reason) = refusal {
+                tracing::debug!(
+                    "refused: {} ({reason:?}), mean squares on each trace left out {:?}, {:?}",
+                    found.steps[index].effect,
+                    found.judged(index).evidence.left_out().map(|it| &it.squares),
+                    found.judged(index + 1).evidence.left_out().map(|it| &it.squares),
+                );
                 let (without, with) = (found.judged(index), found.judged(index + 1));
                 return Some(refused(&found.steps[index].effect, without, with, reason));
             }
@@ -484,9 +496,9 @@ impl Search<'_> {
         let Some(winner) = rivals.first() else { return false };
         let fell = current.bic() - winner.fitted.bic();
         let explained = found.base.cost - current.cost;
-        let minor =
-            !found.steps.is_empty() && current.cost - winner.fitted.cost < MINOR * explained;
-        if minor || fell < DECISIVE {
+        let hardly =
+            !found.steps.is_empty() && current.cost - winner.fitted.cost < WORTH_TRYING * explained;
+        if hardly || fell < DECISIVE {
             return false;
         }
         for step in &mut found.steps {
@@ -730,6 +742,53 @@ impl Search<'_> {
         true
     }
 
+    /// Puts the effects in the order in which each explains most beside those before it.
+    fn order(&self, found: &mut Found) {
+        if found.steps.len() < 2 {
+            return;
+        }
+        let (base, end) = (&found.base, found.model());
+        let first = base.chain.effects.len();
+        let with = |places: &[usize]| {
+            let effects = places.iter().map(|place| end.chain.effects[first + place].clone());
+            let chain = effects.fold(base.chain.clone(), |chain, effect| chain.with(effect));
+            let own = places.iter().flat_map(|place| &end.point[end.chain.range(first + place)]);
+            let point: Vec<f64> =
+                end.point[..base.point.len()].iter().chain(own).copied().collect();
+            Fitted::new(&self.problem.with_chain(&chain), &point, Effort::QUICK)
+        };
+        let (mut order, mut models): (Vec<usize>, Vec<Fitted>) = (Vec::new(), Vec::new());
+        while order.len() < found.steps.len() {
+            let left = (0..found.steps.len()).filter(|place| !order.contains(place));
+            let fits = left.map(|place| (place, with(&[&order[..], &[place]].concat())));
+            let best = fits.min_by(|(_, a), (_, b)| a.bic().total_cmp(&b.bic()));
+            let Some((place, fitted)) = best else { return };
+            order.push(place);
+            models.push(fitted);
+        }
+        if !order.is_sorted() {
+            found.steps = order.iter().map(|&place| found.steps[place].clone()).collect();
+            found.models = models;
+        }
+    }
+
+    /// Takes back the last effect for as long as it explains next to nothing beside the others.
+    fn drop_minor(&self, found: &mut Found) {
+        let mut changed = false;
+        while let [.., before, last] = &found.models[..]
+            && is_minor(&found.base, before, last)
+        {
+            found.steps.pop();
+            found.models.pop();
+            changed = true;
+        }
+        if changed {
+            found.steps.iter_mut().for_each(|step| step.fresh = false);
+            found.last = self.screen(found.model());
+            self.polish(found);
+        }
+    }
+
     /// The model without one of its effects, refitted and screened.
     fn without(&self, found: &Found, index: usize) -> (Fitted, Screen) {
         let model = found.model();
@@ -759,6 +818,14 @@ impl Search<'_> {
             found.models[step] = Fitted::new(&problem, &start, Effort::QUICK);
         }
     }
+}
+
+/// Whether one more effect explains next to nothing of what all explain together.
+fn is_minor(base: &Fitted, without: &Fitted, with: &Fitted) -> bool {
+    let share = |of: fn(&Fitted) -> f64| {
+        (of(without) - of(with)) / (of(base) - of(with)).max(f64::MIN_POSITIVE)
+    };
+    share(|fitted| fitted.cost) < MINOR && share(|fitted| fitted.rms().powi(2)) < MINOR
 }
 
 /// Weighs a model with one more effect by whether what it leaves is noise.

@@ -84,6 +84,11 @@ impl Assessed {
             Verdict::Adequate if guessed || outside.is_some() => Verdict::Unknown,
             verdict => verdict,
         };
+        tracing::debug!(
+            "{} effects: explained {explained:.0}, left beyond noise {leftover:.0} (p = {:.2e}), unexplained {unexplained:.3}, ahead {ahead:.3}",
+            found.steps.len(),
+            after.p_value,
+        );
         let inexact = after.p_value < LEVEL || guessed;
         let discrepancy = if inexact { beyond_noise(found.model(), noise) } else { 0.0 };
         Self { verdict, unexplained, discrepancy, after }

@@ -12,7 +12,7 @@ use crate::criticism::screen::ABSORBED;
 use palpate_fit::data::{Data, DataError};
 use palpate_fit::whole_motion::predict;
 use palpate_model::effects::{
-    Effect, EffectError, LIBRARY, Law, Role, Setting, Sign, chain_of, find, store,
+    Effect, EffectError, LIBRARY, Law, Setting, Sign, chain_of, find, store,
 };
 use palpate_model::{Applied, BaseLaw, Chain, Model, Separation};
 use palpate_trace::{FORCE, Trace};
@@ -273,13 +273,12 @@ fn shapes(law: &Law, setting: &Setting, random: &mut ChaCha8Rng) -> Vec<f64> {
     let shape = |shape: &palpate_model::effects::Shape| {
         let grid = (shape.grid)(scales);
         let at = random.random_range(0..grid.len());
-        let Role::Fitted(bounds) = shape.role else { return grid[at] };
+        let Some((lower, upper)) = shape.role.bounds(scales) else { return grid[at] };
         let gaps = [at.checked_sub(1), Some(at + 1)].into_iter().flatten();
         let near = gaps
             .filter_map(|other| grid.get(other))
             .map(|other| (other - grid[at]).abs())
             .fold(f64::INFINITY, f64::min);
-        let (lower, upper) = bounds(scales);
         let room = (0.5 * near).min(NEAR_GRID * (upper - lower));
         (grid[at] + random.random_range(-1.0..1.0) * room).clamp(lower, upper)
     };

@@ -66,7 +66,7 @@ const EXPONENT: Shape = Shape {
     unit: "",
     meaning: "how the pull grows with the speed",
     grid: |_| vec![0.3],
-    role: Role::Fitted(|_| (0.01, 3.0)),
+    role: Role::Bounded(|_| (0.01, 3.0)),
 };
 
 /// Part of the length of the pull in which a motion turns from approaching to parting.

@@ -80,8 +80,21 @@ pub type Grid = fn(&Scales) -> Vec<f64>;
 pub enum Role {
     /// Fitted within these bounds, in a data set of these scales.
     Fitted(fn(&Scales) -> (f64, f64)),
+    /// The same, where the law means nothing else beyond them: a value on one of them speaks against nothing.
+    Bounded(fn(&Scales) -> (f64, f64)),
     /// Stays at the one value of its grid.
     Given,
+}
+
+impl Role {
+    /// The bounds within which it is fitted, in a data set of these scales; none where it is given.
+    #[must_use]
+    pub fn bounds(self, scales: &Scales) -> Option<(f64, f64)> {
+        match self {
+            Self::Fitted(bounds) | Self::Bounded(bounds) => Some(bounds(scales)),
+            Self::Given => None,
+        }
+    }
 }
 
 /// The sign that physics allows a strength.
@@ -234,20 +247,16 @@ impl Law {
             upper: most(place),
         };
         let shape = |shape: &Shape| {
-            let (lower, upper) = match shape.role {
-                Role::Fitted(bounds) => bounds(scales),
-                Role::Given => {
-                    let value = (shape.grid)(scales).first().copied().unwrap_or(0.0);
-                    (value, value)
-                }
-            };
+            let given = || (shape.grid)(scales).first().copied().unwrap_or(0.0);
+            let bounds = shape.role.bounds(scales);
+            let (lower, upper) = bounds.unwrap_or_else(|| (given(), given()));
             Parameter {
                 name: shape.name.into(),
                 unit: shape.unit.into(),
                 meaning: shape.meaning.into(),
                 lower,
                 upper,
-                bounded: false,
+                bounded: matches!(shape.role, Role::Bounded(_)),
             }
         };
         let strengths = self.strengths(setting);

@@ -68,6 +68,25 @@ pub const EFFECT: Effect = Effect {
             }),
         },
         Law {
+            name: "accelerating",
+            formula: "F → F + d t_set (1 + t_set/T)",
+            strength: RATE,
+            shapes: &[Shape {
+                name: "doubling",
+                unit: "s",
+                meaning: "time since the data set began in which the zero wanders twice as far as at its first pace",
+                grid: |scales| vec![scales.set_duration],
+                role: Role::Fitted(|scales| {
+                    (0.05 * scales.set_duration, 100.0 * scales.set_duration)
+                }),
+            }],
+            act: Act::Force(|scene, parameters, _, force| {
+                let doubling = parameters[1] / MINUTE;
+                let way = |time: f64| time * (1.0 + time / doubling);
+                add(force, |k| parameters[0] * way(minutes(scene, k)));
+            }),
+        },
+        Law {
             name: "each-trace",
             formula: "F → F + d t, zeroed at the beginning of each trace",
             strength: Strength {

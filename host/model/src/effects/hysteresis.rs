@@ -60,6 +60,20 @@ pub const EFFECT: Effect = Effect {
             }),
         },
         Law {
+            name: "exponential",
+            formula: "F → F + h Σ_j w_j (F − P_j)/D_j, P_j stays while within [F − D_j, F + D_j], D_j = j D/4, w_j ∝ j e^(−j/4), Σ_j w_j = 1, j = 1 to 8",
+            strength: HEIGHT,
+            shapes: &[Shape { grid: |scales| vec![0.2 * scales.force], ..WIDTH }],
+            act: Act::Force(|_, parameters, remembered, force| {
+                let part = |j: usize| 0.25 * (j + 1) as f64;
+                let weight = |j: usize| part(j) * (-part(j)).exp();
+                let all: f64 = (0..8).map(weight).sum();
+                let widths = std::array::from_fn::<_, 8, _>(|j| part(j) * parameters[1]);
+                let heights = std::array::from_fn::<_, 8, _>(|j| parameters[0] * weight(j) / all);
+                slip(remembered, &widths, |j| heights[j], force);
+            }),
+        },
+        Law {
             name: "preisach",
             formula: "F → F + h Σ_j (F − P_j)/Σ_j D_j, P_j stays while within [F − D_j, F + D_j], D_j = j F0/16, j = 1 to 8",
             strength: HEIGHT,

@@ -11,7 +11,8 @@ const COEFFICIENT: Strength = Strength {
     meaning: "part by which the elastic response grows for each kelvin",
     sign: Sign::Either,
     typical: |_| 0.003,
-    most: |_| 0.1,
+    // A specimen keeps some stiffness.
+    most: |scales| 0.9 / scales.warmth.max(0.1),
     count: Count::Fixed(&[]),
 };
 

@@ -11,7 +11,8 @@ const COEFFICIENT: Strength = Strength {
     meaning: "part by which the rates of relaxation grow for each kelvin",
     sign: Sign::Positive,
     typical: |_| 0.02,
-    most: |_| 0.5,
+    // The rates of the warmest trace e^5 times those of the coldest.
+    most: |scales| 5.0 / scales.warmth.max(0.1),
     count: Count::Fixed(&[]),
 };
 

@@ -1,7 +1,7 @@
 //! `viscous-drag`: a force against the motion in proportion to its speed.
 
-use super::shapes::FULL_COMPRESSION;
-use super::{Count, Covariate, Effect, Law, Needs, Sign, Strength};
+use super::shapes::{FULL_COMPRESSION, FULL_SPEED};
+use super::{Count, Covariate, Effect, Law, Needs, Role, Shape, Sign, Strength};
 use crate::{Act, Stage};
 
 const VISCOSITY: Strength = Strength {
@@ -59,6 +59,28 @@ pub const EFFECT: Effect = Effect {
                 for ((force, velocity), x) in force.iter_mut().zip(scene.velocity.iter()).zip(path)
                 {
                     *force += parameters[0] * velocity * x.max(0.0) / parameters[1];
+                }
+            }),
+        },
+        Law {
+            name: "power",
+            formula: "F → F + η V sgn(v) |v/V|^m",
+            strength: Strength { meaning: "force for each mm/s at full speed", ..VISCOSITY },
+            shapes: &[
+                Shape {
+                    name: "exponent",
+                    unit: "",
+                    meaning: "how it grows with the speed: below 1 for a film that thins",
+                    grid: |_| vec![0.85],
+                    role: Role::Fitted(|_| (0.7, 2.0)),
+                },
+                FULL_SPEED,
+            ],
+            act: Act::Force(|scene, parameters, _, force| {
+                let &[viscosity, exponent, full] = parameters else { return };
+                for (force, velocity) in force.iter_mut().zip(scene.velocity.iter()) {
+                    let speed = (velocity / full).abs().powf(exponent);
+                    *force += viscosity * full * velocity.signum() * speed;
                 }
             }),
         },

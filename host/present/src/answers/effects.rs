@@ -210,7 +210,7 @@ impl From<&Shape> for ShapeAnswer {
             name: shape.name,
             unit: shape.unit,
             meaning: shape.meaning,
-            fitted: matches!(shape.role, Role::Fitted(_)),
+            fitted: !matches!(shape.role, Role::Given),
         }
     }
 }

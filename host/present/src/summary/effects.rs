@@ -10,7 +10,7 @@ use palpate_diagnose::criticism::residuals::Stretch;
 use palpate_diagnose::criticism::signature::{Signature, signature};
 use palpate_diagnose::practice::session::SPECIMEN;
 use palpate_fit::data::DataError;
-use palpate_model::effects::{Count, Effect, LIBRARY, Law, Needs, Role, Sign};
+use palpate_model::effects::{Count, Effect, LIBRARY, Law, Needs, Sign};
 use palpate_report::number::{percent, significant};
 use palpate_report::{
     Axis, Block, Colour, Column, Dash, Figure, Panels, Plot, Section, Series, Table, markdown,
@@ -117,12 +117,11 @@ fn parameters(signature: &Signature) -> Table {
         let name = format!("`{}`", strength.name);
         table = table.row([law.name, &name, strength.unit, strength.meaning, &values]);
         for shape in law.shapes {
-            let values = match shape.role {
-                Role::Fitted(bounds) => {
-                    let (lower, upper) = bounds(scales);
+            let values = match shape.role.bounds(scales) {
+                Some((lower, upper)) => {
                     format!("{} to {}", significant(lower, 2), significant(upper, 2))
                 }
-                Role::Given => "taken from the data, not fitted".into(),
+                None => "taken from the data, not fitted".into(),
             };
             let name = format!("`{}`", shape.name);
             table = table.row([law.name, &name, shape.unit, shape.meaning, &values]);
