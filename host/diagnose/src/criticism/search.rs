@@ -40,6 +40,8 @@ const WORTH_TRYING: f64 = 0.04;
 /// how the law of another differs from the specimen's: with one effect in another law it is less, and the smaller of two
 /// effects explains more (docs/measured.md).
 const MINOR: f64 = 0.12;
+/// Mean square of the whitened residual, in variances of the noise, below which a model describes the data but for the form of a law.
+const CLOSE_TO_NOISE: f64 = 2.0;
 /// Which laws are refitted in a step.
 struct Breadth {
     /// Most laws.
@@ -742,9 +744,9 @@ impl Search<'_> {
         true
     }
 
-    /// Puts the effects in the order in which each explains most beside those before it.
+    /// Puts the effects of a model that is close to the noise in the order in which each explains most beside those before it.
     fn order(&self, found: &mut Found) {
-        if found.steps.len() < 2 {
+        if found.steps.len() < 2 || !self.is_close_to_noise(found.model()) {
             return;
         }
         let (base, end) = (&found.base, found.model());
@@ -776,6 +778,7 @@ impl Search<'_> {
     fn drop_minor(&self, found: &mut Found) {
         let mut changed = false;
         while let [.., before, last] = &found.models[..]
+            && self.is_close_to_noise(before)
             && is_minor(&found.base, before, last)
         {
             found.steps.pop();
@@ -787,6 +790,11 @@ impl Search<'_> {
             found.last = self.screen(found.model());
             self.polish(found);
         }
+    }
+
+    /// Whether a model describes the data but for the form of a law, where their noise is known.
+    fn is_close_to_noise(&self, fitted: &Fitted) -> bool {
+        !self.whitening.is_guess() && fitted.cost < CLOSE_TO_NOISE * fitted.samples as f64
     }
 
     /// The model without one of its effects, refitted and screened.
