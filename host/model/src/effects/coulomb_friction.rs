@@ -81,19 +81,6 @@ pub const EFFECT: Effect = Effect {
             }),
         },
         Law {
-            name: "asymmetric",
-            formula: "F → F + F_1 tanh(v/v0) for v > 0, F + F_2 tanh(v/v0) for v < 0",
-            strength: Strength { count: Count::Fixed(&["loading", "unloading"]), ..FRICTION },
-            shapes: &[SLIDING_SPEED],
-            act: Act::Force(|scene, parameters, _, force| {
-                let &[loading, unloading, sliding] = parameters else { return };
-                for (force, velocity) in force.iter_mut().zip(scene.velocity.iter()) {
-                    let size = if *velocity > 0.0 { loading } else { unloading };
-                    *force += size * (velocity / sliding).tanh();
-                }
-            }),
-        },
-        Law {
             name: "stribeck",
             formula: "F → F + F_c (1 + e^(−(v/v_s)²)/2) tanh(10 v/v_s)",
             strength: FRICTION,
