@@ -120,6 +120,16 @@ fn a_law_of_ones_own_is_fitted_and_the_ladder_falls_to_the_noise() {
 }
 
 #[test]
+fn what_a_law_is_given_is_no_parameter_to_be_warned_of() {
+    let place = place();
+    let add = ["add", "viscous-drag", "--law", "power", "model.toml", "takes", "-o", "drag.toml"];
+    let (status, out, error) = call(place.path(), &add);
+    assert_eq!(status, 0, "{error}");
+    let lines: Vec<&str> = out.lines().filter(|line| line.contains("full_speed")).collect();
+    assert!(matches!(lines[..], [line] if line.contains("given, not fitted")), "{out}");
+}
+
+#[test]
 fn an_effect_of_the_library_is_added_beside_another_and_taken_from_below() {
     let place = place();
     let folder = place.path();

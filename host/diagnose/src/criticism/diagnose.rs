@@ -11,7 +11,7 @@ use super::options::Options;
 use super::outside::Outside;
 use super::screen::ABSORBED;
 use super::search::{Found, Search};
-use super::verdict::{Assessed, FAR_BEYOND_NEIGHBOURS, beyond_noise};
+use super::verdict::{Assessed, FAR_BEYOND_NEIGHBOURS, beyond_held_out, beyond_noise};
 use palpate_fit::data::{Data, DataError};
 use palpate_fit::least_squares::{Effort, LeastSquares};
 use palpate_fit::means::Means;
@@ -163,6 +163,9 @@ pub fn diagnose_with(
     Ok(course.conclude(&rows, given_rms, history.as_deref().unwrap_or(traces)))
 }
 
+/// Part of the misfit on traces left out that a model with effects may leave there: what blocks of its residual hide, as a
+/// ringing does, is none the less missing.
+const HARDLY_PREDICTS: f64 = 0.75;
 /// Part of an effect's sensitivity that the model's own parameters must leave for it to show well.
 const HARDLY: f64 = 0.1;
 
@@ -221,7 +224,10 @@ impl<'a> Course<'a> {
         let Assessed { verdict, discrepancy, .. } = self.assessed;
         let exact = verdict != Verdict::Unknown && !(self.single_trace() && discrepancy > 0.0);
         let denied = self.search.examine(&mut self.found, exact);
-        self.inexact = denied.is_some() || (!exact && !self.found.steps.is_empty());
+        let named = !self.found.steps.is_empty();
+        let missed =
+            named && beyond_held_out(&self.found.evidence, self.noise.level) > HARDLY_PREDICTS;
+        self.inexact = denied.is_some() || missed || (!exact && named);
         if self.inexact {
             self.keep_what_is_borne_out(denied);
             self.assess();

@@ -102,7 +102,7 @@ pub(super) fn beyond_noise(fitted: &Fitted, noise: &NoiseModel) -> f64 {
 
 /// Part of the misfit on traces left out that the last model leaves there beyond what the uncertainty of its parameters
 /// explains; 0 where it is at the noise.
-fn beyond_held_out(evidence: &[Evidence], noise: f64) -> f64 {
+pub(super) fn beyond_held_out(evidence: &[Evidence], noise: f64) -> f64 {
     let held_out = |evidence: Option<&Evidence>| evidence?.held_out.clone();
     let (Some(first), Some(last)) = (held_out(evidence.first()), held_out(evidence.last())) else {
         return 0.0;
