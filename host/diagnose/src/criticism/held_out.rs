@@ -216,13 +216,6 @@ fn left_out(
     if in_earnest && (cost.is_nan() || cost > foretold.max(0.0) + SAME * variance) {
         point = minimise_with(&others, &point, Effort::QUICK).point;
         (cost, aparts) = others.apart(&point);
-        // The step may have led astray: no refit ends worse than the fit to all.
-        if cost.is_nan() || cost > rest.cost {
-            let mut start = fitted.point.clone();
-            all_own.iter().for_each(|&j| start[j] = 0.0);
-            point = minimise_with(&others, &start, Effort::QUICK).point;
-            (cost, aparts) = others.apart(&point);
-        }
     }
     if !cost.is_finite() {
         let (square, whitened) = (f64::INFINITY, f64::INFINITY);

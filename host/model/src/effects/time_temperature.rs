@@ -11,7 +11,7 @@ const COEFFICIENT: Strength = Strength {
     meaning: "part by which the rates of relaxation grow for each kelvin",
     sign: Sign::Positive,
     typical: |_| 0.02,
-    // The rates of the warmest trace e^5 times those of the coldest.
+    // Rates e^5 times those at the reference where it is furthest from it.
     most: |scales| 5.0 / scales.warmth.max(0.1),
     count: Count::Fixed(&[]),
 };
