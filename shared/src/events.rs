@@ -52,6 +52,9 @@ pub struct Event {
     pub channel: u8,
 }
 
+/// Every so many samples, what is too long ago to matter is forgotten, before its number comes again.
+const FORGETTING: u32 = 1 << 16;
+
 /// What is remembered of a fingertip of `N` gauges, or of `N` signals of one contact, between samples. Sample numbers wrap;
 /// nothing is remembered as longer ago than 2^31.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -86,11 +89,15 @@ impl<const N: usize> State<N> {
     /// The same of signals and FA alone: nothing else is looked at.
     pub fn take(&mut self, config: &Config, parts: &[(i32, i32); N]) -> Option<Event> {
         self.now = self.now.wrapping_add(1);
+        let (now, holds) = (self.now, self.holds);
+        if now.is_multiple_of(FORGETTING) {
+            self.channels.iter_mut().for_each(|channel| channel.forget(config, now));
+        }
         let (mut changed, mut slips) = (None, None);
         for (index, (channel, part)) in self.channels.iter_mut().zip(parts).enumerate() {
             let index = index as u8;
-            match channel.step(config, *part, self.now, self.holds) {
-                Change::Touched(ago) if !self.holds => {
+            match channel.step(config, *part, now, holds) {
+                Change::Touched(ago) if !holds => {
                     changed = changed.or(Some(Event {
                         kind: Kind::Touch,
                         began_samples_ago: ago,

@@ -59,7 +59,7 @@ impl Sense {
 }
 
 impl Channel {
-    pub(super) const fn at_rest(signal: i32) -> Self {
+    pub(super) fn at_rest(signal: i32) -> Self {
         Self {
             smooth: LowPass::at(0),
             rest: LowPass::at(raised(signal)),
@@ -94,6 +94,14 @@ impl Channel {
         self.jolts = Jolts::NONE;
     }
 
+    /// Forgets what is too long ago to matter, before its sample number comes again.
+    #[cold]
+    pub(super) fn forget(&mut self, config: &Config, now: u32) {
+        self.vibration.forget(config, now);
+        self.deaf_since = self.deaf_since.filter(|_| self.is_deaf(config, now));
+        self.jolts.forget(config, now);
+    }
+
     /// Takes a sample, reading and FA; `holds` says whether the fingertip does.
     #[inline(always)]
     pub(super) fn step(
@@ -106,49 +114,54 @@ impl Channel {
         // Within 2^27, so that none of the differences wraps.
         let (signal, rough) = (raised(signal), raised(fa));
         let fa = self.smooth.follow(config.smoothing, rough);
-        let strength = fa.wrapping_abs();
-        let side = if strength < config.band { 0 } else { fa.signum() };
+        let side = i32::from(fa >= config.band).wrapping_sub(i32::from(fa.wrapping_neg() >= config.band));
         if side != self.side {
             self.side = side;
             self.on_this_side = now;
             self.spent = false;
         }
-        let jolt = self.vibration.jolts(config, rough, fa, now);
+        let shakes = self.vibration.shakes(config, rough, fa);
         let above_rest = signal.wrapping_sub(self.rest.level());
-        let bursts = strength >= config.burst;
         let change = match self.held {
-            None => self.untouched(config, fa, above_rest, bursts, signal, now),
+            None => self.untouched(config, fa, above_rest, signal, now),
             Some(sense) => self.touched(config, sense.turn(fa), sense.turn(above_rest), now),
         };
+        let jolts = shakes && self.vibration.jolts(config, now);
         if change != Change::None {
             self.spent = true;
             self.unquiet = now;
             return change;
         }
-        let hears = holds && self.hears(config, now);
-        self.slip(config, jolt && hears, now)
+        if jolts && holds { self.slip(config, now) } else { Change::None }
     }
 
     /// Nothing is held: is it touched?
+    #[inline(always)]
     fn untouched(
         &mut self,
         config: &Config,
         fa: i32,
         above_rest: i32,
-        bursts: bool,
         signal: i32,
         now: u32,
     ) -> Change {
-        if bursts {
+        if fa.wrapping_abs() >= config.burst {
             self.unquiet = now;
-        } else if now.wrapping_sub(self.unquiet) > config.settle {
+            return self.bursts(config, fa, above_rest, now);
+        }
+        if now.wrapping_sub(self.unquiet) > config.settle {
             self.unquiet = now.wrapping_sub(config.settle).wrapping_sub(1);
             self.rest.follow(config.resting, signal);
         }
+        Change::None
+    }
+
+    /// A burst while nothing is held.
+    fn bursts(&mut self, config: &Config, fa: i32, above_rest: i32, now: u32) -> Change {
         let sense = Sense::of(fa);
         // A load that makes FA burst is larger than FA: what only comes back to rest, as after a pull, is none.
         let left_rest = sense.turn(above_rest) >= config.burst.saturating_mul(2);
-        if !bursts || self.spent || !left_rest || !config.admits(sense == Sense::Up) {
+        if self.spent || !left_rest || !config.admits(sense == Sense::Up) {
             return Change::None;
         }
         self.held = Some(sense);
@@ -159,46 +172,53 @@ impl Channel {
     }
 
     /// Something is held: is it let go of? `fa` and `above_rest` are positive for pressing.
+    #[inline(always)]
     fn touched(&mut self, config: &Config, fa: i32, above_rest: i32, now: u32) -> Change {
-        if fa > config.band.saturating_neg() {
-            self.before_fall = above_rest;
-            self.lowest = 0;
-        }
-        self.lowest = self.lowest.min(fa);
-        let away = above_rest.saturating_abs() > config.burst;
-        if away || fa.saturating_abs() >= config.burst {
+        let away = above_rest.wrapping_abs() > config.burst;
+        if away || fa.wrapping_abs() >= config.burst {
             self.unquiet = now;
+        } else if now.wrapping_sub(self.unquiet) > config.settle {
+            // Silence: the contact is forgotten.
+            self.held = None;
         }
-        let bursts = self.lowest <= config.burst.saturating_neg();
-        self.fallen =
-            self.lowest <= config.band.saturating_neg() && above_rest < self.before_fall / 2;
+        if fa.wrapping_neg() < config.band {
+            self.before_fall = above_rest;
+            self.lowest = fa.min(0);
+            self.fallen = false;
+            return Change::None;
+        }
+        self.falls(config, fa, above_rest, now)
+    }
+
+    /// FA is beyond its resting band, the way of a release, while something is held.
+    fn falls(&mut self, config: &Config, fa: i32, above_rest: i32, now: u32) -> Change {
+        self.lowest = self.lowest.min(fa);
+        self.fallen = above_rest < self.before_fall / 2;
         // Some of the way back, beyond the noise: the load no longer falls.
         let back = (self.lowest.saturating_abs() / 32).max(config.band);
         let turned = fa.saturating_sub(self.lowest) > back;
+        let bursts = self.lowest <= config.burst.saturating_neg();
         if bursts && turned && !self.spent && self.fallen {
             self.held = None;
             return Change::LetGo(now.wrapping_sub(self.on_this_side));
         }
-        if now.wrapping_sub(self.unquiet) > config.settle {
-            self.held = None;
-        }
         Change::None
     }
 
-    /// Whether jolts count again.
-    fn hears(&mut self, config: &Config, now: u32) -> bool {
-        let deaf = |since: u32| now.wrapping_sub(since) <= config.deaf;
-        self.deaf_since = self.deaf_since.filter(|since| deaf(*since));
-        self.deaf_since.is_none()
+    /// A jolt while something is held: does it make a slip?
+    #[cold]
+    fn slip(&mut self, config: &Config, now: u32) -> Change {
+        if self.is_deaf(config, now) {
+            return Change::None;
+        }
+        self.jolts.forget(config, now);
+        let first = self.jolts.add(config, now);
+        first.map_or(Change::None, |first| Change::Slipped(now.wrapping_sub(first)))
     }
 
-    /// Whether the jolts make a slip.
-    fn slip(&mut self, config: &Config, jolt: bool, now: u32) -> Change {
-        if self.jolts.last().is_some_and(|last| now.wrapping_sub(last) > config.within) {
-            self.jolts = Jolts::NONE;
-        }
-        let first = if jolt { self.jolts.add(config, now) } else { None };
-        first.map_or(Change::None, |first| Change::Slipped(now.wrapping_sub(first)))
+    /// Whether no jolt counts yet.
+    fn is_deaf(&self, config: &Config, now: u32) -> bool {
+        self.deaf_since.is_some_and(|since| now.wrapping_sub(since) <= config.deaf)
     }
 }
 
@@ -230,8 +250,11 @@ impl Jolts {
         Some(first)
     }
 
-    /// When the last one came.
-    fn last(&self) -> Option<u32> {
-        self.at.first().copied().filter(|_| self.count > 0)
+    /// The series is over when none came for so long.
+    fn forget(&mut self, config: &Config, now: u32) {
+        let last = self.at.first().copied().filter(|_| self.count > 0);
+        if last.is_some_and(|last| now.wrapping_sub(last) > config.within) {
+            *self = Self::NONE;
+        }
     }
 }

@@ -175,6 +175,33 @@ fn settings_out_of_range_are_refused_by_name() {
     assert!(Config::new(&Settings { jolts: 0, corner_hz: 1e9, ..it }, LSB, 1.0).is_ok());
 }
 
+/// Whether the third of three jolts tells a slip, if the sample numbers have gone round since the second.
+fn third_jolt_tells(after_a_round: bool) -> bool {
+    let config = config();
+    let mut state = State::at_rest([0]);
+    let take = |state: &mut State<1>, fa: i32, samples: u32| {
+        let mut events = (0..samples).filter_map(|_| state.take(&config, &[(256_000, fa)]));
+        events.next().map(|event| event.kind)
+    };
+    assert_eq!(take(&mut state, 25_600, 20), Some(Kind::Touch));
+    assert_eq!(take(&mut state, 0, 1_000), None);
+    assert_eq!(take(&mut state, 100, 60), None);
+    assert_eq!(take(&mut state, 0, 60), None);
+    if after_a_round {
+        let now = state.now;
+        state.now = FORGETTING * 7 - 1;
+        take(&mut state, 0, 1);
+        state.now = now;
+    }
+    take(&mut state, 100, 60) == Some(Kind::Slip)
+}
+
+#[test]
+fn jolts_of_a_round_of_sample_numbers_ago_make_no_slip() {
+    assert!(third_jolt_tells(false));
+    assert!(!third_jolt_tells(true));
+}
+
 proptest! {
     #[test]
     fn anything_at_all_is_taken_without_panic(

@@ -8,21 +8,15 @@ const RAISED: u32 = 3;
 /// Largest signal or FA admitted, LSB: 25 bits, so that the differences of three stages still fit in 32.
 const LARGEST: i32 = (1 << 24) - 1;
 const LEAST: i32 = -1 << 24;
-/// A jolt weaker than the strongest of late, or than the largest FA of late, by more than this, as a power of two, does not
-/// count.
+/// A jolt weaker than the strongest of late by more than this, as a power of two, does not count.
 const MASKED: u32 = 2;
-const DROWNED: u32 = 10;
+/// FA counts beside vibration as if it were weaker by this, as a power of two.
+const DROWNED: u32 = 8;
 
 /// A value in LSB as the filters take it.
-pub(super) const fn raised(value: i32) -> i32 {
-    let admitted = if value > LARGEST {
-        LARGEST
-    } else if value < LEAST {
-        LEAST
-    } else {
-        value
-    };
-    admitted << RAISED
+#[inline(always)]
+pub(super) fn raised(value: i32) -> i32 {
+    value.clamp(LEAST, LARGEST) << RAISED
 }
 
 /// A low pass of first order; its level has 32 fractional bits more than a raised value, so that the upper word is one.
@@ -58,42 +52,46 @@ impl LowPass {
     }
 }
 
-/// Three high passes one behind the other, and the strength of late.
+/// Three high passes one behind the other, and what is strong enough to be heard behind what was felt of late.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Vibration {
     stages: [LowPass; 3],
-    /// The strongest of late; forgets with the time of a mask.
+    /// The strongest vibration of late, or the largest smoothed FA of late as it counts beside it; forgets with the time of a
+    /// mask.
     strongest: LowPass,
-    /// The largest smoothed FA of late, likewise.
-    largest: LowPass,
     /// When the last jolt came, if any did.
     last: Option<u32>,
 }
 
 impl Vibration {
-    pub(super) const NONE: Self = Self {
-        stages: [LowPass::at(0); 3],
-        strongest: LowPass::at(0),
-        largest: LowPass::at(0),
-        last: None,
-    };
+    pub(super) const NONE: Self =
+        Self { stages: [LowPass::at(0); 3], strongest: LowPass::at(0), last: None };
 
-    /// Takes a raised FA, and smoothed; whether a jolt comes with it.
+    /// Takes a raised FA, and smoothed; whether it is as strong as a jolt.
     #[inline(always)]
-    pub(super) fn jolts(&mut self, config: &Config, fa: i32, smooth: i32, now: u32) -> bool {
+    pub(super) fn shakes(&mut self, config: &Config, fa: i32, smooth: i32) -> bool {
         let mut rest = fa;
         for stage in &mut self.stages {
             rest = rest.wrapping_sub(stage.follow(config.corner, rest));
         }
         let strength = rest.wrapping_abs();
-        let strongest = self.strongest.at_least(config.masking, strength);
-        let largest = self.largest.at_least(config.masking, smooth.wrapping_abs());
-        let masked = (strongest >> MASKED).max(largest >> DROWNED);
-        let counts = strength >= config.jolt.max(masked);
-        let apart = self.last.is_none_or(|last| now.wrapping_sub(last) >= config.apart);
-        if counts && apart {
-            self.last = Some(now);
+        let felt = strength.max(smooth.wrapping_abs() >> DROWNED);
+        let strongest = self.strongest.at_least(config.masking, felt);
+        strength >= config.jolt && strength >= strongest >> MASKED
+    }
+
+    /// Something as strong as a jolt comes: whether it is one, far enough behind the last.
+    #[inline(always)]
+    pub(super) fn jolts(&mut self, config: &Config, now: u32) -> bool {
+        if self.last.is_some_and(|last| now.wrapping_sub(last) < config.apart) {
+            return false;
         }
-        counts && apart && config.jolts > 0
+        self.last = Some(now);
+        config.jolts > 0
+    }
+
+    /// Forgets a jolt that is too long ago to matter.
+    pub(super) fn forget(&mut self, config: &Config, now: u32) {
+        self.last = self.last.filter(|last| now.wrapping_sub(*last) < config.apart);
     }
 }
