@@ -28,6 +28,8 @@ pub struct Setting {
 pub enum ReadError {
     /// The converter was reset by something else and runs with settings of its own.
     SettingsLost,
+    /// It has none that was not read before.
+    Stale,
     /// Anything else.
     Fault(ConverterFault),
 }
@@ -218,7 +220,9 @@ impl<C: Converter, D: DelayNs> FrontEnd<C, D> {
                 Some(Sample { time_us: now_us, counts, lost })
             }
             Err(error) => {
-                self.lost.damaged = self.lost.damaged.saturating_add(1);
+                // The first edge may be that of a conversion which was forgotten as old when listening began: no loss.
+                let is_loss = self.began || error != ReadError::Stale;
+                self.lost.damaged = self.lost.damaged.saturating_add(is_loss.into());
                 self.note(error);
                 None
             }
@@ -273,12 +277,15 @@ impl<C: Converter, D: DelayNs> FrontEnd<C, D> {
     fn note(&mut self, error: ReadError) {
         match error {
             ReadError::SettingsLost => (self.is_set, self.retry_us) = (false, 0),
-            ReadError::Fault(fault) => {
-                self.faulty = self.faulty.saturating_add(1);
-                if self.faulty >= FAULTY {
-                    self.fault = Some(fault);
-                }
-            }
+            ReadError::Stale => self.count_fault(ConverterFault::Damaged),
+            ReadError::Fault(fault) => self.count_fault(fault),
+        }
+    }
+
+    fn count_fault(&mut self, fault: ConverterFault) {
+        self.faulty = self.faulty.saturating_add(1);
+        if self.faulty >= FAULTY {
+            self.fault = Some(fault);
         }
     }
 

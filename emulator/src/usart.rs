@@ -1,4 +1,5 @@
-//! A USART of the STM32F4 and the line to the host: byte times, one receive register, overrun, frames of another speed.
+//! A USART of the STM32F4 and the line to the host: byte times, one receive register, overrun, frames of another speed, requests for
+//! bytes by DMA.
 
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, MutexGuard};
@@ -28,6 +29,7 @@ const TXE: u32 = 1 << 7;
 const RE: u32 = 1 << 2;
 const RXNEIE: u32 = 1 << 5;
 const UE: u32 = 1 << 13;
+const DMAT: u32 = 1 << 7;
 /// EIE and DMAR: errors interrupt on their own only with both.
 const ERRORS: u32 = 1 | 1 << 6;
 
@@ -133,13 +135,15 @@ impl Usart {
     }
 
     fn interrupt(&self) {
-        let wanted = {
+        let (wanted, asks) = {
             let State { sr, control: [cr1, _, cr3], .. } = *self.state.lock().unwrap();
             let byte = sr & (RXNE | ORE) != 0 && cr1 & RXNEIE != 0;
             let error = sr & (ORE | FE) != 0 && cr3 & ERRORS == ERRORS;
-            cr1 & UE != 0 && (sr & cr1 & (TXE | TC) != 0 || byte || error)
+            let sent = sr & cr1 & (TXE | TC) != 0;
+            (cr1 & UE != 0 && (sent || byte || error), cr1 & UE != 0 && cr3 & DMAT != 0 && sr & TXE != 0)
         };
         self.pins.drive("irq", wanted);
+        self.pins.drive("asks", asks);
     }
 
     fn load(&self, state: &mut State) {
@@ -301,5 +305,6 @@ impl Part for Line {
 
 /// Pins of both.
 pub fn schemas() -> [ClassSchema; 2] {
-    [ClassSchema::new(USART.name).region("").port("irq", PortDir::Out), ClassSchema::new(LINE.name)]
+    let usart = ClassSchema::new(USART.name).region("");
+    [usart.port("irq", PortDir::Out).port("asks", PortDir::Out), ClassSchema::new(LINE.name)]
 }

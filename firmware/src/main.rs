@@ -3,7 +3,7 @@
 //! What it does is in the crate `device`, which the host's simulated device shares. Here is what drives it:
 //!
 //! ```text
-//! priority 5   line       USART interrupt: one byte in, one byte out               ── queue of bytes ──┐
+//! priority 5   line       USART interrupt: one byte in, one frame out              ── queue of bytes ──┐
 //! priority 4   SysTick    every 1 ms: wakes what sleeps                                                │
 //! priority 3   read       DRDY interrupt: stamps the time, reads the converter     ── queue of samples ┼─┐
 //! priority 2   command    cuts frames, carries out commands                        ◄───────────────────┘ │
@@ -50,7 +50,6 @@ mod app {
     use device::converters::FourChannels;
     use device::{Converter, Device, FrontEnd, Identity, Restart, Room, Sample, begin_with};
     use embedded_hal_bus::spi::{ExclusiveDevice, NoDelay};
-    use embedded_hal_nb::serial::Write;
     use heapless::spsc::{Consumer, Producer, Queue};
     use rtic_monotonics::{Timebase, fugit, systick_monotonic};
     use rtic_sync::signal::SignalReader;
@@ -59,12 +58,13 @@ mod app {
     use stm32f4xx_hal::otg_fs::UsbBusType;
     use stm32f4xx_hal::pac::{Interrupt, NVIC, SPI2, USART3};
     use stm32f4xx_hal::prelude::*;
-    use stm32f4xx_hal::serial::{self, RxListen, Serial, Tx, TxISR, TxListen};
+    use stm32f4xx_hal::serial::{self, RxListen, Serial};
     use stm32f4xx_hal::spi::Spi;
     use usb::{Frame, SerialNumber, UsbLine};
     use usb_device::bus::UsbBusAllocator;
 
     use crate::board::temperature::Thermometer;
+    use crate::board::transmitter::Transmitter;
     use crate::board::watchdog::{Stage, Watchdog, progress};
     use crate::board::{
         self, clocks, edge, fingerprint, receiver, reset, socket, stack, supply, time,
@@ -97,7 +97,7 @@ mod app {
         lamp: PC1<Output>,
         samples_in: Producer<'static, Sample>,
         samples: Consumer<'static, Sample>,
-        tx: Tx<USART3>,
+        transmitter: Transmitter,
         bytes_in: Producer<'static, u8>,
         inlets: [Inlet; 2],
         outlets: Outlets,
@@ -188,6 +188,7 @@ mod app {
         };
         let (tx, mut rx) = link.split();
         rx.listen();
+        let transmitter = Transmitter::new(tx, p.DMA1, &mut rcc);
 
         let core = (p.OTG_FS_GLOBAL, p.OTG_FS_DEVICE, p.OTG_FS_PWRCLK);
         let bus = socket::start(core, (a.pa11, a.pa12), cx.local.usb_memory, &mut rcc);
@@ -235,7 +236,7 @@ mod app {
                 lamp: c.pc1.into_push_pull_output(),
                 samples_in,
                 samples,
-                tx,
+                transmitter,
                 bytes_in,
                 inlets: [Inlet::new(Line::Serial, bytes), Inlet::new(Line::Usb, usb_bytes)],
                 outlets: Outlets { serial: frames_in, usb: usb_frames_in },
@@ -280,10 +281,10 @@ mod app {
     /// Bytes of the host that were lost on the line.
     static BYTES_LOST: AtomicU32 = AtomicU32::new(0);
 
-    /// One byte of the link, in or out.
-    #[task(binds = USART3, priority = 5, local = [tx, bytes_in, frames, sent: usize = 0])]
+    /// One byte of the host, or a frame for it that was sent.
+    #[task(binds = USART3, priority = 5, local = [transmitter, bytes_in, frames])]
     fn line(cx: line::Context) {
-        let line::LocalResources { tx, bytes_in, frames, sent, .. } = cx.local;
+        let line::LocalResources { transmitter, bytes_in, frames, .. } = cx.local;
         let received = receiver::take();
         // The line cannot be held back: without room the byte is lost, and counted.
         let found_no_room = received.byte.is_some_and(|byte| bytes_in.enqueue(byte).is_err());
@@ -294,25 +295,14 @@ mod app {
         if received.byte.is_some() {
             wake(&wake::COMMAND);
         }
-        // On a real line the register is full again after a byte or two, and its interrupt brings us back here.
-        while tx.is_tx_empty() {
-            match frames.peek().map(|frame| frame.get(*sent)) {
-                Some(Some(byte)) => {
-                    *sent += 1;
-                    let _ = tx.write(*byte);
-                    tx.listen();
-                }
-                Some(None) => {
-                    *sent = 0;
-                    frames.dequeue();
-                    wake(&wake::SEND);
-                }
-                None => {
-                    tx.unlisten();
-                    break;
-                }
+        while let Some(frame) = frames.peek() {
+            if !transmitter.has_sent(frame) {
+                return;
             }
+            frames.dequeue();
+            wake(&wake::SEND);
         }
+        transmitter.rest();
     }
 
     /// Cuts frames out of the bytes of the host and carries out its commands.

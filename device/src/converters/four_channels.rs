@@ -77,6 +77,7 @@ impl<SPI: SpiDevice, RESET: OutputPin> Converter for FourChannels<SPI, RESET> {
         match self.part.read() {
             Ok(reading) => Ok(reading.counts),
             Err(Error::ConfigurationLost { .. }) => Err(ReadError::SettingsLost),
+            Err(Error::NoNewData { .. }) => Err(ReadError::Stale),
             Err(error) => Err(ReadError::Fault(fault(&error))),
         }
     }

@@ -137,7 +137,7 @@ impl<I2C: I2c> Converter for OneChannel<I2C> {
             return Err(ReadError::SettingsLost);
         }
         if power & HAS_DATA == 0 {
-            return Err(ReadError::Fault(ConverterFault::Damaged));
+            return Err(ReadError::Stale);
         }
         let [high, middle, low] = self.take(RESULT).map_err(ReadError::Fault)?;
         // The sign is that of the upper byte.

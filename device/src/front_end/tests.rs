@@ -105,6 +105,21 @@ fn the_first_conversions_settle_and_are_not_used_and_that_is_no_loss() {
 }
 
 #[test]
+fn an_edge_whose_conversion_was_forgotten_when_listening_began_is_no_loss_but_a_later_one_is() {
+    let mut bench = Bench::listening();
+    bench.front_end.converter.reads.push_back(Err(ReadError::Stale));
+    bench.pass(50, true);
+    assert_eq!((bench.samples, bench.lost, bench.fault), (46, 0, None));
+    bench.front_end.converter.reads.push_back(Err(ReadError::Stale));
+    bench.pass(50, true);
+    assert_eq!((bench.samples, bench.lost, bench.fault), (95, 1, None));
+    bench.front_end.converter.reads = std::iter::repeat_n(Err(ReadError::Stale), 50).collect();
+    bench.pass(50, true);
+    assert_eq!(bench.fault, Some(ConverterFault::Damaged));
+    bench.accounts_for_all();
+}
+
+#[test]
 fn a_wire_that_breaks_is_a_fault_every_conversion_counts_and_the_fault_ends_with_it() {
     let mut bench = Bench::listening();
     bench.pass(50, true);

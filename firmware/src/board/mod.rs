@@ -10,7 +10,7 @@
 //! | clock of another finger | PB6 | SCL | joined to ground where CLKIN comes from there |
 //! | USB D−, D+ | PA11, PA12 | the socket | OTG_FS |
 //! | lamp | PC1 | on the board | |
-//! | link TX, RX | PB10, PB11 | TX, RX | USART3, 1,000,000 baud, 8N1 |
+//! | link TX, RX | PB10, PB11 | TX, RX | USART3, 1,000,000 baud, 8N1; DMA1 stream 3 carries what is sent |
 
 pub mod clocks;
 mod crystal;
@@ -24,6 +24,7 @@ pub mod stack;
 pub mod supply;
 pub mod temperature;
 pub mod time;
+pub mod transmitter;
 pub mod watchdog;
 
 /// Clock of the converter, Hz: the timer's 168 MHz by 21, or the internal 16 MHz by 2.
