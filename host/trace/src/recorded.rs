@@ -109,7 +109,20 @@ pub fn to_traces(
     if recorded.traces.is_empty() {
         return Err(Error::NoStream { path: path.into() });
     }
+    if shared {
+        begin_when_opened(&mut recorded.traces);
+    }
     Ok(recorded)
+}
+
+/// Nothing was recorded before the recording was opened. Where the lines under the times of arrival, of a short recording say, have
+/// it a little earlier, all traces are moved alike.
+fn begin_when_opened(traces: &mut [Trace]) {
+    let first =
+        traces.iter().filter_map(|trace| trace.time.first()).fold(0.0, |a: f64, b| a.min(*b));
+    for trace in traces {
+        trace.time.iter_mut().for_each(|time| *time -= first);
+    }
 }
 
 /// The devices of a recording: one, or several that share it.
@@ -393,6 +406,18 @@ mod tests {
         }
         let rows = first.time.iter().chain(&second.time);
         assert!(rows.clone().count() == 2 * 87 && rows.copied().all(|time| time > 0.9));
+    }
+
+    #[test]
+    fn no_row_of_several_devices_is_earlier_than_the_opening() {
+        let trace = |time: &[f64]| Trace { time: time.to_vec(), ..Trace::default() };
+        let begun = |first: &[f64], second: &[f64]| {
+            let mut traces = [trace(first), trace(second)];
+            begin_when_opened(&mut traces);
+            traces.map(|trace| trace.time)
+        };
+        assert_eq!(begun(&[-0.25, 0.5], &[0.25, 1.0]), [[0.0, 0.75], [0.5, 1.25]]);
+        assert_eq!(begun(&[0.25, 0.5], &[0.5, 1.0]), [[0.25, 0.5], [0.5, 1.0]]);
     }
 
     #[test]

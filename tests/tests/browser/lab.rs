@@ -57,6 +57,13 @@ fn a_hidden_effect_is_added_from_the_candidates_and_taken_out_again() {
     let friction = ".lab-candidate[data-effect=coulomb-friction]";
     browser.point(friction);
     browser.says(".lab-legend", "with coulomb-friction");
+    // As long as the pointer is there, whichever trace is drawn.
+    let of_this_trace = browser.text(".lab-legend");
+    browser.press(']');
+    browser.until_so("the forecast of the next trace", || {
+        let legend = browser.text(".lab-legend");
+        legend != of_this_trace && legend.contains("with coulomb-friction")
+    });
     let formula =
         browser.script("return document.querySelector('.lab-model .lab-formula').innerHTML");
     let formula = formula.as_str().unwrap();

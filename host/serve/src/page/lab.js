@@ -237,6 +237,8 @@ export function open(root, api) {
     const { comparison, model: now } = state;
     const unfitted = "Once a base law is fitted.";
     columns.classList.toggle("lab-empty", !state.traces.length);
+    // Elements that go say nothing of the pointer or the focus on them; those that come do.
+    plots.hover(null);
     drawBench();
     drawTrace();
     // The map has room for its rows from the first.

@@ -57,6 +57,8 @@ export function overlay(root, picker, ask, fail) {
       if (mine !== info) continue;
       [data, forecast, asFor] = [found, null, asked];
       draw();
+      // The pointer or the focus may have been there before what is drawn.
+      if (hovered) hover(hovered);
     }
     clearTimeout(again);
     if (data && data.regions === null) again = setTimeout(load, AGAIN);
