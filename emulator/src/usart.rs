@@ -140,7 +140,8 @@ impl Usart {
             let byte = sr & (RXNE | ORE) != 0 && cr1 & RXNEIE != 0;
             let error = sr & (ORE | FE) != 0 && cr3 & ERRORS == ERRORS;
             let sent = sr & cr1 & (TXE | TC) != 0;
-            (cr1 & UE != 0 && (sent || byte || error), cr1 & UE != 0 && cr3 & DMAT != 0 && sr & TXE != 0)
+            let is_on = cr1 & UE != 0;
+            (is_on && (sent || byte || error), is_on && cr3 & DMAT != 0 && sr & TXE != 0)
         };
         self.pins.drive("irq", wanted);
         self.pins.drive("asks", asks);

@@ -11,7 +11,7 @@ use crate::packages;
 
 const QEMU: &str = "qemu-system-arm";
 /// Emulators that run at the same time.
-const AT_ONCE: u32 = 2;
+pub const AT_ONCE: u32 = 2;
 
 /// Sets up, builds and runs everything that the firmware promises, with a steady stream of so many seconds.
 pub fn run(steady_s: u32, update: bool) -> miette::Result<()> {

@@ -1,7 +1,9 @@
 //! The tests that wait for something, round after round beside other work: they must pass whatever the machine does meanwhile.
+//! Those that draw run first and alone; the others side by side, each at its own pace.
 
 use std::fs::{self, File};
 use std::hint::spin_loop;
+use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -14,7 +16,7 @@ use miette::{IntoDiagnostic, bail};
 use crate::check::{STEADY_S, rust, workspace};
 use crate::{browser, emulate, modelled};
 
-/// Loops that do nothing but take time, beside every round.
+/// Loops that do nothing but take time, beside all rounds.
 const BUSY_LOOPS: usize = 2;
 
 /// What is run in a round.
@@ -29,6 +31,15 @@ pub enum Suite {
 }
 
 impl Suite {
+    /// Tests that run at the same time.
+    const fn at_once(self) -> u32 {
+        match self {
+            Self::Browser => browser::AT_ONCE,
+            Self::Emulator => emulate::AT_ONCE,
+            Self::Device => 2,
+        }
+    }
+
     /// The files of tests, and whether they are those that need something set up.
     fn files(self) -> (&'static [&'static str], bool) {
         match self {
@@ -55,14 +66,21 @@ struct Outcome {
     failed: Option<Vec<String>>,
 }
 
-/// Runs the tests of these suites, all where none is named, so many times in a row and prints a table of the rounds.
+/// Runs the tests of these suites, all where none is named, so many times in a row and prints a line for each round of each.
 pub fn run(rounds: u32, suites: &[Suite]) -> miette::Result<()> {
     let all = Suite::value_variants();
-    let courses = courses(if suites.is_empty() { all } else { suites })?;
+    let suites = if suites.is_empty() { all } else { suites };
+    // Set up and built while the machine is quiet.
+    let mut lanes = Vec::new();
+    for suite in suites {
+        lanes.push((*suite, courses(*suite)?));
+    }
     let folder = workspace().join("target/steady");
     fs::create_dir_all(&folder).into_diagnostic()?;
+    let (drawn, others): (Vec<_>, Vec<_>) =
+        lanes.iter().partition(|(suite, _)| *suite == Suite::Browser);
     let done = AtomicBool::new(false);
-    let outcomes = thread::scope(|scope| {
+    let failures = thread::scope(|scope| {
         for _ in 0..BUSY_LOOPS {
             scope.spawn(|| {
                 while !done.load(Ordering::Relaxed) {
@@ -70,12 +88,12 @@ pub fn run(rounds: u32, suites: &[Suite]) -> miette::Result<()> {
                 }
             });
         }
-        let outcomes = all_rounds(rounds, &courses, &folder);
+        let failures = side_by_side(rounds, &drawn, &folder)
+            .and_then(|failures| Ok(failures + side_by_side(rounds, &others, &folder)?));
         done.store(true, Ordering::Relaxed);
-        outcomes
+        failures
     })?;
-    let failures = outcomes.iter().flatten().filter(|outcome| outcome.failed.is_some()).count();
-    let runs = outcomes.len() * courses.len();
+    let runs = rounds as usize * lanes.iter().map(|(_, lane)| lane.len()).sum::<usize>();
     println!("{} of {runs} runs passed beside {BUSY_LOOPS} busy loops", runs - failures);
     if failures > 0 {
         bail!("{failures} of {runs} runs failed; what they said is in {}", folder.display());
@@ -83,35 +101,35 @@ pub fn run(rounds: u32, suites: &[Suite]) -> miette::Result<()> {
     Ok(())
 }
 
-/// Sets up and builds what the suites need, while the machine is quiet.
-fn courses(suites: &[Suite]) -> miette::Result<Vec<Course>> {
-    let mut courses = Vec::new();
-    for suite in suites {
-        let mut environment = vec![("PALPATE_STEADY_S", STEADY_S.to_string())];
-        match suite {
-            Suite::Browser => environment.extend(browser::set_up()?),
-            Suite::Emulator => emulate::set_up()?,
-            Suite::Device => environment.push(("PROPTEST_RNG_SEED", "1".into())),
-        }
-        let (files, ignored) = suite.files();
-        let named: Vec<&str> = files.iter().flat_map(|file| ["--test", *file]).collect();
-        let build = [&["test", "--workspace", "--no-run"][..], &named].concat();
-        rust("tests", workspace(), &build, &[])?;
-        courses.extend(files.iter().map(|file| Course {
+/// Sets up and builds what a suite needs.
+fn courses(suite: Suite) -> miette::Result<Vec<Course>> {
+    let mut environment = vec![("PALPATE_STEADY_S", STEADY_S.to_string())];
+    match suite {
+        Suite::Browser => environment.extend(browser::set_up()?),
+        Suite::Emulator => emulate::set_up()?,
+        Suite::Device => environment.push(("PROPTEST_RNG_SEED", "1".into())),
+    }
+    let (files, ignored) = suite.files();
+    let named: Vec<&str> = files.iter().flat_map(|file| ["--test", *file]).collect();
+    let build = [&["test", "--workspace", "--no-run"][..], &named].concat();
+    rust("tests", workspace(), &build, &[])?;
+    let mut courses: Vec<Course> = files
+        .iter()
+        .map(|file| Course {
             name: file,
             folder: workspace().into(),
-            arguments: arguments(file, ignored, *suite == Suite::Browser),
+            arguments: arguments(file, ignored, suite.at_once()),
             environment: environment.clone(),
-        }));
-        if *suite == Suite::Emulator {
-            courses.push(modelled_course()?);
-        }
+        })
+        .collect();
+    if suite == Suite::Emulator {
+        courses.push(modelled_course()?);
     }
     Ok(courses)
 }
 
-fn arguments(file: &str, ignored: bool, in_browser: bool) -> Vec<String> {
-    let threads = format!("--test-threads={}", if in_browser { browser::AT_ONCE } else { 1 });
+fn arguments(file: &str, ignored: bool, at_once: u32) -> Vec<String> {
+    let threads = format!("--test-threads={at_once}");
     let tests = ["test", "--workspace", "--test", file, "--", &threads];
     let set_up: &[&str] = if ignored { &["--ignored", "--skip", "pictures::"] } else { &[] };
     tests.iter().chain(set_up).map(ToString::to_string).collect()
@@ -130,27 +148,40 @@ fn modelled_course() -> miette::Result<Course> {
     })
 }
 
-fn all_rounds(rounds: u32, courses: &[Course], folder: &Path) -> miette::Result<Vec<Vec<Outcome>>> {
-    let heads: Vec<String> = courses.iter().map(|course| format!("{:>14}", course.name)).collect();
-    println!("round{}", heads.concat());
-    let mut outcomes = Vec::new();
+/// Runs suites beside each other; how many runs failed.
+fn side_by_side(
+    rounds: u32,
+    lanes: &[&(Suite, Vec<Course>)],
+    folder: &Path,
+) -> miette::Result<usize> {
+    thread::scope(|scope| {
+        let lanes: Vec<_> = lanes
+            .iter()
+            .map(|(_, lane)| scope.spawn(|| all_rounds(rounds, lane, folder)))
+            .collect();
+        let failures =
+            lanes.into_iter().map(|lane| lane.join().unwrap_or_else(|panic| resume_unwind(panic)));
+        failures.sum()
+    })
+}
+
+/// Runs one suite again and again; how many of its runs failed.
+fn all_rounds(rounds: u32, courses: &[Course], folder: &Path) -> miette::Result<usize> {
+    let mut failures = 0;
     for round in 1..=rounds {
-        let mut row = Vec::new();
+        let mut row = format!("round {round:>2}");
         for course in courses {
             let log = folder.join(format!("{round}-{}.log", course.name));
-            row.push(course.run(&log)?);
-        }
-        let cells: Vec<String> = row.iter().map(Outcome::cell).collect();
-        println!("{round:>5}{}", cells.concat());
-        for (outcome, course) in row.iter().zip(courses) {
+            let outcome = course.run(&log)?;
+            row += &format!("  {} {:.0} s", course.name, outcome.seconds);
             if let Some(failed) = &outcome.failed {
-                let log = folder.join(format!("{round}-{}.log", course.name));
-                println!("      {} failed: {} ({})", course.name, failed.join(", "), log.display());
+                row += &format!(" FAILED: {} ({})", failed.join(", "), log.display());
+                failures += 1;
             }
         }
-        outcomes.push(row);
+        println!("{row}");
     }
-    Ok(outcomes)
+    Ok(failures)
 }
 
 impl Course {
@@ -170,13 +201,6 @@ impl Course {
         let said = fs::read(log).into_diagnostic()?;
         let failed = (!status.success()).then(|| failed(&String::from_utf8_lossy(&said)));
         Ok(Outcome { seconds, failed })
-    }
-}
-
-impl Outcome {
-    fn cell(&self) -> String {
-        let seconds = format!("{:.0} s", self.seconds);
-        format!("{:>14}", if self.failed.is_some() { "failed" } else { &seconds })
     }
 }
 

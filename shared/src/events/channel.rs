@@ -114,7 +114,8 @@ impl Channel {
         // Within 2^27, so that none of the differences wraps.
         let (signal, rough) = (raised(signal), raised(fa));
         let fa = self.smooth.follow(config.smoothing, rough);
-        let side = i32::from(fa >= config.band).wrapping_sub(i32::from(fa.wrapping_neg() >= config.band));
+        let side =
+            i32::from(fa >= config.band).wrapping_sub(i32::from(fa.wrapping_neg() >= config.band));
         if side != self.side {
             self.side = side;
             self.on_this_side = now;
