@@ -61,13 +61,14 @@ pub fn terms(time: &[f64], values: &[f64], options: &Options) -> Result<Terms, E
     let same = Options { slowest: Some(slowest), fastest: Some(fastest), ..options };
     let compared = prepared.compare_terms(values)?.allowing_for_correlation(time, values);
     let squares = held_out(time, values, &same);
+    let forecasts = forecasts(time, values, &same);
     let rows: Vec<Row> = compared
         .rows
         .into_iter()
         .enumerate()
         .map(|(index, row)| Row {
             held_out_rms: squares.get(index).map(|blocks| mean(blocks).sqrt()),
-            forecast_rms: forecast(time, values, &Options { terms: index + 1, ..same.clone() }),
+            forecast_rms: forecasts.get(index).copied().flatten(),
             fit: row.fit,
             bic: row.bic,
             identified: row.identified,
@@ -104,16 +105,21 @@ fn held_out(time: &[f64], values: &[f64], options: &Options) -> Vec<Vec<f64>> {
     rows.map(|(even, odd)| squares((&even.fit, &odd.fit))).collect()
 }
 
-/// Error on the last third of what the first two thirds say.
-fn forecast(time: &[f64], values: &[f64], options: &Options) -> Option<f64> {
+/// Error on the last third of what the first two thirds say, for each number of terms that they allow.
+fn forecasts(time: &[f64], values: &[f64], options: &Options) -> Vec<Option<f64>> {
     let cut = (FIRST * time.len() as f64) as usize;
-    let fit = Prepared::new(&time[..cut], options).ok()?.fit(&values[..cut]).ok()?;
-    let squares: Vec<f64> = time[cut..]
-        .iter()
-        .zip(&values[cut..])
-        .map(|(t, y)| (y - fit.sum.at(t - time[0])).powi(2))
-        .collect();
-    (!squares.is_empty()).then(|| mean(&squares).sqrt())
+    let ((seen, later), (seen_values, later_values)) = (time.split_at(cut), values.split_at(cut));
+    let most = options.terms.min(cut.saturating_sub(2) / 2);
+    let Ok(prepared) = Prepared::new(seen, &Options { terms: most, ..options.clone() }) else {
+        return Vec::new();
+    };
+    let error = |fit: Fit| {
+        let later = later.iter().zip(later_values);
+        let squares: Vec<f64> = later.map(|(t, y)| (y - fit.sum.at(t - time[0])).powi(2)).collect();
+        (!squares.is_empty()).then(|| mean(&squares).sqrt())
+    };
+    let fits = (1..=most).map(|terms| prepared.fit_terms(seen_values, terms));
+    fits.map(|fit| fit.ok().and_then(error)).collect()
 }
 
 /// Least number of terms whose blocks are no worse than the best's by more than one standard error.

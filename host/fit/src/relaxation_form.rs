@@ -120,19 +120,19 @@ pub fn forms(time: &[f64], values: &[f64], most: usize, limits: (f64, f64)) -> O
     let sums = (1..=most).map(Form::Exponentials);
     let mut order: Vec<Form> = sums.chain([Form::Stretched, Form::PowerLaw]).collect();
     order.sort_by_key(|form| form.numbers());
+    let whole = thinned.kept(most, limits, |_| true);
+    let spans = (1..=all[all.len() - 1]).filter(|span| all.contains(span));
+    let without: Vec<(usize, Kept)> =
+        spans.map(|span| (span, thinned.kept(most, limits, |k| all[k] != span))).collect();
     let mut rows = Vec::new();
     let mut errors = Vec::new();
     for form in order {
-        let whole = |_: usize| true;
-        let Some(fitted) = thinned.fit(form, limits, whole) else { continue };
-        let left_out: Option<Vec<f64>> = (1..=all[all.len() - 1])
-            .filter(|span| all.contains(span))
-            .map(|span| {
-                let curve = thinned.fit(form, limits, |k| all[k] != span)?;
-                let error = thinned.error(&curve, |k| all[k] == span);
-                Some(error.max(f64::MIN_POSITIVE).ln())
-            })
-            .collect();
+        let Some(fitted) = whole.fit(form) else { continue };
+        let error = |(span, kept): &(usize, Kept)| {
+            let error = thinned.error(&kept.fit(form)?, |k| all[k] == *span);
+            Some(error.max(f64::MIN_POSITIVE).ln())
+        };
+        let left_out: Option<Vec<f64>> = without.iter().map(error).collect();
         let errors_of = left_out.filter(|errors| errors.len() > 1);
         let start = time[0];
         let residual = |(t, y): (&f64, &f64)| (y - fitted.at(t - start)).powi(2);
@@ -268,19 +268,17 @@ impl Thinned {
         self.time.iter().map(span).collect()
     }
 
-    fn fit(&self, form: Form, limits: (f64, f64), keep: impl Fn(usize) -> bool) -> Option<Curve> {
+    /// Some of the samples, for fits of up to so many exponentials with rates between these, 1/s.
+    fn kept(&self, most: usize, limits: (f64, f64), keep: impl Fn(usize) -> bool) -> Kept<'_> {
         let weight = |k: usize| if keep(k) { self.weight[k] } else { 0.0 };
         let weights: Vec<f64> = (0..self.time.len()).map(weight).collect();
-        if let Form::Exponentials(terms) = form {
-            let (slowest, fastest) = (Some(limits.0), Some(limits.1));
+        let (slowest, fastest) = (Some(limits.0), Some(limits.1));
+        // As many as the samples allow.
+        let sums = (1..=most).rev().find_map(|terms| {
             let options = Options { terms, slowest, fastest, ..Options::default() };
-            let fit = Prepared::weighted(&self.time, &weights, &options).ok()?;
-            return Some(Curve::Sum(fit.fit(&self.value).ok()?.sum));
-        }
-        let problem = Search::new(self, &weights, form);
-        let found = minimise(&problem, &problem.start()?);
-        let point = [found.point[0], found.point[1], found.point[2], found.point[3]];
-        point.iter().all(|value| value.is_finite()).then_some(Curve::Broad { form, point })
+            Prepared::weighted(&self.time, &weights, &options).ok()
+        });
+        Kept { thinned: self, weights, sums }
     }
 
     /// Mean squared error of a curve on some samples.
@@ -291,6 +289,27 @@ impl Thinned {
             count += self.weight[k];
         }
         sum / count
+    }
+}
+
+/// Samples that are fitted, the others with a weight of 0.
+struct Kept<'a> {
+    thinned: &'a Thinned,
+    weights: Vec<f64>,
+    /// Fits of sums of exponentials; none where they are too few.
+    sums: Option<Prepared>,
+}
+
+impl Kept<'_> {
+    fn fit(&self, form: Form) -> Option<Curve> {
+        if let Form::Exponentials(terms) = form {
+            let fit = self.sums.as_ref()?.fit_terms(&self.thinned.value, terms).ok()?;
+            return Some(Curve::Sum(fit.sum));
+        }
+        let problem = Search::new(self.thinned, &self.weights, form);
+        let found = minimise(&problem, &problem.start()?);
+        let point = [found.point[0], found.point[1], found.point[2], found.point[3]];
+        point.iter().all(|value| value.is_finite()).then_some(Curve::Broad { form, point })
     }
 }
 

@@ -111,7 +111,8 @@ impl Growth {
     /// secant between.
     pub(super) fn step(self, x: f64, change: f64, turns: f64) -> (f64, f64) {
         if self.is_none() {
-            return ((-turns).exp(), mean_decay(turns));
+            let gone = -(-turns).exp_m1();
+            return (1.0 - gone, if turns.abs() < 1e-5 { mean_decay(turns) } else { gone / turns });
         }
         let decays = self.turns(x, turns);
         let decay = (-decays).exp();

@@ -46,6 +46,50 @@ pub struct HereditaryState {
     /// Decay and gain of each branch within the interval last used.
     steps: Vec<(f64, f64)>,
     interval: f64,
+    /// Those of other intervals, while the rates are what they are.
+    known: KnownSteps,
+}
+
+/// Decays and gains of the branches within intervals that were used: means of a recording are unequally far apart, but few of their
+/// distances differ.
+#[derive(Clone, Debug, Default)]
+struct KnownSteps {
+    /// Each in the place that its leading digits say; not a number where none is.
+    intervals: Vec<f64>,
+    /// Of all branches, interval by interval.
+    steps: Vec<(f64, f64)>,
+}
+
+/// Intervals that are remembered, a power of two.
+const KNOWN: usize = 64;
+
+impl KnownSteps {
+    fn forget(&mut self, branches: usize) {
+        self.intervals.clear();
+        self.intervals.resize(KNOWN, f64::NAN);
+        self.steps.resize(KNOWN * branches, (0.0, 0.0));
+    }
+
+    fn place(interval: f64) -> usize {
+        let spread = (interval as f32).to_bits().wrapping_mul(0x9e37_79b9);
+        (spread >> (u32::BITS - KNOWN.trailing_zeros())) as usize
+    }
+
+    /// Fills in the steps within an interval, if they are known.
+    fn fill(&self, interval: f64, steps: &mut [(f64, f64)]) -> bool {
+        let place = Self::place(interval);
+        let is_known = (interval - self.intervals[place]).abs() <= SAME_INTERVAL * interval;
+        if is_known {
+            steps.copy_from_slice(&self.steps[place * steps.len()..][..steps.len()]);
+        }
+        is_known
+    }
+
+    fn keep(&mut self, interval: f64, steps: &[(f64, f64)]) {
+        let place = Self::place(interval);
+        self.intervals[place] = interval;
+        self.steps[place * steps.len()..][..steps.len()].copy_from_slice(steps);
+    }
 }
 
 /// Least part of a compression that follows at once.
@@ -271,10 +315,16 @@ impl Hereditary {
             return;
         }
         state.interval = if steady { interval } else { f64::NAN };
+        if steady && state.known.fill(interval, &mut state.steps) {
+            return;
+        }
         let factor = at(&self.rate_factor, k);
         let change = ahead - state.driven;
         for ((step, branch), &x) in state.steps.iter_mut().zip(&self.branches).zip(&state.states) {
             *step = self.growth.step(x, change, branch.rate * factor * interval);
+        }
+        if steady {
+            state.known.keep(interval, &state.steps);
         }
     }
 
@@ -309,6 +359,7 @@ impl HereditaryState {
         self.states.resize(branches, 0.0);
         self.steps.resize(branches, (0.0, 0.0));
         self.interval = f64::NAN;
+        self.known.forget(branches);
     }
 
     fn forget(&mut self) {

@@ -56,6 +56,44 @@ pub(super) type Coordinates<const R: usize> = Vec<[[f64; R]; 3]>;
 #[derive(Debug)]
 pub(super) struct TooNarrow;
 
+/// Most coordinates of a common basis.
+pub(super) const MOST_COORDINATES: usize = 96;
+
+/// What the exponentials of a family are spanned by, before it is known how many common coordinates an engine has.
+pub(super) struct Spanned {
+    blocks: Vec<Draft>,
+    /// All columns of the family in the coordinates of all blocks.
+    stacked: DMatrix<f64>,
+    /// The common basis in these; none where it is wider than [`MOST_COORDINATES`].
+    common: Option<DMatrix<f64>>,
+    constant_norm: f64,
+}
+
+impl Spanned {
+    /// By the constant and the exponentials of `family`; `roots` holds the root of each weight or is empty.
+    pub fn new(family: &Family, roots: &[f64]) -> Self {
+        let total: f64 = match roots.len() {
+            0 => family.times.len() as f64,
+            _ => roots.iter().map(|root| root * root).sum(),
+        };
+        let constant_norm = total.sqrt();
+        let tolerance = TOLERANCE * constant_norm;
+        let mut blocks = Vec::new();
+        draft(family, roots, 0..family.times.len(), 0.3 * tolerance, &mut blocks);
+
+        let mut stacked = DMatrix::zeros(blocks.len() * WIDTH, family.columns());
+        for (index, draft) in blocks.iter().enumerate() {
+            for (column, values) in draft.coordinates.iter().enumerate() {
+                for (row, value) in values.iter().enumerate() {
+                    stacked[(index * WIDTH + row, column)] = *value;
+                }
+            }
+        }
+        let common = common_basis(&stacked, family, tolerance);
+        Self { blocks, stacked, common, constant_norm }
+    }
+}
+
 /// A block before the common basis is known.
 struct Draft {
     samples: usize,
@@ -65,30 +103,16 @@ struct Draft {
 }
 
 impl<const R: usize> Basis<R> {
-    /// Spans the constant and the exponentials of `family`; `roots` holds the root of each weight
-    /// or is empty. Returns the family in the common coordinates too.
-    pub fn new(family: &Family, roots: Vec<f64>) -> Result<(Self, Coordinates<R>), TooNarrow> {
-        let total: f64 = match roots.len() {
-            0 => family.times.len() as f64,
-            _ => roots.iter().map(|root| root * root).sum(),
-        };
-        let constant_norm = total.sqrt();
-        let tolerance = TOLERANCE * constant_norm;
-        let mut drafts = Vec::new();
-        draft(family, &roots, 0..family.times.len(), 0.3 * tolerance, &mut drafts);
-
-        let height = drafts.len() * WIDTH;
-        let columns = family.columns();
-        let mut stacked = DMatrix::zeros(height, columns);
-        for (index, draft) in drafts.iter().enumerate() {
-            for (column, values) in draft.coordinates.iter().enumerate() {
-                for (row, value) in values.iter().enumerate() {
-                    stacked[(index * WIDTH + row, column)] = *value;
-                }
-            }
-        }
-        let common = common_basis::<R>(&stacked, family, tolerance).ok_or(TooNarrow)?;
-        let reduced = common.transpose() * &stacked;
+    /// Of what spans a family of exponentials; `roots` are those it was spanned with. Returns the family in the common
+    /// coordinates too.
+    pub fn new(
+        family: &Family,
+        spanned: &Spanned,
+        roots: Vec<f64>,
+    ) -> Result<(Self, Coordinates<R>), TooNarrow> {
+        let Spanned { blocks, stacked, common, constant_norm } = spanned;
+        let common = common.as_ref().filter(|common| common.ncols() <= R).ok_or(TooNarrow)?;
+        let reduced = common.transpose() * stacked;
         let coordinates = (0..family.rates.len())
             .map(|rate| {
                 let mut shapes = [[0.0; R]; 3];
@@ -100,12 +124,9 @@ impl<const R: usize> Basis<R> {
                 shapes
             })
             .collect();
-        let blocks = drafts
-            .into_iter()
-            .enumerate()
-            .map(|(index, draft)| finish(&draft, index, &common))
-            .collect::<Vec<_>>();
-        Ok((Self::of(blocks, roots, constant_norm), coordinates))
+        let blocks = blocks.iter().enumerate();
+        let blocks = blocks.map(|(index, draft)| finish(draft, index, common)).collect();
+        Ok((Self::of(blocks, roots, *constant_norm), coordinates))
     }
 
     /// Of these blocks, whose rows do not have the roots of the weights yet.
@@ -312,12 +333,8 @@ fn greedy(shapes: &Shapes, tolerance: f64, samples: usize) -> Option<Vec<Vec<f64
 }
 
 /// The common basis in stacked coordinates: the constant first, then the singular vectors of what
-/// it leaves of the exponentials, as many as the tolerance needs; nothing when that exceeds `R`.
-fn common_basis<const R: usize>(
-    stacked: &DMatrix<f64>,
-    family: &Family,
-    tolerance: f64,
-) -> Option<DMatrix<f64>> {
+/// it leaves of the exponentials, as many as the tolerance needs; nothing when that exceeds [`MOST_COORDINATES`].
+fn common_basis(stacked: &DMatrix<f64>, family: &Family, tolerance: f64) -> Option<DMatrix<f64>> {
     let constant = stacked.column(family.constant()).normalize();
     let columns: Vec<usize> = (0..family.rates.len()).map(|rate| family.column(rate, 0)).collect();
     let mut rest = stacked.select_columns(&columns);
@@ -325,11 +342,11 @@ fn common_basis<const R: usize>(
         rest -= &constant * (constant.transpose() * &rest);
     }
     let vectors = rest.clone().svd(true, false).u?;
-    let mut basis = DMatrix::zeros(stacked.nrows(), R);
+    let mut basis = DMatrix::zeros(stacked.nrows(), MOST_COORDINATES);
     basis.set_column(0, &constant);
     let mut width = 1;
     while rest.column_iter().any(|column| column.norm() > tolerance) {
-        if width == R || width > vectors.ncols() {
+        if width == MOST_COORDINATES || width > vectors.ncols() {
             return None;
         }
         let mut vector = vectors.column(width - 1).into_owned();

@@ -50,6 +50,7 @@ pub use profile::Interval;
 pub use refine::Stop;
 pub use terms::{Row, SIGNIFICANCE, Terms};
 
+use basis::{MOST_COORDINATES, Spanned};
 use engine::{Core, Engine, Sampling};
 use family::Family;
 use means::Means;
@@ -152,8 +153,19 @@ impl Prepared {
     /// When a value is not finite, the signal is constant, its length differs from the times', or
     /// it vanishes where it is normalised.
     pub fn fit(&self, values: &[f64]) -> Result<Fit, Error> {
+        self.fit_terms(values, self.terms)
+    }
+
+    /// The same with fewer exponentials than were prepared for.
+    ///
+    /// # Errors
+    /// As [`Self::fit`], and where it was not prepared for so many.
+    pub fn fit_terms(&self, values: &[f64], terms: usize) -> Result<Fit, Error> {
         self.check_length(values)?;
-        self.engine.fit(values, self.terms)
+        if !(1..=self.terms).contains(&terms) {
+            return Err(Error::Terms { terms });
+        }
+        self.engine.fit(values, terms)
     }
 
     /// Fits one to `options.terms` exponentials to one trace and says how many the data tell.
@@ -222,7 +234,9 @@ fn engine_for_one(
         };
         let exact = means.is_none().then(|| (times.clone(), own.clone()));
         let sampling = Sampling { means, samples, exact };
-        if let Some(core) = Core::<96>::for_one(&times, own, limits, sampling, options) {
+        if let Some(core) =
+            Core::<MOST_COORDINATES>::for_one(&times, own, limits, sampling, options)
+        {
             return Some(Arc::new(core));
         }
     }
@@ -245,10 +259,11 @@ fn engine(
     };
     let family = Family::new(times, slowest, fastest);
     let sampling = Sampling { means, samples, exact: None };
-    if let Ok(core) = Core::<24>::new(&family, roots.clone(), sampling.clone(), options) {
+    let spanned = Spanned::new(&family, &roots);
+    if let Ok(core) = Core::<24>::new(&family, &spanned, roots.clone(), sampling.clone(), options) {
         return Some(Arc::new(core));
     }
-    let core = Core::<96>::new(&family, roots, sampling, options).ok()?;
+    let core = Core::<MOST_COORDINATES>::new(&family, &spanned, roots, sampling, options).ok()?;
     Some(Arc::new(core))
 }
 
