@@ -156,7 +156,7 @@ fn a_conversion_has_24_bits_and_a_sign() {
         assert_eq!(converter.read(), Ok([counts, 0, 0, 0]));
     }
     // What was read is not read again.
-    assert_eq!(converter.read(), Err(ReadError::Fault(ConverterFault::Damaged)));
+    assert_eq!(converter.read(), Err(ReadError::Stale));
 }
 
 #[test]
