@@ -15,6 +15,8 @@ const STEP: f64 = 0.25;
 const FINEST: f64 = 4000.0;
 /// Chance, anywhere near the frequency, of a line as strong in noise.
 const CHANCE: f64 = 1e-4;
+/// Frequencies that are looked at together: sums of one do not wait for those of another.
+const LANES: usize = 8;
 /// Two intervals closer than this, relatively, are the same: times are printed with few digits.
 const SAME_INTERVAL: f64 = 1e-7;
 
@@ -32,8 +34,13 @@ pub fn line_near(stretches: &[(Vec<f64>, &[f64])], near: f64) -> Option<f64> {
     if longest == 0.0 {
         return None;
     }
-    let mut powers = powers(near, WITHIN, STEP / longest, |frequency| {
-        blocks.iter().map(|block| transform(block, frequency).norm_sqr()).sum()
+    let mut powers = powers(near, WITHIN, STEP / longest, |frequencies| {
+        let mut powers = [0.0; LANES];
+        for block in &blocks {
+            let found = transforms(block, frequencies);
+            powers.iter_mut().zip(found).for_each(|(power, found)| *power += found.norm_sqr());
+        }
+        powers
     });
     powers.sort_by(|a, b| a.1.total_cmp(&b.1));
     let (middle, (coarse, highest)) = (powers[powers.len() / 2].1, powers[powers.len() - 1]);
@@ -48,19 +55,31 @@ pub fn line_near(stretches: &[(Vec<f64>, &[f64])], near: f64) -> Option<f64> {
     if within > FINEST * step {
         return Some(coarse);
     }
-    let fine = self::powers(coarse, within, step, |frequency| {
-        blocks.iter().map(|block| transform(block, frequency)).sum::<Complex<f64>>().norm_sqr()
+    let fine = self::powers(coarse, within, step, |frequencies| {
+        let mut sums = [Complex::default(); LANES];
+        for block in &blocks {
+            let found = transforms(block, frequencies);
+            sums.iter_mut().zip(found).for_each(|(sum, found)| *sum += found);
+        }
+        sums.map(|sum| sum.norm_sqr())
     });
     fine.into_iter().max_by(|a, b| a.1.total_cmp(&b.1)).map(|(frequency, _)| frequency)
 }
 
 /// The power at frequencies about `middle`.
-fn powers(middle: f64, within: f64, step: f64, power: impl Fn(f64) -> f64) -> Vec<(f64, f64)> {
+fn powers(
+    middle: f64,
+    within: f64,
+    step: f64,
+    power: impl Fn(&[f64; LANES]) -> [f64; LANES],
+) -> Vec<(f64, f64)> {
     let steps = (within / step).ceil() as i32;
-    (-steps..=steps)
-        .map(|k| middle + step * f64::from(k))
-        .map(|frequency| (frequency, power(frequency)))
-        .collect()
+    let frequencies: Vec<f64> = (-steps..=steps).map(|k| middle + step * f64::from(k)).collect();
+    let together = |some: &[f64]| {
+        let lanes = std::array::from_fn(|lane| some[lane.min(some.len() - 1)]);
+        some.iter().copied().zip(power(&lanes)).collect::<Vec<_>>()
+    };
+    frequencies.chunks(LANES).flat_map(together).collect()
 }
 
 /// Second differences of a stretch, cut into blocks.
@@ -77,25 +96,38 @@ fn blocks(time: &[f64], values: &[f64]) -> Vec<(Vec<f64>, Vec<f64>)> {
     blocks
 }
 
-/// Fourier transform of a block at one frequency.
-fn transform((time, values): &(Vec<f64>, Vec<f64>), frequency: f64) -> Complex<f64> {
-    let turn = |seconds: f64| Complex::cis(-TAU * frequency * seconds);
-    let mut phase = turn(time[0]);
-    let (mut interval, mut step) = (f64::NAN, phase);
-    let mut sum = Complex::new(0.0, 0.0);
+/// Fourier transform of a block at some frequencies.
+fn transforms(
+    (time, values): &(Vec<f64>, Vec<f64>),
+    frequencies: &[f64; LANES],
+) -> [Complex<f64>; LANES] {
+    let turns = |seconds: f64| {
+        let turns = frequencies.map(|frequency| Complex::cis(-TAU * frequency * seconds));
+        (turns.map(|turn| turn.re), turns.map(|turn| turn.im))
+    };
+    let (mut real, mut imaginary) = turns(time[0]);
+    let (mut interval, mut step) = (f64::NAN, (real, imaginary));
+    let mut sums = ([0.0; LANES], [0.0; LANES]);
     for (k, value) in values.iter().enumerate() {
         if k > 0 {
             let now = time[k] - time[k - 1];
             // Recordings are mostly uniform: the turn of an interval serves for the next.
             let same = (now - interval).abs() <= SAME_INTERVAL * now;
             if !same {
-                (interval, step) = (now, turn(now));
+                (interval, step) = (now, turns(now));
             }
-            phase *= step;
+            for lane in 0..LANES {
+                let before = real[lane];
+                real[lane] = before * step.0[lane] - imaginary[lane] * step.1[lane];
+                imaginary[lane] = before * step.1[lane] + imaginary[lane] * step.0[lane];
+            }
         }
-        sum += phase * *value;
+        for lane in 0..LANES {
+            sums.0[lane] += real[lane] * value;
+            sums.1[lane] += imaginary[lane] * value;
+        }
     }
-    sum
+    std::array::from_fn(|lane| Complex::new(sums.0[lane], sums.1[lane]))
 }
 
 #[cfg(test)]
