@@ -321,9 +321,9 @@ impl Linear {
     fn likelihood(&self, time: f64, white: f64) -> (f64, f64) {
         let count = self.count;
         let (mut state, mut variance) = ([0.0; MOST_PARAMETERS], 1.0 - white);
+        // The residual behind the derivatives.
         let mut products = [[0.0; MOST_PARAMETERS]; MOST_PARAMETERS];
         let mut log = 0.0;
-        let columns = || (0..count).chain([RESIDUAL]);
         for (k, row) in self.rows.iter().enumerate() {
             if k > 0 {
                 let decay = (-(self.times[k] - self.times[k - 1]) / time).exp();
@@ -332,23 +332,25 @@ impl Linear {
             }
             let total = variance + white + FLOOR;
             let gain = variance / total;
-            let mut innovation = [0.0; MOST_PARAMETERS];
-            for i in columns() {
-                innovation[i] = row[i] - state[i];
-                state[i] += gain * innovation[i];
+            let mut innovation = *row;
+            innovation[count] = row[RESIDUAL];
+            for (innovation, state) in innovation.iter_mut().zip(&mut state) {
+                *innovation -= *state;
+                *state += gain * *innovation;
             }
             variance *= 1.0 - gain;
             log += total.ln();
-            for i in columns() {
-                for j in columns().filter(|&j| j <= i) {
-                    products[i][j] += innovation[i] * innovation[j] / total;
+            for (i, products) in products.iter_mut().enumerate().take(count + 1) {
+                let weighted = innovation[i] / total;
+                for (product, other) in products.iter_mut().zip(&innovation).take(i + 1) {
+                    *product += weighted * other;
                 }
             }
         }
         let whitened = DMatrix::from_fn(count, count, |i, j| products[i.max(j)][i.min(j)]);
-        let along = nalgebra::DVector::from_fn(count, |i, _| products[RESIDUAL][i]);
+        let along = nalgebra::DVector::from_fn(count, |i, _| products[count][i]);
         let Some(factor) = whitened.cholesky() else { return (f64::NEG_INFINITY, 0.0) };
-        let rest = products[RESIDUAL][RESIDUAL] - along.dot(&factor.solve(&along));
+        let rest = products[count][count] - along.dot(&factor.solve(&along));
         let degrees = (self.rows.len() - count) as f64;
         let scale = rest.max(f64::MIN_POSITIVE) / degrees;
         let determinant: f64 = (0..count).map(|i| 2.0 * factor.l()[(i, i)].ln()).sum();
