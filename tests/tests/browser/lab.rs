@@ -57,13 +57,15 @@ fn a_hidden_effect_is_added_from_the_candidates_and_taken_out_again() {
     let friction = ".lab-candidate[data-effect=coulomb-friction]";
     browser.point(friction);
     browser.says(".lab-legend", "with coulomb-friction");
-    // As long as the pointer is there, whichever trace is drawn.
-    let of_this_trace = browser.text(".lab-legend");
+    // As long as the pointer is there, whichever trace is drawn: the legend is made anew with it.
+    browser.script(
+        "document.querySelectorAll('.lab-legend > *').forEach((key) => (key.dataset.before = ''))",
+    );
     browser.press(']');
-    browser.until_so("the forecast of the next trace", || {
-        let legend = browser.text(".lab-legend");
-        legend != of_this_trace && legend.contains("with coulomb-friction")
-    });
+    browser.until(
+        "the forecast of the next trace",
+        "[...document.querySelectorAll('.lab-legend > :not([data-before])')].some((key) => key.textContent.includes('with coulomb-friction'))",
+    );
     let formula =
         browser.script("return document.querySelector('.lab-model .lab-formula').innerHTML");
     let formula = formula.as_str().unwrap();
