@@ -58,7 +58,7 @@ fn a_hidden_effect_is_added_from_the_candidates_and_taken_out_again() {
     browser.point(friction);
     browser.says(".lab-legend", "with coulomb-friction");
     // As long as the pointer is there, whichever trace is drawn: the legend is made anew with it.
-    browser.script(
+    let _ = browser.script(
         "document.querySelectorAll('.lab-legend > *').forEach((key) => (key.dataset.before = ''))",
     );
     browser.press(']');
