@@ -27,10 +27,11 @@ impl Transmitter {
     pub fn new(tx: Tx<USART3>, dma: DMA1, rcc: &mut Rcc) -> Self {
         DMA1::enable(rcc);
         let stream = dma.st(STREAM);
-        let register = USART3::PTR as u32 + DATA;
+        let register = usart().dr().as_ptr() as u32;
         // SAFETY: the stream is off, and reaches nothing but the USART's register when it is on.
         stream.par().write(|w| unsafe { w.bits(register) });
         let has_dma = stream.par().read().bits() == register;
+        usart().cr3().modify(|_, w| w.dmat().bit(has_dma));
         Self { tx, dma: has_dma.then_some(dma), is_sending: false, carried: 0 }
     }
 
@@ -73,8 +74,11 @@ impl Transmitter {
     }
 }
 
-/// Offset of the USART's data register.
-const DATA: u32 = 4;
+/// The registers of the USART.
+fn usart() -> &'static Registers {
+    // SAFETY: the interrupt of the line alone uses the transmitter, once it is made.
+    unsafe { &*USART3::ptr() }
+}
 
 fn begin(dma: &DMA1, frame: &Frame) {
     dma.lifcr().write(|w| {
@@ -84,11 +88,8 @@ fn begin(dma: &DMA1, frame: &Frame) {
     stream.ndtr().write(|w| w.ndt().set(frame.len() as u16));
     // SAFETY: the frame stays where it is until all of it was sent.
     stream.m0ar().write(|w| unsafe { w.bits(frame.as_ptr() as u32) });
-    // SAFETY: the interrupt of the line alone uses the transmitter.
-    let usart = unsafe { &*USART3::ptr() };
-    usart.cr3().modify(|_, w| w.dmat().enabled());
-    clear_complete(usart);
-    usart.cr1().modify(|_, w| w.tcie().enabled());
+    clear_complete();
+    usart().cr1().modify(|_, w| w.tcie().enabled());
     // The bytes of the frame are in memory before the stream reads them.
     fence(Ordering::Release);
     stream.cr().write(|w| {
@@ -98,23 +99,21 @@ fn begin(dma: &DMA1, frame: &Frame) {
 
 /// Whether the last byte has left the line. If the bus is busy, the line may be idle for an instant between two bytes too.
 fn is_done(dma: &DMA1) -> bool {
-    // SAFETY: the interrupt of the line alone uses the transmitter.
-    let usart = unsafe { &*USART3::ptr() };
-    if usart.sr().read().tc().bit_is_clear() {
+    if usart().sr().read().tc().bit_is_clear() {
         return false;
     }
     if dma.st(STREAM).cr().read().en().is_enabled() {
-        clear_complete(usart);
+        clear_complete();
         return false;
     }
-    usart.cr1().modify(|_, w| w.tcie().disabled());
+    usart().cr1().modify(|_, w| w.tcie().disabled());
     true
 }
 
 /// TC: the line is idle.
 const COMPLETE: u16 = 1 << 6;
 
-fn clear_complete(usart: &Registers) {
+fn clear_complete() {
     // SAFETY: flags that are written as one stay.
-    usart.sr().write(|w| unsafe { w.bits(!COMPLETE) });
+    usart().sr().write(|w| unsafe { w.bits(!COMPLETE) });
 }
