@@ -3,7 +3,6 @@
 
 use std::fs::{self, File};
 use std::hint::spin_loop;
-use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -11,7 +10,7 @@ use std::thread;
 use std::time::Instant;
 
 use clap::ValueEnum;
-use miette::{IntoDiagnostic, bail};
+use miette::{IntoDiagnostic, bail, miette};
 
 use crate::check::{STEADY_S, rust, workspace};
 use crate::{browser, emulate, modelled};
@@ -159,8 +158,9 @@ fn side_by_side(
             .iter()
             .map(|(_, lane)| scope.spawn(|| all_rounds(rounds, lane, folder)))
             .collect();
-        let failures =
-            lanes.into_iter().map(|lane| lane.join().unwrap_or_else(|panic| resume_unwind(panic)));
+        let failures = lanes.into_iter().map(|lane| {
+            lane.join().unwrap_or_else(|_| Err(miette!("the rounds of a suite ended early")))
+        });
         failures.sum()
     })
 }
