@@ -1,7 +1,7 @@
 //! How many exponentials a hold shows: fit, information criterion and error on samples left out, side by
 //! side (appendices A and B).
 
-use palpate_fit::exponentials::{Error, Fit, MOST_TERMS, Options, Prepared};
+use palpate_fit::exponentials::{Error, Fit, Options, Prepared, most_terms};
 
 /// Blocks into which a hold is cut; every other inner one is left out, then the rest of the inner ones. The
 /// first and the last always stay: what lies beyond the samples is the forecast's question.
@@ -54,7 +54,7 @@ impl Terms {
 /// # Errors
 /// As [`Prepared::fit`].
 pub fn terms(time: &[f64], values: &[f64], options: &Options) -> Result<Terms, Error> {
-    let most = ((time.len().saturating_sub(2)) / 2).clamp(1, MOST_TERMS);
+    let most = most_terms(time.len()).max(1);
     let options = Options { terms: most, ..options.clone() };
     let prepared = Prepared::new(time, &options)?;
     let (slowest, fastest) = prepared.rate_limits();
@@ -109,7 +109,7 @@ fn held_out(time: &[f64], values: &[f64], options: &Options) -> Vec<Vec<f64>> {
 fn forecasts(time: &[f64], values: &[f64], options: &Options) -> Vec<Option<f64>> {
     let cut = (FIRST * time.len() as f64) as usize;
     let ((seen, later), (seen_values, later_values)) = (time.split_at(cut), values.split_at(cut));
-    let most = options.terms.min(cut.saturating_sub(2) / 2);
+    let most = options.terms.min(most_terms(cut));
     let Ok(prepared) = Prepared::new(seen, &Options { terms: most, ..options.clone() }) else {
         return Vec::new();
     };

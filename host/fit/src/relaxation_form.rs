@@ -6,7 +6,7 @@
 
 use nalgebra::DVector;
 
-use super::exponentials::{Options, Prepared, correlated_covariance};
+use super::exponentials::{Options, Prepared, correlated_covariance, most_terms};
 use super::least_squares::{LeastSquares, Normal, minimise};
 use super::log_blocks::log_blocks;
 
@@ -272,12 +272,11 @@ impl Thinned {
     fn kept(&self, most: usize, limits: (f64, f64), keep: impl Fn(usize) -> bool) -> Kept<'_> {
         let weight = |k: usize| if keep(k) { self.weight[k] } else { 0.0 };
         let weights: Vec<f64> = (0..self.time.len()).map(weight).collect();
+        let samples = weights.iter().filter(|weight| **weight > 0.0).count();
+        let terms = most.min(most_terms(samples));
         let (slowest, fastest) = (Some(limits.0), Some(limits.1));
-        // As many as the samples allow.
-        let sums = (1..=most).rev().find_map(|terms| {
-            let options = Options { terms, slowest, fastest, ..Options::default() };
-            Prepared::weighted(&self.time, &weights, &options).ok()
-        });
+        let options = Options { terms, slowest, fastest, ..Options::default() };
+        let sums = Prepared::weighted(&self.time, &weights, &options).ok();
         Kept { thinned: self, weights, sums }
     }
 

@@ -5,7 +5,7 @@
 //! h = 1; one such step and two halves give the error and a better value. Each part of an interval is as long
 //! as [`TOLERANCE`] allows. Nothing is capped: the power of a large state is followed by its logarithm.
 
-use super::relaxation::mean_decay;
+use super::relaxation::{decay_and_mean, mean_decay};
 
 /// How the rate of a branch grows with its state x: a factor h(x).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -111,8 +111,7 @@ impl Growth {
     /// secant between.
     pub(super) fn step(self, x: f64, change: f64, turns: f64) -> (f64, f64) {
         if self.is_none() {
-            let gone = -(-turns).exp_m1();
-            return (1.0 - gone, if turns.abs() < 1e-5 { mean_decay(turns) } else { gone / turns });
+            return decay_and_mean(turns);
         }
         let decays = self.turns(x, turns);
         let decay = (-decays).exp();

@@ -163,11 +163,15 @@ impl Memory {
 
 /// (1 − e^(−z))/z, the mean of the decay over an interval, exact to rounding also for small z.
 pub fn mean_decay(z: f64) -> f64 {
-    if z.abs() < 1e-5 {
-        // The series 1 − z/2 + z²/6; its next term is below 1e-16.
-        return (z / 6.0 - 0.5) * z + 1.0;
-    }
-    -(-z).exp_m1() / z
+    decay_and_mean(z).1
+}
+
+/// e^(−z) and its mean over the interval, for one exponential.
+pub(super) fn decay_and_mean(z: f64) -> (f64, f64) {
+    let gone = -(-z).exp_m1();
+    // The series 1 − z/2 + z²/6; its next term is below 1e-16.
+    let mean = if z.abs() < 1e-5 { (z / 6.0 - 0.5) * z + 1.0 } else { gone / z };
+    (1.0 - gone, mean)
 }
 
 #[cfg(test)]

@@ -52,10 +52,6 @@ pub(super) struct Projection<const R: usize> {
 /// Exponentials and their derivatives in common coordinates, one entry for each rate.
 pub(super) type Coordinates<const R: usize> = Vec<[[f64; R]; 3]>;
 
-/// The basis is too small for these rates and times.
-#[derive(Debug)]
-pub(super) struct TooNarrow;
-
 /// Most coordinates of a common basis.
 pub(super) const MOST_COORDINATES: usize = 96;
 
@@ -64,14 +60,15 @@ pub(super) struct Spanned {
     blocks: Vec<Draft>,
     /// All columns of the family in the coordinates of all blocks.
     stacked: DMatrix<f64>,
-    /// The common basis in these; none where it is wider than [`MOST_COORDINATES`].
-    common: Option<DMatrix<f64>>,
+    /// The common basis in these.
+    common: DMatrix<f64>,
     constant_norm: f64,
 }
 
 impl Spanned {
-    /// By the constant and the exponentials of `family`; `roots` holds the root of each weight or is empty.
-    pub fn new(family: &Family, roots: &[f64]) -> Self {
+    /// By the constant and the exponentials of `family`; `roots` holds the root of each weight or is empty. None where more than
+    /// [`MOST_COORDINATES`] are needed.
+    pub fn new(family: &Family, roots: &[f64]) -> Option<Self> {
         let total: f64 = match roots.len() {
             0 => family.times.len() as f64,
             _ => roots.iter().map(|root| root * root).sum(),
@@ -89,8 +86,13 @@ impl Spanned {
                 }
             }
         }
-        let common = common_basis(&stacked, family, tolerance);
-        Self { blocks, stacked, common, constant_norm }
+        let common = common_basis(&stacked, family, tolerance)?;
+        Some(Self { blocks, stacked, common, constant_norm })
+    }
+
+    /// How many common coordinates there are.
+    pub fn width(&self) -> usize {
+        self.common.ncols()
     }
 }
 
@@ -103,15 +105,10 @@ struct Draft {
 }
 
 impl<const R: usize> Basis<R> {
-    /// Of what spans a family of exponentials; `roots` are those it was spanned with. Returns the family in the common
-    /// coordinates too.
-    pub fn new(
-        family: &Family,
-        spanned: &Spanned,
-        roots: Vec<f64>,
-    ) -> Result<(Self, Coordinates<R>), TooNarrow> {
+    /// Of what spans a family of exponentials, at most `R` wide; `roots` are those it was spanned with. Returns the family in the
+    /// common coordinates too.
+    pub fn new(family: &Family, spanned: &Spanned, roots: Vec<f64>) -> (Self, Coordinates<R>) {
         let Spanned { blocks, stacked, common, constant_norm } = spanned;
-        let common = common.as_ref().filter(|common| common.ncols() <= R).ok_or(TooNarrow)?;
         let reduced = common.transpose() * stacked;
         let coordinates = (0..family.rates.len())
             .map(|rate| {
@@ -126,7 +123,7 @@ impl<const R: usize> Basis<R> {
             .collect();
         let blocks = blocks.iter().enumerate();
         let blocks = blocks.map(|(index, draft)| finish(draft, index, common)).collect();
-        Ok((Self::of(blocks, roots, *constant_norm), coordinates))
+        (Self::of(blocks, roots, *constant_norm), coordinates)
     }
 
     /// Of these blocks, whose rows do not have the roots of the weights yet.

@@ -1,6 +1,6 @@
 //! Everything that depends on the times and limits alone, and the fit of one trace with it.
 
-use super::basis::{Basis, Projection, Spanned, TooNarrow};
+use super::basis::{Basis, Projection, Spanned};
 use super::covariance::{Described, describe};
 use super::family::Family;
 use super::fit::{ExponentialSum, Fit, MOST_PARAMETERS, Normalisation, Note, Options, Parameter};
@@ -70,20 +70,20 @@ impl Sampling {
 }
 
 impl<const R: usize> Core<R> {
-    /// Prepares fits of up to as many exponentials as the options say.
+    /// Prepares fits of up to as many exponentials as the options say, on at most `R` coordinates.
     pub fn new(
         family: &Family,
         spanned: &Spanned,
         roots: Vec<f64>,
         sampling: Sampling,
         options: &Options,
-    ) -> Result<Self, TooNarrow> {
-        let (basis, coordinates) = Basis::new(family, spanned, roots)?;
+    ) -> Self {
+        let (basis, coordinates) = Basis::new(family, spanned, roots);
         let lowest = family.rates[0].ln();
         let highest = lowest + family.spacing * (family.rates.len() - 1) as f64;
         let table = Table::new(coordinates, lowest, highest, family.spacing);
         let grids = Default::default();
-        Ok(Self { basis, table, grids, options: options.clone(), sampling })
+        Self { basis, table, grids, options: options.clone(), sampling }
     }
 
     /// Prepares a single fit on these times since the first sample, s; none where `R` coordinates are not enough.

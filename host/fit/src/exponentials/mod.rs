@@ -60,6 +60,8 @@ use std::sync::Arc;
 const SLOWEST: f64 = 0.02;
 /// Sample whose time is the shortest time constant fitted by default.
 const FASTEST: usize = 5;
+/// Coordinates of the smaller engine, which spans most holds.
+const FEW_COORDINATES: usize = 24;
 /// Terms up to which the grid of a single fit costs less than a table for many.
 const FEW_TERMS: usize = 2;
 
@@ -125,8 +127,8 @@ impl Prepared {
             0 => times.len(),
             _ => roots.iter().filter(|root| **root > 0.0).count(),
         };
-        let needed = 2 * terms + 2;
-        if samples < needed {
+        if terms > most_terms(samples) {
+            let needed = 2 * terms + 2;
             return Err(Error::TooFewSamples { samples, terms, needed });
         }
         let duration = times[times.len() - 1] - times[0];
@@ -215,6 +217,12 @@ impl Prepared {
     }
 }
 
+/// Most exponentials that so many samples allow, which are to be two more than twice their number; 0 where they allow none.
+#[must_use]
+pub fn most_terms(samples: usize) -> usize {
+    (samples.saturating_sub(2) / 2).min(MOST_TERMS)
+}
+
 /// Makes an engine for times since the first sample, s, of which so many have a weight, by its root, between two rates, 1/s.
 type MakeEngine = fn(Vec<f64>, &[f64], usize, (f64, f64), &Options) -> Option<Arc<dyn Engine>>;
 
@@ -259,12 +267,12 @@ fn engine(
     };
     let family = Family::new(times, slowest, fastest);
     let sampling = Sampling { means, samples, exact: None };
-    let spanned = Spanned::new(&family, &roots);
-    if let Ok(core) = Core::<24>::new(&family, &spanned, roots.clone(), sampling.clone(), options) {
+    let spanned = Spanned::new(&family, &roots)?;
+    if spanned.width() <= FEW_COORDINATES {
+        let core = Core::<FEW_COORDINATES>::new(&family, &spanned, roots, sampling, options);
         return Some(Arc::new(core));
     }
-    let core = Core::<MOST_COORDINATES>::new(&family, &spanned, roots, sampling, options).ok()?;
-    Some(Arc::new(core))
+    Some(Arc::new(Core::<MOST_COORDINATES>::new(&family, &spanned, roots, sampling, options)))
 }
 
 fn check_times(times: &[f64]) -> Result<(), Error> {
