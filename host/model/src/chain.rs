@@ -38,10 +38,21 @@ pub struct Chain {
 }
 
 /// What specimen and sensor remember from stretch to stretch.
-#[derive(Clone, Debug, Default)]
+#[derive(Debug, Default)]
 pub struct History {
     relaxation: HereditaryState,
     effects: Vec<Remembered>,
+}
+
+impl Clone for History {
+    fn clone(&self) -> Self {
+        Self { relaxation: self.relaxation.clone(), effects: self.effects.clone() }
+    }
+
+    fn clone_from(&mut self, other: &Self) {
+        self.relaxation.clone_from(&other.relaxation);
+        self.effects.clone_from(&other.effects);
+    }
 }
 
 /// What most of the runs of a fit have in common: the elastic response of a unit stiffness at the compressions

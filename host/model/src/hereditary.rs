@@ -9,6 +9,7 @@
 //! two secants.
 
 use super::growth::Growth;
+use super::relaxation::decay_and_mean;
 use super::{Branch, Separation};
 
 /// How the elastic response relaxes over one stretch.
@@ -35,7 +36,7 @@ pub struct Hereditary {
 }
 
 /// State of the hereditary integral between samples and traces.
-#[derive(Clone, Debug, Default)]
+#[derive(Debug, Default)]
 pub struct HereditaryState {
     /// State xi of each branch, N.
     states: Vec<f64>,
@@ -46,14 +47,30 @@ pub struct HereditaryState {
     /// Decay and gain of each branch within the interval last used.
     steps: Vec<(f64, f64)>,
     interval: f64,
-    /// Those of other intervals, while the rates are what they are.
+    /// Those of other intervals. What holds whatever happened is not copied with the state, nor lost with it.
     known: KnownSteps,
+}
+
+impl Clone for HereditaryState {
+    fn clone(&self) -> Self {
+        let mut copy = Self::default();
+        copy.clone_from(self);
+        copy
+    }
+
+    fn clone_from(&mut self, other: &Self) {
+        self.states.clone_from(&other.states);
+        self.steps.clone_from(&other.steps);
+        (self.driven, self.input, self.interval) = (other.driven, other.input, other.interval);
+    }
 }
 
 /// Decays and gains of the branches within intervals that were used: means of a recording are unequally far apart, but few of their
 /// distances differ.
-#[derive(Clone, Debug, Default)]
+#[derive(Debug, Default)]
 struct KnownSteps {
+    /// Rates of the branches, 1/s.
+    rates: Vec<f64>,
     /// Each in the place that its leading digits say; not a number where none is.
     intervals: Vec<f64>,
     /// Of all branches, interval by interval.
@@ -64,10 +81,16 @@ struct KnownSteps {
 const KNOWN: usize = 64;
 
 impl KnownSteps {
-    fn forget(&mut self, branches: usize) {
-        self.intervals.clear();
-        self.intervals.resize(KNOWN, f64::NAN);
-        self.steps.resize(KNOWN * branches, (0.0, 0.0));
+    /// Forgets what is known of other rates than these.
+    fn keep_for(&mut self, branches: &[Branch]) {
+        let rates = branches.iter().map(|branch| branch.rate);
+        if self.intervals.is_empty() || !rates.clone().eq(self.rates.iter().copied()) {
+            self.rates.clear();
+            self.rates.extend(rates);
+            self.intervals.clear();
+            self.intervals.resize(KNOWN, f64::NAN);
+            self.steps.resize(KNOWN * branches.len(), (0.0, 0.0));
+        }
     }
 
     fn place(interval: f64) -> usize {
@@ -127,6 +150,9 @@ impl Hereditary {
     ) {
         self.start(state, rest);
         force.clear();
+        if self.is_linear() {
+            return self.run_linear(time, elastic, state, force);
+        }
         let mut before = f64::NAN;
         for (k, (&time, &elastic)) in time.iter().zip(elastic).enumerate() {
             let interval = time - before;
@@ -140,9 +166,48 @@ impl Hereditary {
         }
     }
 
+    /// Whether the force at a sample is the same linear function of the state and the elastic response at every sample.
+    fn is_linear(&self) -> bool {
+        let factors = [&self.share_factor, &self.drive_factor, &self.rate_factor];
+        self.is_affine()
+            && self.separation != Separation::Free
+            && factors.iter().all(|factor| factor.is_none())
+    }
+
+    /// [`Self::run`] where it [is linear](Self::is_linear).
+    fn run_linear(
+        &self,
+        time: &[f64],
+        elastic: &[f64],
+        state: &mut HereditaryState,
+        force: &mut Vec<f64>,
+    ) {
+        let bonded = self.separation == Separation::Bonded;
+        let held = |value: f64| if bonded { value } else { value.max(0.0) };
+        let (Some(&first), Some(&begin)) = (elastic.first(), time.first()) else { return };
+        force.push(held(self.jump(state, first)));
+        let mut before = begin;
+        for (&time, &elastic) in time.iter().zip(elastic).skip(1) {
+            let interval = time - before;
+            before = time;
+            self.prepare_steady(state, interval);
+            let change = elastic - state.driven;
+            state.driven = elastic;
+            let mut latent = 0.0;
+            let branches = state.states.iter_mut().zip(&state.steps).zip(&self.branches);
+            for ((x, &(decay, gain)), branch) in branches {
+                *x = *x * decay + gain * change;
+                latent += branch.share * (*x - elastic);
+            }
+            let viscous = self.viscosity * change / interval;
+            force.push(held(elastic + (latent + self.on_top * elastic) + viscous));
+        }
+        state.input = state.driven;
+    }
+
     /// Goes from one stretch to the next.
     pub(super) fn start(&self, state: &mut HereditaryState, rest: Option<f64>) {
-        state.begin(self.branches.len());
+        state.begin(&self.branches);
         match rest {
             Some(rest) => self.rest(state, rest),
             None => state.forget(),
@@ -206,7 +271,7 @@ impl Hereditary {
 
     /// A specimen that has forgotten all is taken to this elastic response, N, at once.
     pub(super) fn begin(&self, state: &mut HereditaryState, elastic: f64) -> f64 {
-        state.begin(self.branches.len());
+        state.begin(&self.branches);
         state.forget();
         self.jump(state, elastic)
     }
@@ -310,21 +375,29 @@ impl Hereditary {
 
     /// Decay and gain of every branch from sample `k` − 1 to `k`, towards the drive `ahead`.
     fn prepare(&self, state: &mut HereditaryState, k: usize, interval: f64, ahead: f64) {
-        let steady = self.rate_factor.is_none() && self.growth.is_none();
-        if steady && (interval - state.interval).abs() <= SAME_INTERVAL * interval {
-            return;
+        if self.rate_factor.is_none() && self.growth.is_none() {
+            return self.prepare_steady(state, interval);
         }
-        state.interval = if steady { interval } else { f64::NAN };
-        if steady && state.known.fill(interval, &mut state.steps) {
-            return;
-        }
+        state.interval = f64::NAN;
         let factor = at(&self.rate_factor, k);
         let change = ahead - state.driven;
         for ((step, branch), &x) in state.steps.iter_mut().zip(&self.branches).zip(&state.states) {
             *step = self.growth.step(x, change, branch.rate * factor * interval);
         }
-        if steady {
-            state.known.keep(interval, &state.steps);
+    }
+
+    /// The same where the rates are constant.
+    #[inline]
+    fn prepare_steady(&self, state: &mut HereditaryState, interval: f64) {
+        let same = (interval - state.interval).abs() <= SAME_INTERVAL * interval;
+        if !same {
+            state.interval = interval;
+            if !state.known.fill(interval, &mut state.steps) {
+                for (step, branch) in state.steps.iter_mut().zip(&self.branches) {
+                    *step = decay_and_mean(branch.rate * interval);
+                }
+                state.known.keep(interval, &state.steps);
+            }
         }
     }
 
@@ -355,11 +428,11 @@ impl Hereditary {
 }
 
 impl HereditaryState {
-    fn begin(&mut self, branches: usize) {
-        self.states.resize(branches, 0.0);
-        self.steps.resize(branches, (0.0, 0.0));
+    fn begin(&mut self, branches: &[Branch]) {
+        self.states.resize(branches.len(), 0.0);
+        self.steps.resize(branches.len(), (0.0, 0.0));
         self.interval = f64::NAN;
-        self.known.forget(branches);
+        self.known.keep_for(branches);
     }
 
     fn forget(&mut self) {

@@ -78,11 +78,14 @@ impl Fitted {
         self.values = problem.declared(&self.point);
     }
 
-    /// Takes the error over all rows, where the data that it was fitted to are their means.
-    pub fn score(&mut self, rows: &Problem) {
+    /// Takes the error over all rows, where the data that it was fitted to are their means; the sum of squares and the number of rows
+    /// of each trace.
+    pub fn score(&mut self, rows: &Problem) -> Vec<(f64, usize)> {
         let problem = rows.with_chain(&self.chain);
-        let rms = problem.rms(&problem.point(&self.values));
-        self.rows = Some((problem.data().samples(), rms));
+        let squares = problem.trace_squares(&problem.point(&self.values));
+        let total: f64 = squares.iter().map(|(square, _)| square).sum();
+        self.rows = Some((problem.data().samples(), (total / problem.rows() as f64).sqrt()));
+        squares
     }
 
     /// Number of rows of the recordings.

@@ -44,6 +44,24 @@ impl HeldOut {
         Gain::of(&other.whitened, &self.whitened)
     }
 
+    /// The same over the rows of the recordings, where the model is fitted to means that stand for them: the squared error of the fit
+    /// over the rows of each trace exceeds that over their means by what leaving traces out does not change.
+    #[must_use]
+    pub fn over_rows(mut self, means: &Problem, fitted: &Fitted, rows: &[(f64, usize)]) -> Self {
+        let on_means = means.with_chain(&fitted.chain).trace_squares(&fitted.point);
+        let mut total = 0.0;
+        for ((square, (rows, count)), (means, _)) in self.squares.iter_mut().zip(rows).zip(on_means)
+        {
+            let count = (*count as f64).max(1.0);
+            let sum = (*square * count + (rows - means)).max(0.0);
+            *square = sum / count;
+            total += sum;
+        }
+        let count: usize = rows.iter().map(|(_, count)| count).sum();
+        self.rms = (total / (count as f64).max(1.0)).sqrt();
+        self
+    }
+
     /// What this model gains over another in mean squares of the error of each trace.
     #[must_use]
     pub fn gain(&self, other: &Self) -> Gain {
@@ -127,22 +145,15 @@ fn held_out_with(
     }
     let problem = problem.with_chain(&fitted.chain);
     let rows = rows.map(|rows| rows.with_chain(&fitted.chain));
-    // Means that stand for their samples tell how the error changes when a trace is left out; all that is left to take from
-    // the rows is the error of the fit to all.
-    let (instead, unseen) = match &rows {
-        Some(rows) if problem.stands_for_samples() => (None, unseen(&problem, rows, fitted)),
-        rows => (rows.as_ref(), vec![0.0; traces]),
-    };
     let folds = Fold::all(traces);
     let of_folds: Vec<Vec<TraceError>> = folds
         .par_iter()
-        .map(|fold| left_out(&problem, fitted, *fold, in_earnest, instead))
+        .map(|fold| left_out(&problem, fitted, *fold, in_earnest, rows.as_ref()))
         .collect();
     let mut errors = vec![TraceError::default(); traces];
     for (fold, found) in folds.iter().zip(of_folds) {
         for (trace, error) in fold.traces(traces).zip(found) {
-            let square = (error.square + unseen[trace]).max(0.0);
-            errors[trace] = TraceError { square, ..error };
+            errors[trace] = error;
         }
     }
     let total: f64 = errors.iter().map(|error| error.square).sum();
@@ -154,13 +165,6 @@ fn held_out_with(
         by_uncertainty: errors.iter().map(|error| error.by_uncertainty).sum::<f64>()
             / samples.max(1.0),
     })
-}
-
-/// What the squared error of the fit over the rows of each trace exceeds that over their means by.
-fn unseen(problem: &Problem, rows: &Problem, fitted: &Fitted) -> Vec<f64> {
-    let on_rows = rows.trace_squares(&rows.point(&fitted.values));
-    let on_means = problem.trace_squares(&fitted.point);
-    on_rows.iter().zip(&on_means).map(|((rows, _), (means, _))| rows - means).collect()
 }
 
 /// Sums over one trace.

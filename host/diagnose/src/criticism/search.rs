@@ -170,26 +170,41 @@ impl Found {
     /// Takes the parameters of the last model from the samples that the data of the search stand for, and the errors of every rung over
     /// all rows; goes back to the rung before the first at which one of them rises.
     pub fn score(&mut self, search: &Search, rows: &Problem) {
-        let problem = search.problem;
-        if problem.stands_for_samples() {
-            self.models.last_mut().unwrap_or(&mut self.base).confirm(search.samples);
+        for index in 0..=self.steps.len() {
+            self.score_rung(index, search, rows);
+            let Some(step) = index.checked_sub(1) else { continue };
+            let (without, with) = (self.judged(step), self.judged(index));
+            if let Some(reason) = rises(without, with) {
+                let denied = refused(&self.steps[step].effect, without, with, reason);
+                self.steps.truncate(step);
+                self.models.truncate(step);
+                self.evidence.truncate(index);
+                self.refuse([denied]);
+                return;
+            }
         }
-        let rungs = std::iter::once(&mut self.base).chain(&mut self.models);
-        for (fitted, evidence) in rungs.zip(&mut self.evidence) {
-            fitted.score(rows);
-            evidence.held_out = held_out_on(problem, fitted, rows);
+    }
+
+    /// The same for the model after so many steps: the last one's parameters too.
+    fn score_rung(&mut self, steps: usize, search: &Search, rows: &Problem) {
+        let is_last = steps == self.steps.len();
+        let fitted = match steps.checked_sub(1) {
+            Some(step) => &mut self.models[step],
+            None => &mut self.base,
+        };
+        if is_last && search.problem.stands_for_samples() {
+            fitted.confirm(search.samples);
         }
-        let denied = (0..self.steps.len()).find_map(|index| {
-            let (without, with) = (self.judged(index), self.judged(index + 1));
-            let reason = rises(without, with)?;
-            Some((index, refused(&self.steps[index].effect, without, with, reason)))
-        });
-        if let Some((index, denied)) = denied {
-            self.steps.truncate(index);
-            self.models.truncate(index);
-            self.evidence.truncate(index + 1);
-            self.refuse([denied]);
-        }
+        let on_rows = fitted.score(rows);
+        let held_out = &mut self.evidence[steps].held_out;
+        *held_out = match held_out.take() {
+            // Means that stand for their samples tell how the error changes when a trace is left out; all that is left to take from
+            // the rows is the error of the fit to all.
+            Some(errors) if search.problem.stands_for_samples() => {
+                Some(errors.over_rows(search.problem, fitted, &on_rows))
+            }
+            _ => held_out_on(search.problem, fitted, rows),
+        };
     }
 
     /// Takes down what was refused, the latest trial of each effect.
