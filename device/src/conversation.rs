@@ -111,6 +111,8 @@ pub struct Device<'a> {
     stack_used: u32,
     queue_most: u8,
     status_at_us: u64,
+    /// When the shared line last rose, µs.
+    pulse_us: u64,
 }
 
 /// What is known of the host.
@@ -171,6 +173,16 @@ impl<'a> Device<'a> {
             stack_used: 0,
             queue_most: 0,
             status_at_us: 0,
+            pulse_us: 0,
+        }
+    }
+
+    /// Notes that the line that the fingers of a hand share rose at this device time, µs. It is told while samples of the converter
+    /// are sent; pulses are to be further apart than frames.
+    pub fn note_pulse(&mut self, time_us: u64) {
+        if self.stream.source() == Some(Source::Converter) && self.host_is_of_this_release() {
+            self.pulse_us = time_us;
+            self.outgoing.ask(Due::Pulse);
         }
     }
 
@@ -361,6 +373,11 @@ impl<'a> Device<'a> {
         }
     }
 
+    /// Whether the host knows all messages.
+    fn host_is_of_this_release(&self) -> bool {
+        self.host == Host::Speaks(wire::SCHEMA)
+    }
+
     /// Whether the host is of an earlier release.
     fn is_told_less(&self) -> bool {
         matches!(self.host, Host::Speaks(schema) if schema != wire::SCHEMA)
@@ -447,6 +464,8 @@ impl<'a> Device<'a> {
             wire::encode(head, &ToHost::Answer(answer), frame)
         } else if let Some(felt) = self.next_felt() {
             wire::encode(head, &ToHost::Event(felt), frame)
+        } else if self.outgoing.take(Due::Pulse) {
+            wire::encode(head, &ToHost::Pulse { time_us: self.pulse_us }, frame)
         } else if let Some(rows) = self.stream.room.blocks.next() {
             let sent = rows.encode(self.sequence, frame);
             self.stream.room.blocks.sent();
@@ -468,7 +487,7 @@ impl<'a> Device<'a> {
     /// The next event, for a host whose release knows events.
     fn next_felt(&mut self) -> Option<wire::Felt> {
         let felt = self.stream.room.feeling.next();
-        felt.filter(|_| self.host == Host::Speaks(wire::SCHEMA))
+        felt.filter(|_| self.host_is_of_this_release())
     }
 
     /// Blocks of older settings go before the new ones, so that a host always has those of the block it hears.

@@ -14,6 +14,7 @@ pub(crate) enum Due {
     Status = 1 << 2,
     Kept = 1 << 4,
     Capabilities = 1 << 5,
+    Pulse = 1 << 6,
 }
 
 const AN_ANSWER: u8 = 1 << 3;

@@ -73,6 +73,8 @@ struct Host {
     /// Intervals that the converter can be set to, ns.
     intervals_ns: Vec<u32>,
     felt: Vec<Felt>,
+    /// When the shared line rose, µs.
+    pulses: Vec<u64>,
 }
 
 impl Host {
@@ -99,6 +101,7 @@ impl Host {
             kept: None,
             intervals_ns: Vec::new(),
             felt: Vec::new(),
+            pulses: Vec::new(),
         }
     }
 
@@ -155,6 +158,7 @@ impl Host {
                         }
                         ToHost::Kept(kept) => self.kept = Some(kept),
                         ToHost::Event(felt) => self.felt.push(felt),
+                        ToHost::Pulse { time_us } => self.pulses.push(time_us),
                         ToHost::Converter { part, capabilities } => {
                             assert_eq!(part, IDENTITY.converter);
                             self.intervals_ns = capabilities.intervals_ns().collect();
@@ -273,6 +277,28 @@ fn a_touch_and_a_release_are_told_at_the_row_at_which_the_same_code_finds_them()
 fn a_host_of_release_0_1_is_told_no_event_and_misses_no_row() {
     let (host, rows) = felt_by_a_host_of(EARLIER[0]);
     assert_eq!((host.felt.len(), rows), (0, 2_400));
+}
+
+#[test]
+fn a_pulse_of_the_shared_line_is_told_while_the_converter_is_streamed_to_a_host_that_knows_it() {
+    let pulses_of = |schema, source| {
+        let mut host = Host::new();
+        host.say(&ToDevice::Hello(HelloToDevice { schema, version: "1" })).unwrap();
+        host.device.note_pulse(1_000_000);
+        host.start(source);
+        for time_us in [2_000_003, 3_000_005] {
+            host.device.note_pulse(time_us);
+            host.hear();
+        }
+        host.say(&ToDevice::Stop).unwrap();
+        host.device.note_pulse(4_000_000);
+        host.hear();
+        host.pulses
+    };
+    assert_eq!(pulses_of(SCHEMA, Source::Converter), [2_000_003, 3_000_005]);
+    // Injected rows have a time of their own.
+    assert_eq!(pulses_of(SCHEMA, Source::Link { interval_ns: 1_000_000 }), []);
+    assert_eq!(pulses_of(EARLIER[0], Source::Converter), []);
 }
 
 #[test]

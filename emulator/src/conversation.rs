@@ -35,6 +35,8 @@ pub struct Heard {
     pub settings: Option<Settings>,
     /// Words of the last panic.
     pub last_words: String,
+    /// When the shared line rose, µs of the device.
+    pub pulses: Vec<u64>,
     /// Why it began, clock and board, as its last `Hello` said.
     pub hello: Option<String>,
 }
@@ -208,6 +210,7 @@ impl Heard {
                 self.hello = Some(format!("{} {:?} {:?}", hello.board, hello.clock, hello.reset));
             }
             ToHost::SettingsByRatio { .. } | ToHost::Converter { .. } => {}
+            ToHost::Pulse { time_us } => self.pulses.push(time_us),
             ToHost::Log(_) | ToHost::Kept(_) | ToHost::Event(_) => {}
         }
     }

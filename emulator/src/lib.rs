@@ -8,6 +8,7 @@ mod conversation;
 mod converter;
 mod load;
 mod part;
+mod shared_line;
 mod small_parts;
 mod usart;
 mod usb;
@@ -17,6 +18,7 @@ pub use cable::{Cable, Over};
 pub use conversation::{Asked, BOOT_MS, Heard, sheet};
 pub use converter::{CLOCK_HZ as CONVERTER_CLOCK_HZ, Chip, Converter, Fault};
 pub use load::Load;
+pub use shared_line::SharedLine;
 pub use small_parts::{Adc, FACTORY_READINGS, Power};
 pub use usart::Wire;
 
@@ -54,6 +56,8 @@ pub struct Setup {
     pub flash: Vec<u8>,
     /// Frequency of its crystal, MHz.
     pub crystal_mhz: u32,
+    /// How much faster than that its crystal is, parts per million.
+    pub crystal_ppm: i64,
     /// True frequency of its internal oscillator, which should be 16 MHz, Hz: it sets what the crystal seems to be.
     pub internal_hz: u64,
     /// Whether its USB core works.
@@ -80,6 +84,7 @@ impl Setup {
         Self {
             flash,
             crystal_mhz: 12,
+            crystal_ppm: 0,
             internal_hz: 16_000_000,
             has_usb: true,
             watchdog_hz: 32_000,
@@ -114,6 +119,8 @@ pub struct Board {
     pub thermometer: Arc<Adc>,
     /// The supply.
     pub power: Arc<Power>,
+    /// The wire that it shares with other fingers.
+    pub shared_line: Arc<SharedLine>,
     /// The cable in its socket.
     pub cable: Cable,
     over: Over,
@@ -139,10 +146,12 @@ impl Board {
         let supervisor = Supervisor::new();
         let thermometer = Adc::new();
         let power = Power::new();
-        let capture = Capture::new(u64::from(setup.crystal_mhz) * 1_000_000, setup.internal_hz);
+        let shared_line = SharedLine::new();
+        let crystal_hz = (i64::from(setup.crystal_mhz) * (1_000_000 + setup.crystal_ppm)) as u64;
+        let capture = Capture::new(crystal_hz, setup.internal_hz);
 
         let schemas = usart::schemas().into_iter().chain(small_parts::schemas());
-        for schema in schemas.chain([converter::schema(), usb::schema()]) {
+        for schema in schemas.chain([converter::schema(), usb::schema(), shared_line::schema()]) {
             options.classes.insert(schema);
         }
         let mut add = |class, make: Box<dyn Fn() -> Arc<dyn Instance> + Send + Sync>| {
@@ -157,6 +166,7 @@ impl Board {
         add(Adc::class(), one(&thermometer));
         add(Power::class(), one(&power));
         add(Capture::class(), one(&capture));
+        add(SharedLine::class(), one(&shared_line));
         add(Kept::class(), Box::new(|| Arc::new(Model::new(Kept::new()))));
         options.bindings.replace("st.iwdg", |properties| {
             Ok(Arc::new(widened::Widened::new(Arc::new(Iwdg::new(properties)?))))
@@ -172,6 +182,7 @@ impl Board {
         options.realize.media.insert("firmware", setup.flash.clone());
         options.realize.media.insert("system", system_memory());
         let description = include_str!("../board.machine")
+            .replace("@HZ@", &crystal_hz.to_string())
             .replace("@MHZ@", &setup.crystal_mhz.to_string())
             .replace("@LSI@", &setup.watchdog_hz.to_string());
         let machine = match build("board.machine", &description, &registry, &options) {
@@ -190,6 +201,7 @@ impl Board {
             supervisor,
             thermometer,
             power,
+            shared_line,
             cable: Cable::default(),
             over: Over::Serial,
             heard,

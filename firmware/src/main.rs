@@ -63,6 +63,7 @@ mod app {
     use usb::{Frame, SerialNumber, UsbLine};
     use usb_device::bus::UsbBusAllocator;
 
+    use crate::board::shared_line::SharedLine;
     use crate::board::temperature::Thermometer;
     use crate::board::transmitter::Transmitter;
     use crate::board::watchdog::{Stage, Watchdog, progress};
@@ -95,6 +96,7 @@ mod app {
     struct Local {
         drdy: PC7<Alternate<{ edge::FUNCTION }>>,
         lamp: PC1<Output>,
+        shared_line: SharedLine,
         samples_in: Producer<'static, Sample>,
         samples: Consumer<'static, Sample>,
         transmitter: Transmitter,
@@ -234,6 +236,10 @@ mod app {
             Local {
                 drdy,
                 lamp: c.pc1.into_push_pull_output(),
+                shared_line: SharedLine::new(
+                    a.pa7.into_push_pull_output(),
+                    a.pa6.into_alternate().internal_pull_down(true),
+                ),
                 samples_in,
                 samples,
                 transmitter,
@@ -420,10 +426,13 @@ mod app {
     }
 
     /// Looks after everything that has no event of its own.
-    #[task(priority = 2, local = [lamp, thermometer, watchdog], shared = [device, hardware])]
+    #[task(priority = 2, local = [lamp, shared_line, thermometer, watchdog], shared = [device, hardware])]
     async fn tick(mut cx: tick::Context) {
         for count in (0_u32..).cycle() {
             sleep_ms(10).await;
+            let shared_line = &mut cx.local.shared_line;
+            let pulse_us = shared_line.rose(time::now_us());
+            shared_line.raise(count.is_multiple_of(100));
             let (found, listens, expects_edges) = cx.shared.hardware.lock(|hardware| {
                 let front_end = &mut hardware.front_end;
                 let found = front_end.look_after(time::now_us());
@@ -443,6 +452,9 @@ mod app {
                 }
                 if count.is_multiple_of(10) {
                     device.set_temperature(temperature);
+                }
+                if let Some(time_us) = pulse_us {
+                    device.note_pulse(time_us);
                 }
                 if let Some(bytes) = stack_used {
                     device.set_stack_used(bytes);

@@ -382,6 +382,11 @@ fn two_devices_are_recorded_into_one_file_and_their_rows_have_one_clock() {
     assert_eq!(status, 0, "{error}");
     let traces =
         ["hand-1.csv", "hand-2.csv"].map(|name| palpate::trace::read(&first.file(name)).unwrap());
+    // Their time rests on the line that they share, in the host's time of the first.
+    let pulses =
+        traces.each_ref().map(|trace| trace.head.other["recording"].get("pulses").cloned());
+    let [None, Some(told)] = pulses else { panic!("{pulses:?}") };
+    assert!(told.as_integer().unwrap() >= 1, "{told}");
     // Both streams were begun within a second, and ended together.
     let [a, b] = traces.map(|trace| (trace.time[0], *trace.time.last().unwrap()));
     assert!((0.0..1.0).contains(&a.0) && (0.0..1.0).contains(&b.0), "{a:?} {b:?}");

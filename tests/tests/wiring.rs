@@ -46,21 +46,23 @@ fn the_bill_of_materials_has_every_part_of_the_netlist_and_no_other() {
 }
 
 #[test]
-fn the_converter_is_wired_as_the_firmware_has_its_pins() {
+fn what_the_firmware_has_pins_for_is_wired_to_them() {
     let nets = nets();
-    let pin_of = |signal: &str| {
-        let net = nets.values().find(|net| net.contains(&("U2".to_owned(), signal.to_owned())));
+    let pin_of = |part: &str, signal: &str| {
+        let net = nets.values().find(|net| net.contains(&(part.to_owned(), signal.to_owned())));
         let (_, pin) = net.unwrap().iter().find(|(part, _)| part == "U1").unwrap();
         pin.clone()
     };
     // Rows of the table in the firmware: signals, pins of the chip, pins of the Feather.
     let table = file("src/board/mod.rs");
-    for (named, signals) in [
-        ("converter SCK, MISO, MOSI", &["SCLK", "DOUT", "DIN"][..]),
-        ("converter CS", &["CS"]),
-        ("converter SYNC/RESET", &["SYNC/RESET"]),
-        ("converter DRDY", &["DRDY"]),
-        ("converter CLKIN", &["CLKIN"]),
+    for (named, part, signals) in [
+        ("converter SCK, MISO, MOSI", "U2", &["SCLK", "DOUT", "DIN"][..]),
+        ("converter CS", "U2", &["CS"]),
+        ("converter SYNC/RESET", "U2", &["SYNC/RESET"]),
+        ("converter DRDY", "U2", &["DRDY"]),
+        ("converter CLKIN", "U2", &["CLKIN"]),
+        ("line that fingers share, what this one hears", "J5", &["2"]),
+        ("the same, what this one says", "J5", &["3"]),
     ] {
         let row = table.lines().find(|line| line.contains(named)).unwrap();
         let feather: Vec<&str> = row.split('|').nth(3).unwrap().split(',').map(str::trim).collect();
@@ -68,7 +70,7 @@ fn the_converter_is_wired_as_the_firmware_has_its_pins() {
             // A number alone is a digital pin.
             let feather =
                 if feather.parse::<u8>().is_ok() { format!("D{feather}") } else { feather.into() };
-            assert_eq!(pin_of(signal), feather, "{signal}");
+            assert_eq!(pin_of(part, signal), feather, "{signal}");
         }
     }
 }

@@ -9,6 +9,8 @@
 //! | converter CLKIN | PC6 | 6 | TIM8 channel 1, 8 MHz; left alone if PB6 is joined to ground |
 //! | clock of another finger | PB6 | SCL | joined to ground where CLKIN comes from there |
 //! | USB D−, D+ | PA11, PA12 | the socket | OTG_FS |
+//! | line that fingers share, what this one hears | PA6 | A2 | TIM3 channel 1 catches when it rises |
+//! | the same, what this one says | PA7 | A3 | joined to the line on one finger only |
 //! | lamp | PC1 | on the board | |
 //! | link TX, RX | PB10, PB11 | TX, RX | USART3, 1,000,000 baud, 8N1; DMA1 stream 3 carries what is sent |
 
@@ -19,6 +21,7 @@ pub mod fingerprint;
 pub mod flash;
 pub mod receiver;
 pub mod reset;
+pub mod shared_line;
 pub mod socket;
 pub mod stack;
 pub mod supply;

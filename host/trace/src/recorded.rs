@@ -9,15 +9,19 @@
 //! before. Rows whose settings were lost on the line are left out and counted.
 //!
 //! Where several devices share the recording, each has stretches of its own, and the time of all is the host's since the recording
-//! was opened: the clock of each device is fitted under the arrival of its frames.
+//! was opened: the clock of each device is fitted under the arrival of its frames, and where they share a line, by when it rose.
 
 mod columns;
+mod pulses;
 mod stream;
 
 use std::collections::BTreeMap;
 use std::io::BufRead;
 use std::path::Path;
 
+use toml::Value;
+
+use self::pulses::{HostTime, Timing};
 use self::stream::Stream;
 use super::{Error, Trace};
 use crate::recording::{self, Entry, Note, Reader};
@@ -85,8 +89,9 @@ pub fn to_traces(
     recorded.closed = reader.closed();
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let shared = devices.shared;
-    for (number, mut stream) in devices.streams {
-        stream.end();
+    devices.streams.values_mut().for_each(Stream::end);
+    let (reference, told) = devices.most_pulses();
+    for (number, stream) in devices.streams {
         recorded.rows_unknown += stream.rows_unknown;
         let device = shared.then(|| u32::from(number) + 1);
         let name =
@@ -96,12 +101,17 @@ pub fn to_traces(
             let name = if several { format!("{name}-{}", index + 1) } else { name.clone() };
             recorded.rows_lost += stretch.rows_lost;
             let first_us = stretch.first_us();
-            let mut trace = stretch.into_trace(name, clock.as_ref().ok(), device);
+            let fit = clock.as_ref().ok().map(|timing| &timing.fit);
+            let mut trace = stretch.into_trace(name, fit, device);
             if options.host_time || shared {
                 let no_clock = |reason| Error::NoClock { path: path.into(), reason };
-                let clock = clock.map_err(no_clock)?;
-                let begins_s = if shared { clock.host_us(first_us) * 1e-6 } else { 0.0 };
-                trace.time.iter_mut().for_each(|time| *time = begins_s + *time / clock.rate);
+                let timing = clock.map_err(no_clock)?;
+                if shared {
+                    let others = if number == reference { &[][..] } else { &told };
+                    in_shared_time(&mut trace, first_us, &timing.beside(others));
+                } else {
+                    trace.time.iter_mut().for_each(|time| *time /= timing.fit.rate);
+                }
             }
             recorded.traces.push(trace);
         }
@@ -113,6 +123,19 @@ pub fn to_traces(
         begin_when_opened(&mut recorded.traces);
     }
     Ok(recorded)
+}
+
+/// Gives a trace of one of several devices, with the device time of its first row, µs, the host's time since the recording was opened.
+fn in_shared_time(trace: &mut Trace, first_us: u64, host: &HostTime) {
+    for time in &mut trace.time {
+        *time = host.of(first_us as f64 + *time * 1e6) * 1e-6;
+    }
+    let pulses = i64::try_from(host.pulses()).unwrap_or(i64::MAX);
+    if let Some(Value::Table(recording)) =
+        trace.head.other.get_mut("recording").filter(|_| pulses > 0)
+    {
+        recording.insert("pulses".into(), pulses.into());
+    }
 }
 
 /// Nothing was recorded before the recording was opened. Where the lines under the times of arrival, of a short recording say, have
@@ -149,6 +172,18 @@ impl Devices {
             }
             _ => self.stream(0).take(entry),
         }
+    }
+
+    /// The device that heard the shared line most often, the first of those that did as often, and the clocks of its stretches.
+    fn most_pulses(&self) -> (u8, Vec<Timing>) {
+        let timings = |stream: &Stream| -> Vec<Timing> {
+            stream.ended.iter().filter_map(|(_, timing)| timing.clone().ok()).collect()
+        };
+        let heard = |stream: &Stream| -> usize {
+            timings(stream).iter().map(|timing| timing.pulses_us.len()).sum()
+        };
+        let most = self.streams.iter().rev().max_by_key(|(_, stream)| heard(stream));
+        most.map_or((0, Vec::new()), |(number, stream)| (*number, timings(stream)))
     }
 
     fn lose_track(&mut self) {
@@ -406,6 +441,41 @@ mod tests {
         }
         let rows = first.time.iter().chain(&second.time);
         assert!(rows.clone().count() == 2 * 87 && rows.copied().all(|time| time > 0.9));
+    }
+
+    #[test]
+    fn what_devices_that_share_a_line_saw_at_one_instant_has_one_time_to_a_microsecond() {
+        let mut bytes = Vec::new();
+        let mut writer = Writer::for_several(&mut bytes, &Opened::timeless("two")).unwrap();
+        let at_us = |device: u8, host_us: u64| match device {
+            0 => 70_000_000 + host_us,
+            // 40 ppm fast.
+            _ => host_us + host_us * 40 / 1_000_000,
+        };
+        for second in 1..30_u64 {
+            for device in [0, 1] {
+                // The line of the second is slower by 3 ms.
+                let (host_us, late_us) = (1_000_000 * second, 3_000 * u64::from(device));
+                let now_us = at_us(device, host_us);
+                let pulse = ToHost::Pulse { time_us: now_us - 500 };
+                writer.of_device(host_us + late_us, device).unwrap();
+                if second == 1 {
+                    writer.frame(host_us + late_us, &settings(1)).unwrap();
+                }
+                writer.frame(host_us + late_us, &said(now_us, &pulse)).unwrap();
+                let rows = block(10 * second, now_us + 10, 1, 3, &[QUIET; GAUGES]);
+                writer.frame(host_us + late_us + 5_000, &rows).unwrap();
+            }
+        }
+        drop(writer);
+        let reader = Reader::new(&bytes[..]).unwrap();
+        let found = to_traces(Path::new("hand.palpate"), reader, &Options::default()).unwrap();
+        let [first, second] = &found.traces[..] else { panic!("{} traces", found.traces.len()) };
+        for (a, b) in first.time.iter().zip(&second.time) {
+            assert!((a - b).abs() < 2e-6, "{a} {b}");
+        }
+        let pulses = |trace: &Trace| trace.head.other["recording"].get("pulses").cloned();
+        assert_eq!((pulses(first), pulses(second)), (None, Some(Value::Integer(29))));
     }
 
     #[test]

@@ -53,6 +53,11 @@ pub enum ToHost<'a> {
         /// The settings.
         settings: Settings,
     },
+    /// The line that the fingers of a hand share rose: the same instant for all of them.
+    Pulse {
+        /// Device time of that instant, µs.
+        time_us: u64,
+    },
 }
 
 /// What the host says: commands, each answered by one [`Answer`].

@@ -47,6 +47,11 @@ pub enum Said {
     Kept(Kept),
     /// A touch, a release or a slip.
     Event(Felt),
+    /// The line that the fingers of a hand share rose.
+    Pulse {
+        /// Device time of that instant, µs.
+        time_us: u64,
+    },
     /// Its converter, by the name of the part, and what that can do.
     Converter(String, Box<Capabilities>),
 }
@@ -176,6 +181,7 @@ fn understand(frame: &mut [u8]) -> Result<(Head, Said), FrameError> {
         ToHost::Log(log) => Said::Log(log.bytes.into()),
         ToHost::Kept(kept) => Said::Kept(kept),
         ToHost::Event(felt) => Said::Event(felt),
+        ToHost::Pulse { time_us } => Said::Pulse { time_us },
     };
     Ok((head, said))
 }

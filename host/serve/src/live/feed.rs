@@ -246,6 +246,7 @@ impl Feed {
                 store.say(felt_in_words(felt));
             }
             Said::Answer(_) | Said::Foreign { .. } | Said::Kept(_) | Said::Converter(..) => {}
+            Said::Pulse { .. } => {}
         }
     }
 

@@ -9,7 +9,8 @@ use shared::wire::{
 };
 
 use super::columns::{Origin, Stretch};
-use crate::recording::{Clock, ClockFit, Entry, Gap, Note};
+use super::pulses::Timing;
+use crate::recording::{Clock, Entry, Gap, Note};
 
 /// Who the device said it is.
 #[derive(Clone)]
@@ -45,9 +46,11 @@ pub(super) struct Stream {
     source: Option<Source>,
     arrived_us: Option<u64>,
     clock: Clock,
+    /// When the shared line rose since the last stretch, µs of the device.
+    pulses_us: Vec<u64>,
     stretch: Option<Stretch>,
     /// What ended, with how the clock of the device ran, or why that is not known.
-    pub(super) ended: Vec<(Stretch, Result<ClockFit, &'static str>)>,
+    pub(super) ended: Vec<(Stretch, Result<Timing, &'static str>)>,
 }
 
 impl Stream {
@@ -70,9 +73,14 @@ impl Stream {
                 // Only now: if the device began anew, the stretch that this ended had the clock before.
                 match *arrived_us {
                     Some(arrived_us) => {
-                        self.clock.hear(*head, message, arrived_us);
+                        if self.clock.hear(*head, message, arrived_us) {
+                            self.pulses_us.clear();
+                        }
                     }
                     None => self.clock.overhear(message),
+                }
+                if let ToHost::Pulse { time_us } = message {
+                    self.pulses_us.push(*time_us);
                 }
             }
         }
@@ -94,7 +102,7 @@ impl Stream {
             ToHost::Samples(block) => self.hear_rows(head, block),
             // Events follow from the rows.
             ToHost::Answer(_) | ToHost::Log(_) | ToHost::Kept(_) | ToHost::Event(_) => {}
-            ToHost::Converter { .. } => {}
+            ToHost::Converter { .. } | ToHost::Pulse { .. } => {}
         }
     }
 
@@ -137,16 +145,20 @@ impl Stream {
     pub(super) fn end(&mut self) {
         if let Some(stretch) = self.stretch.take().filter(|stretch| stretch.len() > 1) {
             self.ended.push((stretch, self.relation()));
+            self.pulses_us.clear();
         }
     }
 
     /// How the clock of the device runs, or why that is not known.
-    fn relation(&self) -> Result<ClockFit, &'static str> {
+    fn relation(&self) -> Result<Timing, &'static str> {
         match self.source {
             Some(Source::Link { .. }) => {
                 Err("its rows were injected and carry a time of their own")
             }
-            _ => self.clock.fit().ok_or("too few messages came"),
+            _ => {
+                let fit = self.clock.fit().ok_or("too few messages came")?;
+                Ok(Timing { fit, pulses_us: self.pulses_us.clone() })
+            }
         }
     }
 }

@@ -103,7 +103,8 @@ impl Clock {
             | ToHost::Converter { .. }
             | ToHost::Log(_)
             | ToHost::Kept(_)
-            | ToHost::Event(_) => self.anchor(head.time_us, host_us),
+            | ToHost::Event(_)
+            | ToHost::Pulse { .. } => self.anchor(head.time_us, host_us),
         }
     }
 

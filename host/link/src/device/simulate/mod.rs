@@ -5,7 +5,7 @@ mod grasp;
 mod pace;
 
 use std::path::{Path, PathBuf};
-use std::time::Instant;
+use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
 use device::{Device, Identity, Restart, Room, Sample, begin_with};
 use shared::wire::{
@@ -25,6 +25,7 @@ const TEMPERATURE: i16 = 25 * 256;
 /// held up: a computer that is busy for half a second costs no row.
 const WAITING: usize = 65_536;
 const TICK_US: u64 = 10_000;
+const SECOND_US: u64 = 1_000_000;
 
 /// How to simulate.
 #[derive(Clone, Debug, Default)]
@@ -71,6 +72,8 @@ struct Body<'b> {
     pace: Pace,
     ticked_us: u64,
     released_us: u64,
+    /// The last second of the computer's clock: at each of them the line rises that all simulated fingers share.
+    second: u64,
 }
 
 impl Simulated {
@@ -147,6 +150,7 @@ impl Simulated {
         }
         if now_us - body.ticked_us >= TICK_US {
             body.ticked_us = now_us;
+            body.hear_the_shared_line();
             body.device.tick(now_us, board);
         }
         if now_us - body.released_us >= 500_000 {
@@ -197,12 +201,25 @@ impl<'b> Body<'b> {
             pace: Pace::default(),
             ticked_us: 0,
             released_us: 0,
+            second: since_1970_us() / SECOND_US,
         })
     }
 
     /// Time since the reset, µs.
     fn now_us(&self) -> u64 {
         self.began.elapsed().as_micros() as u64
+    }
+
+    /// Notes when the shared line rose, if it did.
+    fn hear_the_shared_line(&mut self) {
+        let (now_us, since_1970_us) = (self.now_us(), since_1970_us());
+        let second = since_1970_us / SECOND_US;
+        if second == self.second + 1
+            && let Some(time_us) = now_us.checked_sub(since_1970_us % SECOND_US)
+        {
+            self.device.note_pulse(time_us);
+        }
+        self.second = second;
     }
 
     /// Takes what the host sent, as long as there is room for the answers.
@@ -248,6 +265,11 @@ impl<'b> Body<'b> {
         }
         Ok(())
     }
+}
+
+/// The computer's clock, which all simulated fingers see, µs; 0 before 1970.
+fn since_1970_us() -> u64 {
+    SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |time| time.as_micros() as u64)
 }
 
 /// Makes a symbolic link, in place of one that is there; never of another file.
