@@ -22,6 +22,11 @@ impl Blocks {
         Self { places: [const { Rows::new() }; PLACES], filling: 0, waiting: 0 }
     }
 
+    /// From the next row on rows are of so many gauges.
+    pub(crate) fn set_gauges(&mut self, gauges: u8) {
+        self.places.iter_mut().for_each(|rows| rows.set_gauges(gauges));
+    }
+
     /// Forgets everything.
     pub(crate) fn clear(&mut self) {
         self.waiting = 0;

@@ -2,7 +2,8 @@
 
 use shared::pipeline::{Config, GAUGES};
 use shared::wire::{
-    ConverterFault, Done, Inject, Inputs, Refusal, Settings, SettingsError, Source, Start, ToDevice,
+    ConverterFault, Done, Inject, Inputs, PerGauge, Refusal, Settings, SettingsError, Source,
+    Start, ToDevice,
 };
 
 use crate::board::{Board, Restart};
@@ -31,7 +32,12 @@ impl Device<'_> {
                 let ns = oversampling.interval_ns(self.identity.converter_clock_hz);
                 self.convert(Settings { interval_ns: ns, ..settings }, board)
             }
-            ToDevice::SetGain(gain) => self.convert(settings.with_gain(gain), board),
+            ToDevice::SetGain(PerGauge(gain)) => self.convert(settings.with_gain(gain), board),
+            ToDevice::SetGainOfFour(gain) => {
+                let mut all = settings.gain;
+                all.iter_mut().zip(gain).for_each(|(own, gain)| *own = gain);
+                self.convert(settings.with_gain(all), board)
+            }
             ToDevice::SetFilter(relaxation) => self.apply(Settings { relaxation, ..settings }),
             ToDevice::SetThresholds(thresholds) => self.apply(Settings { thresholds, ..settings }),
             ToDevice::SetCalibration { gauge, sheet } => {

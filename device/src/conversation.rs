@@ -1,11 +1,11 @@
 //! The device as the host sees it.
 
 use shared::events;
-use shared::pipeline::{Config, Pipeline};
+use shared::pipeline::{Config, GAUGES, Pipeline};
 use shared::wire::{
     self, Answer, Capabilities, ClockSource, ConverterFault, Counters, Done, FRAME_MAX, Formats,
-    Head, Hello, Kept, Refusal, ResetCause, Settings, SettingsByRatio, SettingsError, Source,
-    Status, StoreFault, ToDevice, ToHost,
+    Head, Hello, Kept, PerGauge, Refusal, ResetCause, Settings, SettingsByRatio, SettingsError,
+    Source, Status, StoreFault, ToDevice, ToHost,
 };
 
 use crate::board::{Board, Log, Restart};
@@ -145,6 +145,13 @@ pub(crate) struct Exchange {
     pub(crate) same_strain: bool,
 }
 
+impl Identity<'_> {
+    /// Gauges of its rows.
+    pub(crate) fn gauges(&self) -> u8 {
+        self.capabilities.channels.min(GAUGES as u8)
+    }
+}
+
 impl<'a> Device<'a> {
     /// A device that begins with these settings and what [`begin_with`] made of them.
     #[must_use]
@@ -157,7 +164,7 @@ impl<'a> Device<'a> {
             identity,
             settings: *settings,
             kept: *kept,
-            stream: Stream::new(Pipeline::new(config), room),
+            stream: Stream::new(Pipeline::new(config), room, identity.gauges()),
             outgoing: Outgoing::new(),
             counters: Counters::default(),
             test: None,
@@ -450,6 +457,7 @@ impl<'a> Device<'a> {
         frame: &'f mut [u8; FRAME_MAX],
     ) -> Option<&'f [u8]> {
         let head = Head { sequence: self.sequence, time_us: now_us };
+        let is_told_less = self.is_told_less();
         let sent = if self.outgoing.take(Due::Hello) {
             wire::encode(head, &ToHost::Hello(self.introduction()), frame)
         } else if self.outgoing.take(Due::Kept) {
@@ -461,17 +469,21 @@ impl<'a> Device<'a> {
             self.outgoing.take(Due::Settings);
             wire::encode(head, &self.told_settings(), frame)
         } else if let Some(answer) = self.outgoing.next_answer() {
-            wire::encode(head, &ToHost::Answer(answer), frame)
+            wire::encode(head, &ToHost::Answer(self.told_answer(answer)), frame)
         } else if let Some(felt) = self.next_felt() {
             wire::encode(head, &ToHost::Event(felt), frame)
         } else if self.outgoing.take(Due::Pulse) {
             wire::encode(head, &ToHost::Pulse { time_us: self.pulse_us }, frame)
         } else if let Some(rows) = self.stream.room.blocks.next() {
-            let sent = rows.encode(self.sequence, frame);
+            let sent = if is_told_less {
+                rows.encode_of_four(self.sequence, frame)
+            } else {
+                rows.encode(self.sequence, frame)
+            };
             self.stream.room.blocks.sent();
             sent
         } else if self.outgoing.take(Due::Status) {
-            wire::encode(head, &ToHost::Status(self.status()), frame)
+            wire::encode(head, &self.told_status(), frame)
         } else if matches!(self.host, Host::Speaks(_)) && log.is_waiting() {
             let mut piece = [0; LOG_PIECE];
             let length = log.take(&mut piece);
@@ -515,7 +527,7 @@ impl<'a> Device<'a> {
             git: identity.git,
             board: identity.board,
             serial: identity.serial,
-            channels: identity.capabilities.channels,
+            channels: identity.gauges(),
             converter_clock_hz: identity.converter_clock_hz,
             clock: identity.clock,
             formats: Formats::OURS,
@@ -529,10 +541,30 @@ impl<'a> Device<'a> {
         Counters { link_full: self.stream.link_full, ..self.counters }
     }
 
+    /// The status in the words of the host.
+    fn told_status(&self) -> ToHost<'static> {
+        let status = self.status();
+        if self.is_told_less() {
+            ToHost::StatusOfFour(status.into())
+        } else {
+            ToHost::Status(status)
+        }
+    }
+
+    /// An answer in the words of the host.
+    fn told_answer(&self, answer: Answer) -> Answer {
+        match answer.outcome {
+            Ok(Done::Tested(test)) if self.is_told_less() => {
+                Answer { outcome: Ok(Done::TestedOfFour(test.into())), ..answer }
+            }
+            _ => answer,
+        }
+    }
+
     fn status(&self) -> Status {
         Status {
             counters: self.counters(),
-            gauges: self.stream.gauges(),
+            gauges: PerGauge(self.stream.gauges()),
             rows: self.stream.rows(),
             streaming: self.stream.source(),
             temperature: self.temperature,

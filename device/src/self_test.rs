@@ -81,8 +81,13 @@ impl SelfTest {
         let due_us = self.interval_us * f32::from(self.taken.saturating_sub(1));
         Some(wire::SelfTest {
             converter: if complete { Ok(()) } else { Err(wire::ConverterFault::Stuck) },
-            noise_counts: [scatter(a, p), scatter(b, q), scatter(c, r), scatter(d, s)],
-            mean_counts,
+            noise_counts: wire::PerGauge([
+                scatter(a, p),
+                scatter(b, q),
+                scatter(c, r),
+                scatter(d, s),
+            ]),
+            mean_counts: wire::PerGauge(mean_counts),
             samples: self.taken,
             rate_ratio: if seen_us > 0.0 { due_us / seen_us } else { 0.0 },
         })

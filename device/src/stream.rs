@@ -54,6 +54,8 @@ impl Lost {
 pub(crate) struct Stream<'a> {
     pipeline: Pipeline,
     pub(crate) room: &'a mut Room,
+    /// Gauges of its rows.
+    gauges: u8,
     injected: Deque<([i32; GAUGES], Option<i16>), INJECTED_ROWS>,
     on: Option<Start>,
     /// Of what comes next, 2^-8 °C, and what is taken for it where there is no sensor.
@@ -73,10 +75,13 @@ pub(crate) struct Stream<'a> {
 }
 
 impl<'a> Stream<'a> {
-    pub(crate) const fn new(pipeline: Pipeline, room: &'a mut Room) -> Self {
+    /// A stream of so many gauges.
+    pub(crate) fn new(pipeline: Pipeline, room: &'a mut Room, gauges: u8) -> Self {
+        room.blocks.set_gauges(gauges);
         Self {
             pipeline,
             room,
+            gauges,
             injected: Deque::new(),
             on: None,
             temperature: None,
@@ -154,7 +159,7 @@ impl<'a> Stream<'a> {
     /// [`CodingError`] if they cannot be read; then none is taken.
     pub(crate) fn inject(&mut self, inject: &Inject<'_>) -> Result<(u8, u8), CodingError> {
         let mut rows = Vec::<_, INJECT_ROWS>::new();
-        for counts in wire::unpack(inject.counts) {
+        for counts in wire::unpack(inject.counts, self.gauges) {
             rows.push(counts?).map_err(|_| CodingError)?;
         }
         let (mut taken, mut lost) = (0_u8, 0_u8);

@@ -11,8 +11,8 @@ use shared::pipeline::{GAUGES, Pipeline};
 use shared::wire::{
     self, Accumulated, Accumulator, Capabilities, ClockSource, Columns, ConverterFault, Done,
     EARLIER, FRAME_MAX, Felt, Head, HelloToDevice, INJECT_ROWS, Inject, Inputs, Kept, Oversampling,
-    Refusal, ResetCause, Row, Rows, SCHEMA, Settings, Source, Start, Status, StoreFault, ToDevice,
-    ToHost,
+    PerGauge, Refusal, ResetCause, Row, Rows, SCHEMA, Settings, Source, Start, Status, StoreFault,
+    ToDevice, ToHost,
 };
 
 const IDENTITY: Identity<'static> = Identity {
@@ -54,6 +54,15 @@ impl Board for Bench {
     }
     fn can_restart(&self, into: Restart) -> bool {
         into == Restart::Firmware
+    }
+}
+
+/// Whether a message is one that a host of release 0.1 does not know.
+fn is_of_today(message: &ToHost<'_>) -> bool {
+    match message {
+        ToHost::Hello(_) | ToHost::Log(_) => false,
+        ToHost::Answer(answer) => matches!(answer.outcome, Ok(Done::Tested(_))),
+        _ => message.clone().in_words_of_today() == *message,
     }
 }
 
@@ -138,12 +147,18 @@ impl Host {
         while let Some(bytes) = self.device.next_frame(self.now_us, &mut (), &mut frame) {
             for byte in bytes {
                 if let Accumulated::Frame(frame) = line.push(*byte) {
-                    let (head, message) = wire::decode(frame).unwrap();
-                    match message {
+                    let (head, message) = wire::decode::<ToHost<'_>>(frame).unwrap();
+                    let (said, told_less) = (message.clone(), self.is_older());
+                    assert!(told_less || said.in_words_of_today() == message, "{message:?}");
+                    assert!(!told_less || !is_of_today(&message), "{message:?}");
+                    if let ToHost::Answer(answer) = message {
+                        self.answers.push((answer.to, answer.outcome));
+                        continue;
+                    }
+                    match message.in_words_of_today() {
                         ToHost::Hello(hello) => {
                             self.hello = Some((hello.schema, hello.version.into()));
                         }
-                        ToHost::Answer(answer) => self.answers.push((answer.to, answer.outcome)),
                         ToHost::Settings { generation, settings } => {
                             self.settings = Some((generation, settings));
                         }
@@ -163,11 +178,7 @@ impl Host {
                             assert_eq!(part, IDENTITY.converter);
                             self.intervals_ns = capabilities.intervals_ns().collect();
                         }
-                        ToHost::SettingsByRatio { generation, settings } => {
-                            assert!(self.is_older(), "only to release 0.1");
-                            self.settings = Some((generation, settings.settings(8_000_000)));
-                        }
-                        ToHost::Log(_) => unreachable!("nothing is logged here"),
+                        other => unreachable!("{other:?}"),
                     }
                 }
             }
@@ -204,7 +215,7 @@ impl Host {
 }
 
 fn packed<'b>(rows: &[[i32; GAUGES]], room: &'b mut [u8]) -> &'b [u8] {
-    wire::pack(rows, room).unwrap()
+    wire::pack(rows, GAUGES as u8, room).unwrap()
 }
 
 const LINK: Source = Source::Link { interval_ns: 5_000_000 };
@@ -508,7 +519,7 @@ fn a_change_of_gain_while_streaming_makes_no_press_and_samples_on_their_way_keep
         host.hear();
     }
     let before = *host.rows.last().unwrap();
-    host.say(&ToDevice::SetGain([64; GAUGES])).unwrap();
+    host.say(&ToDevice::SetGain(PerGauge([64; GAUGES]))).unwrap();
     assert_eq!(host.board.set.unwrap().gain, [64; GAUGES]);
     // One of the old gain was on its way.
     host.sample([1_000_000; GAUGES], Lost::NONE);
@@ -652,7 +663,7 @@ fn what_is_out_of_range_is_refused_by_kind_and_changes_nothing() {
         (ToDevice::SetCalibration { gauge: 0, sheet }, Refusal::Calibration),
         (ToDevice::SetCalibration { gauge: 4, sheet }, Refusal::Gauge(4)),
         (ToDevice::SetFilter(filter), Refusal::Filter),
-        (ToDevice::SetGain([1, 2, 3, 4]), Refusal::Gain),
+        (ToDevice::SetGain(PerGauge([1, 2, 3, 4])), Refusal::Gain),
         (ToDevice::Stop, Refusal::NotStreaming),
         (
             ToDevice::Start(Start {
@@ -720,6 +731,30 @@ fn a_self_test_is_answered_when_it_has_its_samples() {
 }
 
 #[test]
+fn a_host_of_release_0_1_sets_four_gains_and_reads_status_test_and_rows_in_its_own_words() {
+    let mut host = Host::new();
+    host.say(&ToDevice::Hello(HelloToDevice { schema: EARLIER[0], version: "0.1.0" })).unwrap();
+    host.say(&ToDevice::SetGainOfFour([64, 32, 16, 8])).unwrap();
+    assert_eq!(host.board.set.unwrap().gain, [64, 32, 16, 8]);
+    assert_eq!(host.status().rows, 0);
+    host.sequence += 1;
+    host.send(host.sequence, &ToDevice::SelfTest);
+    for _ in 0..256 {
+        host.sample([5; GAUGES], Lost::NONE);
+    }
+    host.device.tick(host.now_us, &mut host.board);
+    host.hear();
+    let Some((_, Ok(Done::TestedOfFour(test)))) = host.answers.last() else {
+        panic!("{:?}", host.answers)
+    };
+    assert_eq!(test.mean_counts, [5; GAUGES]);
+    host.start(Source::Converter);
+    host.sample([7; GAUGES], Lost::NONE);
+    host.say(&ToDevice::Stop).unwrap();
+    assert_eq!(host.rows[0].counts, [7; GAUGES]);
+}
+
+#[test]
 fn inputs_of_the_converter_are_tested_and_the_next_stream_is_of_the_gauges() {
     let mut host = Host::introduced();
     for inputs in [Inputs::Shorted, Inputs::TestSignal] {
@@ -734,7 +769,7 @@ fn inputs_of_the_converter_are_tested_and_the_next_stream_is_of_the_gauges() {
         let (to, Ok(Done::Tested(test))) = host.answers[host.answers.len() - 1] else {
             panic!("{:?}", host.answers)
         };
-        assert_eq!((to, test.mean_counts), (host.sequence, [5; GAUGES]));
+        assert_eq!((to, test.mean_counts), (host.sequence, PerGauge([5; GAUGES])));
     }
     host.start(Source::Converter);
     assert_eq!(host.board.set.unwrap().inputs, Inputs::Gauges);

@@ -223,6 +223,7 @@ impl Host {
             ToHost::Settings { settings, .. } => self.settings = Some(*settings),
             ToHost::Answer(answer) => self.refused += usize::from(answer.outcome.is_err()),
             ToHost::Samples(block) => {
+                assert_eq!(block.gauges, 1, "what is not there is not sent");
                 let settings = self.settings.unwrap();
                 let calibration = settings.config(settings.interval_s()).unwrap().calibration;
                 self.rows.extend(Rows::decode(head, block).unwrap().iter(&calibration));

@@ -209,7 +209,10 @@ impl Heard {
                 self.last_words = hello.panic.to_owned();
                 self.hello = Some(format!("{} {:?} {:?}", hello.board, hello.clock, hello.reset));
             }
-            ToHost::SettingsByRatio { .. } | ToHost::Converter { .. } => {}
+            ToHost::Converter { .. } => {}
+            // To release 0.1 only.
+            ToHost::SettingsByRatio { .. } | ToHost::StatusOfFour(_) | ToHost::SamplesOfFour(_) => {
+            }
             ToHost::Pulse { time_us } => self.pulses.push(time_us),
             ToHost::Log(_) | ToHost::Kept(_) | ToHost::Event(_) => {}
         }

@@ -2,7 +2,8 @@
 
 use emulator::{Board, CONVERTER_CLOCK_HZ, Fault, MS, Setup};
 use shared::wire::{
-    Columns, ConverterFault, Done, Inputs, Oversampling, SelfTest, Source, Start, Status, ToDevice,
+    Columns, ConverterFault, Done, Inputs, Oversampling, PerGauge, SelfTest, Source, Start, Status,
+    ToDevice,
 };
 
 /// Edges that wait for their interrupt, and the one of the data-ready line.
@@ -150,7 +151,7 @@ fn a_change_of_gain_under_load_is_no_press() {
     board.listen_ms(300);
     let before = *board.heard.rows.last().unwrap();
     board.heard.clear();
-    board.ask(&ToDevice::SetGain([64; 4]), 20).outcome.unwrap();
+    board.ask(&ToDevice::SetGain(PerGauge([64; 4])), 20).outcome.unwrap();
     board.listen_ms(100);
     let halved = board.heard.rows.iter().filter(|row| row.counts[0] == 500_000).count();
     assert!(halved >= 60, "{halved}");
@@ -175,7 +176,7 @@ fn the_converter_is_tested_without_its_gauges_and_then_reads_them_again() {
     board.ask(&ToDevice::SetRatio(Oversampling::X1024), 20).outcome.unwrap();
     board.converter().offset = 300;
     let shorted = tested(&mut board, Inputs::Shorted);
-    assert_eq!((shorted.converter, shorted.mean_counts), (Ok(()), [300; 4]));
+    assert_eq!((shorted.converter, shorted.mean_counts.0), (Ok(()), [300; 4]));
     let signal = tested(&mut board, Inputs::TestSignal);
     assert_eq!(signal.mean_counts, [(1 << 24) / 15 + 300; 4]);
     board.converter().input = |_| [1_000_000; 4];

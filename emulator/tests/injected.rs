@@ -54,7 +54,7 @@ fn inject(mut say: impl FnMut(&ToDevice<'_>)) {
     let rows: Vec<_> = (0..ROWS).map(counts).collect();
     for (piece, rows) in rows.chunks(INJECT_ROWS).enumerate() {
         let mut room = [0; 512];
-        let counts = pack(rows, &mut room).unwrap();
+        let counts = pack(rows, GAUGES as u8, &mut room).unwrap();
         let temperature = Some(25 * 256 + piece as i16);
         say(&ToDevice::Inject(Inject { temperature, counts }));
     }

@@ -26,7 +26,7 @@ const COEFFICIENT_BITS: u32 = 16;
 const DIFFERENCE_BITS: u32 = 7;
 
 /// What the calibration of one gauge states, in physical units.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
+#[derive(Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize, Schema)]
 pub struct Sheet {
     /// µε per count; negative if the bridge is wired so that pressing lowers the counts. |gain| within [`GAIN_RANGE`].
     pub gain: f64,

@@ -4,8 +4,8 @@ use palpate_shared::adaptation::Relaxation;
 use palpate_shared::pipeline::{self, GAUGES};
 use palpate_shared::wire::{
     Answer, ClockSource, Columns, ConverterFault, Counters, Done, FRAME_MAX, Formats, Head, Hello,
-    HelloToDevice, Inject, Log, Oversampling, Refusal, ResetCause, SelfTest, Settings,
-    SettingsByRatio, Source, Start, Status, StoreFault, ToDevice, ToHost, decode, encode,
+    HelloToDevice, Inject, Log, Oversampling, Refusal, ResetCause, SelfTestOfFour, Settings,
+    SettingsByRatio, Source, Start, StatusOfFour, StoreFault, ToDevice, ToHost, decode, encode,
 };
 
 const HEAD: Head = Head { sequence: 7, time_us: 1_234_567 };
@@ -42,7 +42,7 @@ fn from_the_device() -> Vec<ToHost<'static>> {
         panic: "main.rs:1: the end",
         counters: counters(),
     };
-    let status = Status {
+    let status = StatusOfFour {
         counters: counters(),
         gauges: [gauge; GAUGES],
         rows: 1 << 33,
@@ -52,7 +52,7 @@ fn from_the_device() -> Vec<ToHost<'static>> {
         stack_used: 7_192,
         queue_most: 9,
     };
-    let tested = SelfTest {
+    let tested = SelfTestOfFour {
         converter: Err(ConverterFault::Stuck),
         noise_counts: [1.5; GAUGES],
         mean_counts: [-5; GAUGES],
@@ -62,7 +62,7 @@ fn from_the_device() -> Vec<ToHost<'static>> {
     let outcomes = [
         Ok(Done::Carried),
         Ok(Done::Injected { taken: 1, lost: 2, room: 3 }),
-        Ok(Done::Tested(tested)),
+        Ok(Done::TestedOfFour(tested)),
         Err(Refusal::NoHello),
         Err(Refusal::Schema(1 << 40)),
         Err(Refusal::Streaming),
@@ -87,7 +87,7 @@ fn from_the_device() -> Vec<ToHost<'static>> {
     let by_ratio = SettingsByRatio::of(&Settings::DEFAULT, hello.converter_clock_hz);
     let mut all = vec![
         ToHost::Hello(hello),
-        ToHost::Status(status),
+        ToHost::StatusOfFour(status),
         ToHost::SettingsByRatio { generation: 3, settings: by_ratio },
         ToHost::Log(Log { bytes: &[1, 2, 3] }),
     ];
@@ -105,7 +105,7 @@ fn from_the_host() -> Vec<ToDevice<'static>> {
         start(Source::Link { interval_ns: 5 }, Columns::All),
         ToDevice::Stop,
         ToDevice::SetRatio(Oversampling::X16384),
-        ToDevice::SetGain([1, 2, 64, 128]),
+        ToDevice::SetGainOfFour([1, 2, 64, 128]),
         ToDevice::SetFilter(Relaxation { c1: 0.25, v1: 4.0, c2: 0.27, v2: 0.5 }),
         ToDevice::SetThresholds(Settings::DEFAULT.thresholds),
         ToDevice::SetCalibration { gauge: 2, sheet },

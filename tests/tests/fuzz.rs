@@ -11,9 +11,10 @@ use std::time::{Duration, Instant};
 
 use palpate_tests::fuzz::{Mutator, TARGETS, Target};
 use palpate_tests::workspace;
+use shared::pipeline::GAUGES;
 use shared::wire::{
-    Columns, FRAME_MAX, Head, HelloToDevice, INJECT_ROWS, Inject, Oversampling, SCHEMA, Source,
-    Start, ToDevice, encode, pack,
+    Columns, FRAME_MAX, Head, HelloToDevice, INJECT_ROWS, Inject, Oversampling, PerGauge, SCHEMA,
+    Source, Start, ToDevice, encode, pack,
 };
 
 /// Changed inputs of each target, where no time is given.
@@ -115,13 +116,13 @@ fn no_bytes_from_outside_make_anything_panic() {
 fn commands_of_a_session_are_written() {
     let rows = [[1_000, -7, 70_000, 8_000_000]; INJECT_ROWS];
     let mut room = [0; FRAME_MAX];
-    let counts = pack(&rows, &mut room).unwrap();
+    let counts = pack(&rows, GAUGES as u8, &mut room).unwrap();
     let link = Source::Link { interval_ns: 1_000_000 };
     let session = [
         ToDevice::Hello(HelloToDevice { schema: SCHEMA, version: "1" }),
         ToDevice::Settings,
         ToDevice::SetRatio(Oversampling::X2048),
-        ToDevice::SetGain([1, 2, 4, 8]),
+        ToDevice::SetGain(PerGauge([1, 2, 4, 8])),
         ToDevice::Start(Start { source: Source::Converter, columns: Columns::All }),
         ToDevice::Tare,
         ToDevice::Untare,

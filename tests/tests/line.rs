@@ -12,6 +12,7 @@ use palpate::device::stream::{Mark, Stream};
 use palpate::recording::{Entry, Gap, Note, Opened, Reader, Writer};
 use palpate_tests::fuzz::{Desk, desk};
 use proptest::prelude::*;
+use shared::pipeline::GAUGES;
 use shared::wire::{
     Accumulated, Accumulator, Columns, FRAME_MAX, Head, HelloToDevice, INJECT_ROWS, Inject,
     Oversampling, Rows, SCHEMA, Source, Start, ToDevice, ToHost, encode, pack,
@@ -212,7 +213,7 @@ impl Life<'_, '_> {
             Event::Injected { rows } => {
                 let rows = vec![[5, -6, 70_000, 8]; usize::from(*rows)];
                 let mut room = [0; FRAME_MAX];
-                let counts = pack(&rows, &mut room).unwrap();
+                let counts = pack(&rows, GAUGES as u8, &mut room).unwrap();
                 self.say(&ToDevice::Inject(Inject { temperature: None, counts }));
             }
             Event::Ticks { count } => {

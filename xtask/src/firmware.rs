@@ -83,21 +83,28 @@ fn pico2(name: &str, arguments: &[&str]) -> miette::Result<()> {
 pub fn check_pico2() -> miette::Result<()> {
     set_up_for(PICO2_TARGET)?;
     pico2("format of the firmware of the Pico 2", &["fmt", "--all", "--check"])?;
-    let lints = ["clippy", "--release", "--", "-D", "warnings"];
-    pico2("lints of the firmware of the Pico 2", &lints)?;
+    for converter in [&[][..], &["--features", "nau7802"]] {
+        let lints = [&["clippy", "--release"], converter, &["--", "-D", "warnings"]].concat();
+        pico2("lints of the firmware of the Pico 2", &lints)?;
+    }
     build_pico2()
 }
 
-/// Builds the port to the Pico 2 and leaves it as the file that is drawn onto its disk.
+/// Builds the port to the Pico 2 with each converter and leaves it as files that are drawn onto its disk.
 fn build_pico2() -> miette::Result<()> {
     set_up_for(PICO2_TARGET)?;
-    pico2("firmware of the Pico 2", &["build", "--release"])?;
-    let elf = target().join("pico2").join(PICO2_TARGET).join("release/palpate-pico2");
-    let elf = fs::read(&elf).into_diagnostic().wrap_err_with(|| elf.display().to_string())?;
-    let file = uf2::file(&image(&elf, PICO2_FLASH)?, PICO2_FLASH, Family::Rp2350);
     let out = workspace().join("target/firmware");
     fs::create_dir_all(&out).into_diagnostic()?;
-    write(&out.join("palpate-pico2.uf2"), &file)
+    for (name, converter) in
+        [("palpate-pico2-nau7802.uf2", &["--features", "nau7802"][..]), ("palpate-pico2.uf2", &[])]
+    {
+        pico2("firmware of the Pico 2", &[&["build", "--release"], converter].concat())?;
+        let elf = target().join("pico2").join(PICO2_TARGET).join("release/palpate-pico2");
+        let elf = fs::read(&elf).into_diagnostic().wrap_err_with(|| elf.display().to_string())?;
+        let file = uf2::file(&image(&elf, PICO2_FLASH)?, PICO2_FLASH, Family::Rp2350);
+        write(&out.join(name), &file)?;
+    }
+    Ok(())
 }
 
 /// Builds the firmware and leaves it in `target/firmware/`, with its sizes.

@@ -9,10 +9,12 @@
 //! | converter SYNC/RESET | GP20 | |
 //! | converter CLKIN | GP21 | clock output 0: 8 MHz, a sixth of the 48 MHz of USB |
 //! | converter DRDY | GP22 | falling edge |
+//! | with the feature `nau7802`: SDA, SCL | GP16, GP17 | I2C0; DRDY as above, the others free |
 //! | lamp | GP25 | on the board |
 #![no_std]
 #![no_main]
 
+mod converter;
 mod flash;
 mod hardware;
 
@@ -21,28 +23,22 @@ use core::iter::from_fn;
 
 use cortex_m::singleton;
 use critical_section::Mutex;
-use device::converters::FourChannels;
 use device::{
     Converter, Device, FrontEnd, Identity, Link, Restart, Room, Runner, Sample, begin_with,
 };
 use embedded_hal::digital::OutputPin;
-use embedded_hal_bus::spi::{ExclusiveDevice, NoDelay};
-use hal::Clock;
-use hal::fugit::{ExtU32, RateExtU32};
-use hal::gpio::bank0::{Gpio16, Gpio17, Gpio18, Gpio19, Gpio20, Gpio22};
-use hal::gpio::{
-    FunctionClock, FunctionSioInput, FunctionSioOutput, FunctionSpi, Interrupt, Pin, PullDown,
-    PullNone, PullUp,
-};
+use hal::fugit::ExtU32;
+use hal::gpio::bank0::Gpio22;
+use hal::gpio::{FunctionSioInput, FunctionSioOutput, Interrupt, Pin, PullNone, PullUp};
 use hal::pac::{self, interrupt};
 use hal::reboot::{RebootArch, RebootKind, reboot};
-use hal::spi::Enabled;
 use heapless::spsc::{Consumer, Producer, Queue};
 use rp235x_hal as hal;
 use shared::wire::{ClockSource, ResetCause, Settings};
 use usb::{Frame, SerialNumber, UsbLine};
 use usb_device::bus::UsbBusAllocator;
 
+use converter::{CLOCK_HZ, Chip, Parts, chip};
 use flash::Memory;
 use hardware::{Hardware, Time, with_edge};
 
@@ -53,10 +49,6 @@ static IMAGE: hal::block::ImageDef = hal::block::ImageDef::secure_exe();
 
 /// The board's crystal, Hz.
 const CRYSTAL_HZ: u32 = 12_000_000;
-/// Clock of the converter, Hz.
-const CONVERTER_CLOCK_HZ: u32 = 8_000_000;
-/// Clock of the converter's bus, Hz.
-const SPI_HZ: u32 = 10_000_000;
 /// The watchdog's patience, ms.
 const PATIENCE_MS: u32 = 8_000;
 /// Time between two looks at what has no event of its own, µs.
@@ -68,20 +60,6 @@ const SAMPLES: usize = 65;
 const BYTES: usize = 513;
 /// Frames that may wait for the bus, plus one.
 const FRAMES: usize = 4;
-
-type Spi = hal::Spi<
-    Enabled,
-    pac::SPI0,
-    (
-        Pin<Gpio19, FunctionSpi, PullNone>,
-        Pin<Gpio16, FunctionSpi, PullDown>,
-        Pin<Gpio18, FunctionSpi, PullNone>,
-    ),
-    8,
->;
-type Select = Pin<Gpio17, FunctionSioOutput, PullNone>;
-type Chip =
-    FourChannels<ExclusiveDevice<Spi, Select, NoDelay>, Pin<Gpio20, FunctionSioOutput, PullNone>>;
 
 /// What the interrupt of the converter needs.
 struct Edge {
@@ -139,21 +117,19 @@ fn main() -> ! {
         &mut p.RESETS,
     );
 
-    // Its clock must run before the converter is spoken to.
-    let eight = CONVERTER_CLOCK_HZ.Hz();
-    if clocks.gpio_output0_clock.configure_clock(&clocks.usb_clock, eight).is_err() {
-        begin_again(Restart::Firmware);
-    }
-    let _clkin = pins.gpio21.into_function::<FunctionClock>();
-    let spi = hal::Spi::<_, _, _, 8>::new(
-        p.SPI0,
-        (pins.gpio19.reconfigure(), pins.gpio16.reconfigure(), pins.gpio18.reconfigure()),
-    )
-    .init(&mut p.RESETS, clocks.peripheral_clock.freq(), SPI_HZ.Hz(), ads131m04::SPI_MODE);
-    let mut select: Select = pins.gpio17.reconfigure();
-    let Ok(()) = select.set_high();
-    let Ok(bus) = ExclusiveDevice::new_no_delay(spi, select);
-    let converter = FourChannels::new(bus, pins.gpio20.reconfigure(), CONVERTER_CLOCK_HZ);
+    let parts = Parts {
+        spi: p.SPI0,
+        i2c: p.I2C0,
+        gp16: pins.gpio16,
+        gp17: pins.gpio17,
+        gp18: pins.gpio18,
+        gp19: pins.gpio19,
+        gp20: pins.gpio20,
+        gp21: pins.gpio21,
+        clocks: &mut clocks,
+        resets: &mut p.RESETS,
+    };
+    let Some(converter) = chip(parts) else { begin_again(Restart::Firmware) };
     let capabilities = converter.capabilities();
     let drdy: Pin<Gpio22, FunctionSioInput, PullUp> = pins.gpio22.reconfigure();
     drdy.set_interrupt_enabled(Interrupt::EdgeLow, true);
@@ -168,7 +144,7 @@ fn main() -> ! {
         git: env!("PALPATE_GIT"),
         board: "pico2",
         serial: serial(),
-        converter_clock_hz: CONVERTER_CLOCK_HZ,
+        converter_clock_hz: CLOCK_HZ,
         converter: <Chip as Converter>::PART,
         capabilities,
         clock: ClockSource::Crystal,

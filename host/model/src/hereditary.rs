@@ -207,7 +207,7 @@ impl Hereditary {
 
     /// Goes from one stretch to the next.
     pub(super) fn start(&self, state: &mut HereditaryState, rest: Option<f64>) {
-        state.begin(&self.branches);
+        state.begin(self.branches.len());
         match rest {
             Some(rest) => self.rest(state, rest),
             None => state.forget(),
@@ -271,7 +271,7 @@ impl Hereditary {
 
     /// A specimen that has forgotten all is taken to this elastic response, N, at once.
     pub(super) fn begin(&self, state: &mut HereditaryState, elastic: f64) -> f64 {
-        state.begin(&self.branches);
+        state.begin(self.branches.len());
         state.forget();
         self.jump(state, elastic)
     }
@@ -392,6 +392,7 @@ impl Hereditary {
         let same = (interval - state.interval).abs() <= SAME_INTERVAL * interval;
         if !same {
             state.interval = interval;
+            state.known.keep_for(&self.branches);
             if !state.known.fill(interval, &mut state.steps) {
                 for (step, branch) in state.steps.iter_mut().zip(&self.branches) {
                     *step = decay_and_mean(branch.rate * interval);
@@ -428,11 +429,10 @@ impl Hereditary {
 }
 
 impl HereditaryState {
-    fn begin(&mut self, branches: &[Branch]) {
-        self.states.resize(branches.len(), 0.0);
-        self.steps.resize(branches.len(), (0.0, 0.0));
+    fn begin(&mut self, branches: usize) {
+        self.states.resize(branches, 0.0);
+        self.steps.resize(branches, (0.0, 0.0));
         self.interval = f64::NAN;
-        self.known.keep_for(branches);
     }
 
     fn forget(&mut self) {

@@ -10,8 +10,8 @@ use shared::calibration::Sheet;
 use shared::fixed::{strain_from_microstrain, temperature_from_celsius};
 use shared::pipeline::{Config, GAUGES, Pipeline};
 use shared::wire::{
-    ClockSource, Columns, Counters, FRAME_MAX, Formats, Head, Hello, ResetCause, Rows, SCHEMA,
-    Settings, SettingsByRatio, SettingsError, Source, Status, ToHost, encode,
+    ClockSource, Columns, Counters, FRAME_MAX, Formats, Head, Hello, PerGauge, ResetCause, Rows,
+    SCHEMA, Settings, SettingsByRatio, SettingsError, Source, Status, ToHost, encode,
 };
 
 use super::{GAUGES as NAMES, TEMPERATURE, Trace, recorded, sampling};
@@ -290,7 +290,7 @@ impl<W: Write> Device<W> {
 
     fn say_status(&mut self) -> io::Result<()> {
         self.say(&ToHost::Status(Status {
-            gauges: self.pipeline.counters(),
+            gauges: PerGauge(self.pipeline.counters()),
             rows: self.next,
             streaming: Some(self.source),
             temperature: self.rows.temperature,

@@ -4,11 +4,11 @@
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
 
+use super::per_gauge::{FOUR, PerGauge};
 use super::settings::Settings;
 use crate::adaptation::Relaxation;
 use crate::calibration::Sheet;
 use crate::phase::Thresholds;
-use crate::pipeline::GAUGES;
 
 /// Oversampling ratio of the converter: it gives one sample for so many of its modulator.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
@@ -67,11 +67,11 @@ pub struct SettingsByRatio {
     /// Sets the sample rate.
     pub oversampling: Oversampling,
     /// [`Settings::gain`].
-    pub gain: [u8; GAUGES],
+    pub gain: [u8; FOUR],
     /// [`Settings::calibration`].
-    pub calibration: [Sheet; GAUGES],
+    pub calibration: [Sheet; FOUR],
     /// [`Settings::tare`].
-    pub tare: [i32; GAUGES],
+    pub tare: [i32; FOUR],
     /// [`Settings::relaxation`].
     pub relaxation: Relaxation,
     /// [`Settings::thresholds`].
@@ -87,14 +87,19 @@ impl SettingsByRatio {
     pub fn of(settings: &Settings, converter_clock_hz: u32) -> Self {
         let Settings { interval_ns, gain, calibration, tare, relaxation, thresholds } = *settings;
         let oversampling = Oversampling::nearest(interval_ns, converter_clock_hz);
+        let gain = PerGauge(gain).four();
+        let (calibration, tare) = (PerGauge(calibration).four(), PerGauge(tare).four());
         Self { oversampling, gain, calibration, tare, relaxation, thresholds }
     }
 
     /// What they mean with a converter clock, Hz.
     #[must_use]
-    pub const fn settings(&self, converter_clock_hz: u32) -> Settings {
-        let Self { oversampling, gain, calibration, tare, relaxation, thresholds } = *self;
+    pub fn settings(&self, converter_clock_hz: u32) -> Settings {
+        let Self { oversampling, relaxation, thresholds, .. } = *self;
         let interval_ns = oversampling.interval_ns(converter_clock_hz);
+        let PerGauge(gain) = PerGauge::of(&self.gain);
+        let PerGauge(calibration) = PerGauge::of(&self.calibration);
+        let PerGauge(tare) = PerGauge::of(&self.tare);
         Settings { interval_ns, gain, calibration, tare, relaxation, thresholds }
     }
 }

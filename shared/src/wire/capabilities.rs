@@ -21,7 +21,7 @@ const MEANT_WITHIN: f64 = 1.01;
 /// What the converter can do, as a device says after `Hello`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub struct Capabilities {
-    /// Gauges it reads; rows hold zeros for the others.
+    /// Gauges it reads; a pipeline takes zeros for the others, and rows do not carry them.
     pub channels: u8,
     /// Times between two samples that can be set, ns, the shortest first; behind the last are zeros.
     pub intervals_ns: [u32; RATES],

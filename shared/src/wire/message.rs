@@ -5,6 +5,8 @@ use serde::{Deserialize, Serialize};
 
 use super::by_ratio::{Oversampling, SettingsByRatio};
 use super::capabilities::Capabilities;
+use super::of_four::{BlockOfFour, SelfTestOfFour, StatusOfFour};
+use super::per_gauge::{FOUR, PerGauge};
 use super::record::Kept;
 use super::samples::Block;
 use super::settings::Settings;
@@ -12,7 +14,7 @@ use crate::adaptation::Relaxation;
 use crate::calibration::Sheet;
 use crate::events;
 use crate::phase::Thresholds;
-use crate::pipeline::{self, GAUGES};
+use crate::pipeline;
 
 /// What the device says.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, Schema)]
@@ -22,10 +24,10 @@ pub enum ToHost<'a> {
     Hello(Hello<'a>),
     /// What became of a command.
     Answer(Answer),
-    /// Some rows of the stream.
-    Samples(Block<'a>),
-    /// How it is, once a second and when asked.
-    Status(Status),
+    /// Some rows of the stream, to a host of release 0.1; as [`ToHost::Samples`].
+    SamplesOfFour(BlockOfFour<'a>),
+    /// How it is, to a host of release 0.1; as [`ToHost::Status`].
+    StatusOfFour(StatusOfFour),
     /// All settings, to a host of release 0.1; as [`ToHost::Settings`].
     SettingsByRatio {
         /// Grows by one with every change; blocks carry it.
@@ -58,6 +60,10 @@ pub enum ToHost<'a> {
         /// Device time of that instant, µs.
         time_us: u64,
     },
+    /// Some rows of the stream.
+    Samples(Block<'a>),
+    /// How it is, once a second and when asked.
+    Status(Status),
 }
 
 /// What the host says: commands, each answered by one [`Answer`].
@@ -72,8 +78,8 @@ pub enum ToDevice<'a> {
     Stop,
     /// Set the sample rate as release 0.1 does; as [`ToDevice::SetInterval`].
     SetRatio(Oversampling),
-    /// Set the converter's gains; the calibration follows, so that strain stays what it is.
-    SetGain([u8; GAUGES]),
+    /// Set the converter's gains as release 0.1 does; as [`ToDevice::SetGain`].
+    SetGainOfFour([u8; FOUR]),
     /// Set the relaxation function, between two samples.
     SetFilter(Relaxation),
     /// Set the thresholds of the regions, between two samples.
@@ -112,6 +118,8 @@ pub enum ToDevice<'a> {
     },
     /// As [`ToDevice::SelfTest`], of other inputs of the converter than its gauges.
     TestInputs(Inputs),
+    /// Set the converter's gains; the calibration follows, so that strain stays what it is.
+    SetGain(PerGauge<u8>),
 }
 
 /// What the converter measures.
@@ -264,7 +272,7 @@ pub struct Status {
     /// What was lost.
     pub counters: Counters,
     /// What happened to the gauges since the start of the stream.
-    pub gauges: [pipeline::Counters; GAUGES],
+    pub gauges: PerGauge<pipeline::Counters>,
     /// Rows since the start of the stream, those lost too.
     pub rows: u64,
     /// Whether a stream is on.
@@ -302,6 +310,8 @@ pub enum Done {
         /// Rows that would find room now.
         room: u8,
     },
+    /// Results of the test, to a host of release 0.1; as [`Done::Tested`].
+    TestedOfFour(SelfTestOfFour),
     /// Results of the test.
     Tested(SelfTest),
 }
@@ -379,9 +389,9 @@ pub struct SelfTest {
     /// Converter, or what is wrong with it.
     pub converter: Result<(), ConverterFault>,
     /// Standard deviation of the raw counts over the test, gauge by gauge.
-    pub noise_counts: [f32; GAUGES],
+    pub noise_counts: PerGauge<f32>,
     /// Mean of the raw counts over the test, gauge by gauge; near a rail a bridge is open or shorted.
-    pub mean_counts: [i32; GAUGES],
+    pub mean_counts: PerGauge<i32>,
     /// Samples the test took.
     pub samples: u16,
     /// Rate that was seen over the rate that was set; 0 if none came.
@@ -442,6 +452,7 @@ pub struct Log<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::pipeline::GAUGES;
     use crate::wire::{FRAME_MAX, Head, RATES, SCHEMA, decode, encode, introduction, open};
 
     const LONGEST: Counters = Counters {
@@ -486,7 +497,7 @@ mod tests {
         };
         fits(&ToHost::Status(Status {
             counters: LONGEST,
-            gauges: [gauge; GAUGES],
+            gauges: PerGauge([gauge; GAUGES]),
             rows: u64::MAX,
             streaming: Some(Source::Link { interval_ns: u32::MAX }),
             temperature: Some(i16::MIN),
@@ -520,6 +531,6 @@ mod tests {
     #[test]
     fn the_schema_changes_with_the_messages_and_with_nothing_else() {
         // A change of any message must change this number, and this number must not change without one.
-        assert_eq!(SCHEMA, 0x451d_9e86_f935_ec5c, "{SCHEMA:#018x}");
+        assert_eq!(SCHEMA, 0xbcf8_bf7b_80c4_ffdc, "{SCHEMA:#018x}");
     }
 }

@@ -31,6 +31,8 @@ mod check;
 mod differences;
 mod frame;
 mod message;
+mod of_four;
+mod per_gauge;
 mod record;
 mod releases;
 mod rows;
@@ -50,6 +52,8 @@ pub use message::{
     HelloToDevice, INJECT_ROWS, Inject, Inputs, Introduction, Log, Refusal, ResetCause, SelfTest,
     Source, Start, Status, StoreFault, ToDevice, ToHost,
 };
+pub use of_four::{BlockOfFour, SelfTestOfFour, StatusOfFour};
+pub use per_gauge::PerGauge;
 pub use record::Kept;
 pub use releases::{EARLIER, is_of_core, is_understood};
 pub use samples::{Block, Made, REFERENCE_TEMPERATURE, Row, RowState, Rows};
@@ -75,8 +79,8 @@ pub const VERSION: u8 = 1;
 /// the number behind `rows` must grow with it.
 pub const SCHEMA: u64 = {
     use postcard_schema::key::Key;
-    let to_host = u64::from_le_bytes(Key::for_path::<ToHost<'_>>("to host, rows 1").to_bytes());
+    let to_host = u64::from_le_bytes(Key::for_path::<ToHost<'_>>("to host, rows 2").to_bytes());
     let to_device =
-        u64::from_le_bytes(Key::for_path::<ToDevice<'_>>("to device, rows 1").to_bytes());
+        u64::from_le_bytes(Key::for_path::<ToDevice<'_>>("to device, rows 2").to_bytes());
     to_host.rotate_left(1) ^ to_device
 };

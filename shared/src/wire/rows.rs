@@ -6,7 +6,7 @@
 //! | … | counts, then FA, as [`Differences`] codes them |
 //! | … | if asked for: a byte with the classes of elastic input and equilibrium, as in the head, then these |
 //! | 1 … 5 | interval: µs since the row before, less what this was there, or less 0 in the first; zigzag, varint |
-//! | 4 | news: states, one byte for each gauge; without news, as in the row before |
+//! | n | news: states, one byte for each of the n gauges; without news, as in the row before |
 //! | 1 | news: from bit 0 on, whether a region was found on each gauge |
 //! | … | news: how many samples ago each of these was entered; varint |
 
@@ -29,6 +29,8 @@ pub(super) struct Coder {
     /// Whether the next row has more than its parts in any case: the first one, and all if all columns are asked for.
     has_more: bool,
     pub(super) columns: Columns,
+    /// Gauges of a row; the others read 0.
+    pub(super) gauges: u8,
 }
 
 /// A row as it is coded, without its number.
@@ -42,7 +44,7 @@ pub(super) struct Coded {
 
 impl Coder {
     /// Before the first row.
-    pub(super) const fn new(columns: Columns) -> Self {
+    pub(super) const fn new(columns: Columns, gauges: u8) -> Self {
         Self {
             parts: Pair::NEW,
             rest: Pair::NEW,
@@ -50,6 +52,7 @@ impl Coder {
             states: None,
             has_more: true,
             columns,
+            gauges,
         }
     }
 
@@ -64,7 +67,8 @@ impl Coder {
         room: &mut [u8],
     ) -> Option<usize> {
         let place = room.first_chunk_mut()?;
-        let bytes = self.parts.put(*counts, || made.outputs().map(|out| out.fa), place)?;
+        let bytes =
+            self.parts.put(self.gauges, *counts, || made.outputs().map(|out| out.fa), place)?;
         if self.has_more | made.is_news() | (interval != self.interval) {
             return self.put_more(interval, made, bytes, room);
         }
@@ -88,7 +92,8 @@ impl Coder {
         if self.columns == Columns::All {
             let elastic = outputs.map(|out| out.elastic);
             let equilibrium = || outputs.map(|out| out.equilibrium);
-            let bytes = self.rest.put(elastic, equilibrium, room.first_chunk_mut()?)?;
+            let bytes =
+                self.rest.put(self.gauges, elastic, equilibrium, room.first_chunk_mut()?)?;
             room = room.get_mut(bytes..)?;
         }
         if interval != self.interval {
@@ -100,7 +105,7 @@ impl Coder {
         let found_a_region = outputs.iter().any(|out| out.entered_samples_ago.is_some());
         if found_a_region || self.states != Some(states) {
             *head |= NEWS;
-            room = put_news(states, &outputs, room)?;
+            room = put_news(states, &outputs, self.gauges, room)?;
             self.states = Some(states);
         }
         self.has_more = self.columns == Columns::All;
@@ -110,10 +115,10 @@ impl Coder {
     /// Reads a row from the beginning of `bytes`; also gives those behind it.
     pub(super) fn take<'b>(&mut self, bytes: &'b [u8]) -> Result<(Coded, &'b [u8]), CodingError> {
         let head = bytes.first().ok_or(CodingError)?;
-        let (counts, fa, mut left) = self.parts.take(bytes)?;
+        let (counts, fa, mut left) = self.parts.take(self.gauges, bytes)?;
         let (mut elastic, mut equilibrium) = Default::default();
         if self.columns == Columns::All {
-            (elastic, equilibrium, left) = self.rest.take(left)?;
+            (elastic, equilibrium, left) = self.rest.take(self.gauges, left)?;
         }
         if head & INTERVAL != 0 {
             let code;
@@ -122,9 +127,11 @@ impl Coder {
         }
         let mut entered = [None; GAUGES];
         if head & NEWS != 0 {
-            let (states, after) = left.split_first_chunk().ok_or(CodingError)?;
+            let (said, after) = left.split_at_checked(self.gauges.into()).ok_or(CodingError)?;
             let (found, after) = after.split_first().ok_or(CodingError)?;
-            (self.states, left) = (Some(*states), after);
+            let mut states = [0; GAUGES];
+            states.iter_mut().zip(said).for_each(|(state, said)| *state = *said);
+            (self.states, left) = (Some(states), after);
             for (gauge, entered) in entered.iter_mut().enumerate() {
                 if found.wrapping_shr(gauge as u32) & 1 != 0 {
                     let (ago, after) = take_varint(left)?;
@@ -142,13 +149,14 @@ impl Coder {
 fn put_news<'b>(
     states: [u8; GAUGES],
     outputs: &[Output; GAUGES],
+    gauges: u8,
     room: &'b mut [u8],
 ) -> Option<&'b mut [u8]> {
-    let (place, room) = room.split_first_chunk_mut()?;
-    *place = states;
+    let (place, room) = room.split_at_mut_checked(gauges.into())?;
+    place.iter_mut().zip(states).for_each(|(place, state)| *place = state);
     let (found, mut room) = room.split_first_mut()?;
     *found = 0;
-    for (gauge, out) in outputs.iter().enumerate() {
+    for (gauge, out) in outputs.iter().enumerate().take(gauges.into()) {
         if let Some(ago) = out.entered_samples_ago {
             *found |= 1_u8.wrapping_shl(gauge as u32);
             room = put_varint(ago, room)?;
@@ -171,22 +179,27 @@ impl Pair {
     #[inline(always)]
     fn put(
         &mut self,
+        gauges: u8,
         a: Gauges,
         b: impl FnOnce() -> Gauges,
         [classes, codes @ ..]: &mut [u8; PAIR],
     ) -> Option<usize> {
         let of_a = self.0.put(a, codes.first_chunk_mut()?);
-        let behind = length(of_a);
+        let behind = length(of_a, gauges);
         let of_b = self.1.put(b(), codes.get_mut(behind..)?.first_chunk_mut()?);
         *classes = of_a | of_b << 3;
-        Some(behind.wrapping_add(length(of_b)).wrapping_add(1))
+        Some(behind.wrapping_add(length(of_b, gauges)).wrapping_add(1))
     }
 
     /// Also gives what is behind them.
-    fn take<'b>(&mut self, bytes: &'b [u8]) -> Result<(Gauges, Gauges, &'b [u8]), CodingError> {
+    fn take<'b>(
+        &mut self,
+        gauges: u8,
+        bytes: &'b [u8],
+    ) -> Result<(Gauges, Gauges, &'b [u8]), CodingError> {
         let (classes, left) = bytes.split_first().ok_or(CodingError)?;
-        let (a, left) = self.0.take(classes & 7, left)?;
-        let (b, left) = self.1.take(classes >> 3 & 7, left)?;
+        let (a, left) = self.0.take(classes & 7, gauges, left)?;
+        let (b, left) = self.1.take(classes >> 3 & 7, gauges, left)?;
         Ok((a, b, left))
     }
 }

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::differences::{CodingError, Gauges};
 use super::rows::{Coded, Coder, PAIR};
-use super::{Columns, FRAME_MAX, FrameError, Head, ToHost, encode};
+use super::{BlockOfFour, Columns, FRAME_MAX, FrameError, Head, ToHost, encode};
 use crate::calibration::Calibration;
 use crate::flags::Flags;
 use crate::phase::{Region, RelaxationType};
@@ -14,11 +14,13 @@ use crate::pipeline::{GAUGES, Output, Pipeline};
 /// Temperature at which a calibration is applied where none is measured, 2^-8 °C.
 pub const REFERENCE_TEMPERATURE: i16 = 25 * 256;
 /// Room for packed rows in a frame: what its head, its sum and the longest of the other fields of [`Block`] leave.
-const PACKED: usize = 214;
+const PACKED: usize = 213;
 
 /// Some rows as they travel; device time of the first is in the head of the frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub struct Block<'a> {
+    /// Gauges of each row.
+    pub gauges: u8,
     /// Number of the first row since the start of the stream; a gap means rows that were lost.
     pub first: u64,
     /// Which settings made it: grows by one with every change.
@@ -161,7 +163,7 @@ impl Rows {
             temperature: None,
             count: 0,
             last_us: 0,
-            coder: Coder::new(Columns::Parts),
+            coder: Coder::new(Columns::Parts, GAUGES as u8),
             length: 0,
             packed: [0; PACKED + PAIR],
         }
@@ -170,8 +172,13 @@ impl Rows {
     /// Forgets the rows and begins again with a row of this number and time, and the time of the row before it.
     pub const fn begin(&mut self, columns: Columns, first: u64, time_us: u64, last_us: u64) {
         (self.first, self.time_us) = (first, time_us);
-        (self.last_us, self.coder) = (last_us as u32, Coder::new(columns));
+        (self.last_us, self.coder) = (last_us as u32, Coder::new(columns, self.coder.gauges));
         self.clear();
+    }
+
+    /// From the next [`Self::begin`] on rows are of the first so many gauges, at most as many as a pipeline has.
+    pub const fn set_gauges(&mut self, gauges: u8) {
+        self.coder.gauges = gauges;
     }
 
     /// Forgets the rows.
@@ -231,6 +238,7 @@ impl Rows {
         frame: &'f mut [u8; FRAME_MAX],
     ) -> Result<&'f [u8], FrameError> {
         let block = Block {
+            gauges: self.coder.gauges,
             first: self.first,
             generation: self.generation,
             temperature: self.temperature,
@@ -240,18 +248,41 @@ impl Rows {
         encode(Head { sequence, time_us: self.time_us }, &ToHost::Samples(block), frame)
     }
 
+    /// The same for a host of release 0.1, which takes every row for one of four gauges.
+    ///
+    /// # Errors
+    /// As [`Self::encode`].
+    pub fn encode_of_four<'f>(
+        &self,
+        sequence: u32,
+        frame: &'f mut [u8; FRAME_MAX],
+    ) -> Result<&'f [u8], FrameError> {
+        let block = BlockOfFour {
+            first: self.first,
+            generation: self.generation,
+            temperature: self.temperature,
+            columns: self.coder.columns,
+            packed: self.bytes(),
+        };
+        encode(Head { sequence, time_us: self.time_us }, &ToHost::SamplesOfFour(block), frame)
+    }
+
     /// The rows of a block whose frame had this head.
     ///
     /// # Errors
     /// [`CodingError`] if the block contradicts itself.
     pub fn decode(head: Head, block: &Block<'_>) -> Result<Self, CodingError> {
+        if usize::from(block.gauges) > GAUGES {
+            return Err(CodingError);
+        }
         let mut rows = Self::new();
+        rows.set_gauges(block.gauges);
         rows.begin(block.columns, block.first, head.time_us, head.time_us);
         (rows.generation, rows.temperature) = (block.generation, block.temperature);
         let place = rows.packed.get_mut(..block.packed.len()).ok_or(CodingError)?;
         place.copy_from_slice(block.packed);
         rows.length = block.packed.len();
-        let (mut left, mut coder) = (block.packed, Coder::new(block.columns));
+        let (mut left, mut coder) = (block.packed, Coder::new(block.columns, block.gauges));
         while !left.is_empty() {
             let coded;
             (coded, left) = coder.take(left)?;
@@ -275,7 +306,8 @@ impl Rows {
             }
             let (counts, fa) = coded.parts;
             let mut sa = fa;
-            for ((sa, counts), calibration) in sa.iter_mut().zip(counts).zip(calibration) {
+            let there = sa.iter_mut().take(self.coder.gauges.into());
+            for ((sa, counts), calibration) in there.zip(counts).zip(calibration) {
                 *sa = calibration.apply(counts, temperature).strain.wrapping_sub(*sa);
             }
             Row {
@@ -296,7 +328,8 @@ impl Rows {
     }
 
     fn coded(&self) -> impl Iterator<Item = Coded> {
-        let (mut left, mut coder) = (self.bytes(), Coder::new(self.coder.columns));
+        let (mut left, mut coder) =
+            (self.bytes(), Coder::new(self.coder.columns, self.coder.gauges));
         core::iter::from_fn(move || {
             let coded;
             (coded, left) = coder.take(left).ok()?;
@@ -309,7 +342,8 @@ impl Rows {
 impl PartialEq for Rows {
     fn eq(&self, other: &Self) -> bool {
         let fields = |rows: &Self| {
-            (rows.first, rows.time_us, rows.generation, rows.temperature, rows.coder.columns)
+            let Coder { columns, gauges, .. } = rows.coder;
+            (rows.first, rows.time_us, rows.generation, rows.temperature, columns, gauges)
         };
         fields(self) == fields(other) && self.bytes() == other.bytes()
     }
@@ -420,8 +454,10 @@ mod tests {
             ),
             first in any::<u32>(),
             all in any::<bool>(),
+            gauges in 1..=GAUGES,
         ) {
             let mut rows = Rows::new();
+            rows.set_gauges(gauges as u8);
             let columns = if all { Columns::All } else { Columns::Parts };
             let (mut time, mut number) = (1_000_000, u64::from(first));
             rows.begin(columns, number, time + given[0].2, time);
@@ -443,8 +479,9 @@ mod tests {
                 time += interval;
                 prop_assert_eq!((row.number, row.time_us), (number, time));
                 number += 1;
-                prop_assert_eq!(row.counts, *counts);
-                for (gauge, output) in outputs.iter().enumerate() {
+                prop_assert_eq!(&row.counts[..gauges], &counts[..gauges]);
+                prop_assert!(row.counts[gauges..].iter().chain(&row.sa[gauges..]).all(|it| *it == 0));
+                for (gauge, output) in outputs.iter().enumerate().take(gauges) {
                     prop_assert_eq!(row.fa[gauge], output.fa);
                     prop_assert_eq!(row.states[gauge], output.state());
                     prop_assert_eq!(row.entered[gauge], output.entered_samples_ago);
@@ -459,9 +496,10 @@ mod tests {
         #[test]
         fn no_block_panics(
             packed in prop::collection::vec(prop_oneof![0_u8..9, any::<u8>()], 0..250),
+            gauges in any::<u8>(),
         ) {
             let block = Block {
-                first: u64::MAX, generation: 0, temperature: None,
+                gauges, first: u64::MAX, generation: 0, temperature: None,
                 columns: Columns::All, packed: &packed,
             };
             if let Ok(rows) = Rows::decode(Head::default(), &block) {

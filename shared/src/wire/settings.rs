@@ -3,15 +3,18 @@
 use core::fmt;
 
 use postcard_schema::Schema;
+use postcard_schema::schema::NamedType;
 use serde::{Deserialize, Serialize};
 
+use super::per_gauge::PerGauge;
 use crate::adaptation::{self, Relaxation};
 use crate::calibration::{Calibration, CalibrationError, Sheet};
 use crate::phase::{self, Thresholds};
 use crate::pipeline::{Config, GAUGES};
 
 /// Everything that can be set on a device.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(from = "Listed", into = "Listed")]
 pub struct Settings {
     /// Time between two samples of the converter, ns.
     pub interval_ns: u32,
@@ -26,6 +29,49 @@ pub struct Settings {
     /// What tells the regions of a grasp from noise.
     pub thresholds: Thresholds,
 }
+
+/// The same as it travels, and as it stands in the head of a trace: gauge by gauge in lists.
+#[derive(Clone, Copy, Serialize, Deserialize, Schema)]
+struct Listed {
+    interval_ns: u32,
+    gain: PerGauge<u8>,
+    calibration: PerGauge<Sheet>,
+    tare: PerGauge<i32>,
+    relaxation: Relaxation,
+    thresholds: Thresholds,
+}
+
+impl Schema for Settings {
+    const SCHEMA: &'static NamedType = Listed::SCHEMA;
+}
+
+impl From<Settings> for Listed {
+    fn from(settings: Settings) -> Self {
+        let Settings { interval_ns, gain, calibration, tare, relaxation, thresholds } = settings;
+        let (gain, calibration, tare) = (PerGauge(gain), PerGauge(calibration), PerGauge(tare));
+        Self { interval_ns, gain, calibration, tare, relaxation, thresholds }
+    }
+}
+
+impl From<Listed> for Settings {
+    fn from(listed: Listed) -> Self {
+        let Listed { interval_ns, gain, calibration, tare, relaxation, thresholds } = listed;
+        let (mut gain, mut calibration) = (gain.0, calibration.0);
+        // A gauge without a gain is none of the device's.
+        for (gain, sheet) in gain.iter_mut().zip(&mut calibration).filter(|(gain, _)| **gain == 0) {
+            (*gain, *sheet) = (1, DEFAULT_SHEET);
+        }
+        Self { interval_ns, gain, calibration, tare: tare.0, relaxation, thresholds }
+    }
+}
+
+/// That of a quarter bridge of gauge factor 2 at 2.5 V on a converter of ±1.2 V, at a gain of 128 (ε = 4 V / (2.5 V × 2)).
+const DEFAULT_SHEET: Sheet = Sheet {
+    gain: 4.0 * 1.2 / 128.0 / 8_388_608.0 / (2.5 * 2.0) * 1e6,
+    offset: 0,
+    temperature_coefficient: 0.0,
+    reference_celsius: 25.0,
+};
 
 /// Which setting is out of range.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -69,16 +115,11 @@ impl core::error::Error for SettingsError {}
 
 impl Settings {
     /// Those of a device that was never set: about 1 kHz, a gain of 128, quarter bridges of gauge factor 2 at 2.5 V on a
-    /// converter of ±1.2 V (ε = 4 V / (2.5 V × 2)), the relaxation function of eq. 3.6.
+    /// converter of ±1.2 V, the relaxation function of eq. 3.6.
     pub const DEFAULT: Self = Self {
         interval_ns: 1_024_000,
         gain: [128; GAUGES],
-        calibration: [Sheet {
-            gain: 4.0 * 1.2 / 128.0 / 8_388_608.0 / (2.5 * 2.0) * 1e6,
-            offset: 0,
-            temperature_coefficient: 0.0,
-            reference_celsius: 25.0,
-        }; GAUGES],
+        calibration: [DEFAULT_SHEET; GAUGES],
         tare: [0; GAUGES],
         relaxation: Relaxation { c1: 0.2472, v1: 3.981, c2: 0.2676, v2: 0.5325 },
         thresholds: Thresholds {

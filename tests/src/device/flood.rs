@@ -7,6 +7,7 @@ use palpate::device::heard::{Heard, Said};
 use palpate::device::line::Line;
 use palpate::device::replay::message;
 use palpate::device::stream::Stream;
+use shared::pipeline::GAUGES;
 use shared::wire::{
     Columns, Done, FRAME_MAX, Head, HelloToDevice, INJECT_ROWS, SCHEMA, Source, Start, Status,
     ToDevice, encode,
@@ -43,7 +44,7 @@ pub fn check_flooding(port: &Path) -> Checked {
     host.stream = Some(Stream::default());
     let rows = [[1_000_003, -77_777, 123_456, 8_388_607]; INJECT_ROWS];
     let mut packed = [0; FRAME_MAX];
-    let flood = ToDevice::Inject(message(&rows, None, &mut packed)?);
+    let flood = ToDevice::Inject(message(&rows, GAUGES as u8, None, &mut packed)?);
     let began = Instant::now();
     for _ in 0..FRAMES {
         host.send(&flood)?;

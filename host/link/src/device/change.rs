@@ -3,7 +3,7 @@
 use shared::adaptation::Relaxation;
 use shared::fixed::strain_from_microstrain;
 use shared::pipeline::GAUGES;
-use shared::wire::{Oversampling, SCHEMA, Settings, SettingsError, ToDevice};
+use shared::wire::{Oversampling, PerGauge, SCHEMA, Settings, SettingsError, ToDevice};
 
 use super::heard::Identity;
 
@@ -104,7 +104,7 @@ impl Change {
             // Checked before the calibration follows it.
             Settings { gain, ..after }.config(after.interval_s())?;
             after = after.with_gain(gain);
-            commands.push(ToDevice::SetGain(gain));
+            commands.push(device.set_gain(gain));
         }
         if let Some(relaxation) = self.relaxation {
             after.relaxation = relaxation;
@@ -122,6 +122,16 @@ impl Change {
 }
 
 impl Identity {
+    /// The command for other gains, in words that the firmware's release has.
+    #[must_use]
+    pub const fn set_gain(&self, gain: [u8; GAUGES]) -> ToDevice<'static> {
+        if self.schema == SCHEMA {
+            ToDevice::SetGain(PerGauge(gain))
+        } else {
+            ToDevice::SetGainOfFour(gain)
+        }
+    }
+
     /// The command for another interval, in words that the firmware's release has.
     fn set_interval(&self, ns: u32) -> ToDevice<'static> {
         if self.schema == SCHEMA {

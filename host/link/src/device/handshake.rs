@@ -3,6 +3,7 @@
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
+use shared::pipeline::GAUGES;
 use shared::wire::{
     Capabilities, EARLIER, FRAME_MAX, Head, HelloToDevice, Kept, Refusal, SCHEMA, Settings,
     ToDevice, encode,
@@ -76,6 +77,9 @@ impl Meeting {
         match &heard.said {
             Ok((_, Said::Foreign { schema, version })) => {
                 return Err(LinkError::Schema { theirs: version.clone(), their_schema: *schema });
+            }
+            Ok((_, Said::Hello(identity))) if usize::from(identity.channels) > GAUGES => {
+                return Err(LinkError::Gauges { theirs: identity.channels });
             }
             Ok((_, Said::Hello(identity))) => self.identity = Some((**identity).clone()),
             Ok((_, Said::Kept(kept))) => self.kept = Some(*kept),

@@ -4,8 +4,7 @@ use std::time::Instant;
 
 use shared::wire::{
     Answer, Capabilities, ClockSource, Counters, Felt, FrameError, Head, Hello, Introduction, Kept,
-    ResetCause, Rows, Settings, SettingsByRatio, Status, ToHost, introduction, is_understood, open,
-    read,
+    ResetCause, Rows, Settings, Status, ToHost, introduction, is_understood, open, read,
 };
 
 use super::line::Arrival;
@@ -163,7 +162,7 @@ fn understand(frame: &mut [u8]) -> Result<(Head, Said), FrameError> {
     {
         return Ok((head, Said::Foreign { schema, version: version.into() }));
     }
-    let said = match read::<ToHost<'_>>(message)? {
+    let said = match read::<ToHost<'_>>(message)?.in_words_of_today() {
         ToHost::Hello(hello) => Said::Hello(Box::new(hello.into())),
         ToHost::Answer(answer) => Said::Answer(answer),
         ToHost::Samples(block) => {
@@ -172,8 +171,9 @@ fn understand(frame: &mut [u8]) -> Result<(Head, Said), FrameError> {
         }
         ToHost::Status(status) => Said::Status(Box::new(status)),
         ToHost::Settings { generation, settings } => Said::Settings(generation, Box::new(settings)),
-        ToHost::SettingsByRatio { generation, settings } => {
-            Said::Settings(generation, Box::new(settings.settings(SettingsByRatio::CLOCK_HZ)))
+        // Nothing is left in the words of release 0.1.
+        ToHost::SettingsByRatio { .. } | ToHost::StatusOfFour(_) | ToHost::SamplesOfFour(_) => {
+            return Err(FrameError::Message);
         }
         ToHost::Converter { part, capabilities } => {
             Said::Converter(part.into(), Box::new(capabilities))

@@ -71,22 +71,24 @@ pub fn inject(
     temperature: Option<i16>,
 ) -> Result<(u8, u8), LinkError> {
     let mut packed = [0; FRAME_MAX];
-    match session.command(&ToDevice::Inject(message(rows, temperature, &mut packed)?))? {
+    let gauges = session.identity().channels;
+    match session.command(&ToDevice::Inject(message(rows, gauges, temperature, &mut packed)?))? {
         Done::Injected { taken, room, .. } => Ok((taken, room)),
         other => Err(LinkError::Unsuited(other)),
     }
 }
 
-/// The message that carries a few rows, 1 to [`INJECT_ROWS`].
+/// The message that carries a few rows, 1 to [`INJECT_ROWS`], for a device with so many gauges.
 ///
 /// # Errors
 /// [`LinkError::TooLong`].
 pub fn message<'b>(
     rows: &[[i32; GAUGES]],
+    gauges: u8,
     temperature: Option<i16>,
     packed: &'b mut [u8; FRAME_MAX],
 ) -> Result<Inject<'b>, LinkError> {
-    let counts = wire::pack(rows, packed).ok_or(FrameError::TooLong)?;
+    let counts = wire::pack(rows, gauges, packed).ok_or(FrameError::TooLong)?;
     Ok(Inject { temperature, counts })
 }
 

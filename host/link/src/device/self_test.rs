@@ -102,7 +102,7 @@ pub fn checks(tested: &Tested) -> Vec<Check> {
         limits: "answers, keeps its registers and sends samples".into(),
         fault: test.converter.err().map(|fault| Fault(fault).to_string()),
     };
-    let gauges = (1..).zip(test.mean_counts).map(|(gauge, mean)| {
+    let gauges = (1..).zip(*test.mean_counts).map(|(gauge, mean)| {
         let size = f64::from(mean).abs() / FULL_SCALE;
         let fault = || {
             format!(
@@ -165,7 +165,7 @@ pub fn faults(tested: &Tested) -> Vec<String> {
 /// Noise of each gauge, µε.
 #[must_use]
 pub fn noise(tested: &Tested, settings: &Settings) -> Vec<f64> {
-    let sheets = settings.calibration.iter().zip(tested.gauges.noise_counts);
+    let sheets = settings.calibration.iter().zip(*tested.gauges.noise_counts);
     sheets.map(|(sheet, noise)| f64::from(noise) * sheet.gain.abs()).collect()
 }
 
@@ -173,12 +173,12 @@ pub fn noise(tested: &Tested, settings: &Settings) -> Vec<f64> {
 mod tests {
     use super::*;
     use crate::device::answers::SelfTestInFull;
-    use shared::wire::ConverterFault;
+    use shared::wire::{ConverterFault, PerGauge};
 
     const WELL: SelfTest = SelfTest {
         converter: Ok(()),
-        noise_counts: [110.0; 4],
-        mean_counts: [0, 100_000, -200_000, 7_900_000],
+        noise_counts: PerGauge([110.0; 4]),
+        mean_counts: PerGauge([0, 100_000, -200_000, 7_900_000]),
         samples: 256,
         rate_ratio: 1.001,
     };
@@ -198,7 +198,8 @@ mod tests {
 
     #[test]
     fn what_is_beyond_them_is_named() {
-        let gauges = SelfTest { mean_counts: [0, 8_388_607, 0, 0], rate_ratio: 0.5, ..WELL };
+        let gauges =
+            SelfTest { mean_counts: PerGauge([0, 8_388_607, 0, 0]), rate_ratio: 0.5, ..WELL };
         let faults = faults(&Tested { gauges, ..ALONE });
         assert_eq!(faults.len(), 2);
         assert!(faults[0].starts_with("gauge 2 is at 100 % of full scale"), "{faults:?}");
@@ -210,7 +211,7 @@ mod tests {
 
     #[test]
     fn a_converter_that_misreads_its_own_signal_or_nothing_at_all_is_named() {
-        let of = |mean_counts| SelfTest { mean_counts, ..WELL };
+        let of = |mean| SelfTest { mean_counts: PerGauge(mean), ..WELL };
         let own = |shorted, signal| {
             let own = Own { shorted: of(shorted), signal: of(signal), signal_counts: 1_000_000 };
             faults(&Tested { own: Some(own), ..ALONE })

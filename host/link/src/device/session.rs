@@ -46,6 +46,8 @@ pub enum LinkError {
          {VERSION} with schema {SCHEMA:#018x}; take firmware and program of one release"
     )]
     Schema { theirs: String, their_schema: u64 },
+    #[error("the device has {theirs} gauges; this program {VERSION} reads up to {GAUGES}")]
+    Gauges { theirs: u8 },
     #[error(transparent)]
     Refused(#[from] Refused),
     #[error("the device answered `{0:?}`, which does not belong to the question")]

@@ -101,6 +101,11 @@ fn say(message: &ToHost<'_>, out: &mut Vec<u8>) {
 }
 
 fn hello(schema: u64, version: &str, out: &mut Vec<u8>) {
+    hello_of(schema, version, 4, out);
+}
+
+/// Of a device with so many gauges.
+fn hello_of(schema: u64, version: &str, channels: u8, out: &mut Vec<u8>) {
     say(
         &ToHost::Hello(Hello {
             schema,
@@ -108,7 +113,7 @@ fn hello(schema: u64, version: &str, out: &mut Vec<u8>) {
             git: "",
             board: "script",
             serial: [1, 2, 3],
-            channels: 4,
+            channels,
             converter_clock_hz: 8_000_000,
             clock: ClockSource::Crystal,
             formats: Formats::OURS,
@@ -181,6 +186,14 @@ fn a_hello_that_is_lost_is_said_again() {
         }),
     );
     assert!(Session::over(line, SOON).is_ok());
+}
+
+#[test]
+fn a_device_with_more_gauges_than_the_program_reads_is_refused_with_both_numbers() {
+    let (line, far) = line();
+    device(far, Box::new(move |_, _, out| hello_of(SCHEMA, "1.0.0", 8, out)));
+    let refused = Session::over(line, SOON).map(drop).unwrap_err().to_string();
+    assert!(refused.starts_with("the device has 8 gauges") && refused.ends_with("reads up to 4"));
 }
 
 #[test]

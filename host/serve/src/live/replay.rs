@@ -52,7 +52,7 @@ impl Replay {
     pub(super) fn prepare(&self, session: &mut Session) -> Result<(), LinkError> {
         let settings = &self.samples.settings;
         session.quiet()?;
-        session.command(&ToDevice::SetGain(settings.gain))?;
+        session.command(&session.identity().set_gain(settings.gain))?;
         for (gauge, sheet) in (0..GAUGES as u8).zip(settings.calibration) {
             session.command(&ToDevice::SetCalibration { gauge, sheet })?;
         }

@@ -103,7 +103,7 @@ impl Stretch {
         let rows = self.len();
         let first = self.first_us();
         let time = self.time_us.iter().map(|time_us| (time_us - first) as f64 / 1e6).collect();
-        // Rows hold zeros for gauges that the device does not have.
+        // What is read of a row holds zeros for gauges that the device does not have.
         let there = self.origin.device.map_or(GAUGES, |device| device.gauges);
         let gauges = (1..).zip(self.gauges).take(there);
         let mut columns: Vec<Column> =

@@ -4,9 +4,7 @@ use std::collections::HashMap;
 
 use shared::calibration::Calibration;
 use shared::pipeline::GAUGES;
-use shared::wire::{
-    Block, Head as FrameHead, Hello, Rows, Settings, SettingsByRatio, Source, ToHost,
-};
+use shared::wire::{Block, Head as FrameHead, Hello, Rows, Settings, Source, ToHost};
 
 use super::columns::{Origin, Stretch};
 use super::pulses::Timing;
@@ -95,14 +93,14 @@ impl Stream {
                 self.source = None;
             }
             ToHost::Settings { generation, settings } => self.set(*generation, settings),
-            ToHost::SettingsByRatio { generation, settings } => {
-                self.set(*generation, &settings.settings(SettingsByRatio::CLOCK_HZ));
-            }
             ToHost::Status(status) => self.source = status.streaming,
             ToHost::Samples(block) => self.hear_rows(head, block),
             // Events follow from the rows.
             ToHost::Answer(_) | ToHost::Log(_) | ToHost::Kept(_) | ToHost::Event(_) => {}
             ToHost::Converter { .. } | ToHost::Pulse { .. } => {}
+            // The reader gives these in the words of this release.
+            ToHost::SettingsByRatio { .. } | ToHost::StatusOfFour(_) | ToHost::SamplesOfFour(_) => {
+            }
         }
     }
 

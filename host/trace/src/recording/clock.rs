@@ -99,12 +99,15 @@ impl Clock {
             ToHost::Samples(block) => self.hear_rows(head, block, host_us),
             ToHost::Answer(_)
             | ToHost::Settings { .. }
-            | ToHost::SettingsByRatio { .. }
             | ToHost::Converter { .. }
             | ToHost::Log(_)
             | ToHost::Kept(_)
             | ToHost::Event(_)
             | ToHost::Pulse { .. } => self.anchor(head.time_us, host_us),
+            // What hears the device gives these in the words of this release.
+            ToHost::SettingsByRatio { .. } | ToHost::StatusOfFour(_) | ToHost::SamplesOfFour(_) => {
+                false
+            }
         }
     }
 

@@ -19,7 +19,7 @@ pub enum Entry<'a> {
     Frame {
         /// Its sequence number and device time.
         head: Head,
-        /// The message.
+        /// The message, in the words of this release.
         message: ToHost<'a>,
         /// When it arrived, µs since the recording was opened, if that was noted.
         arrived_us: Option<u64>,
@@ -107,7 +107,7 @@ impl<R: BufRead> Reader<R> {
             check_schema("a device with firmware", who.version, who.schema)?;
         }
         self.closed = false;
-        let message = read(message).map_err(damaged)?;
+        let message = read::<ToHost<'_>>(message).map_err(damaged)?.in_words_of_today();
         Ok(Some(Entry::Frame { head, message, arrived_us }))
     }
 

@@ -69,8 +69,8 @@ pub struct CheckAnswer {
 impl From<&Own> for OwnAnswer {
     fn from(own: &Own) -> Self {
         Self {
-            offset_counts: own.shorted.mean_counts,
-            noise_counts: own.shorted.noise_counts,
+            offset_counts: own.shorted.mean_counts.0,
+            noise_counts: own.shorted.noise_counts.0,
             test_signal_ratio: own.signal_ratio(),
         }
     }
@@ -84,8 +84,8 @@ impl From<&Tested> for SelfTestAnswer {
             faults,
             samples: test.samples,
             rate_ratio: test.rate_ratio,
-            mean_counts: test.mean_counts,
-            noise_counts: test.noise_counts,
+            mean_counts: test.mean_counts.0,
+            noise_counts: test.noise_counts.0,
             converter: tested.own.as_ref().map(OwnAnswer::from),
         }
     }
