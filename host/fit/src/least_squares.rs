@@ -188,6 +188,34 @@ pub fn finish<P: LeastSquares + Sync>(problem: &P, kept: &[Solution]) -> Option<
     finished.into_iter().min_by(|a, b| a.normal.cost.total_cmp(&b.normal.cost))
 }
 
+/// Part of what a step promises that it gains where the sum of squares is nearly the quadratic one.
+const AS_PROMISED: f64 = 0.9;
+
+/// The minimum next to `start`, by steps that are not damped: the first one that gains what it promises leads there, and the normal
+/// equations are not asked for again. Where one gains nothing, a search does with limited effort.
+#[must_use]
+pub fn settle(problem: &impl LeastSquares, start: &[f64], effort: Effort) -> Vec<f64> {
+    let bounds = problem.bounds();
+    let mut point = start.to_vec();
+    for _ in 0..effort.iterations {
+        let normal = problem.normal(&point);
+        let step = bounded_step(&normal, HARDLY, &point, bounds);
+        let promised = -normal.raised_by(&step);
+        let stepped = point.iter().zip(step.iter()).zip(bounds);
+        let mut trial: Vec<f64> =
+            stepped.map(|((x, dx), (lower, upper))| (x + dx).clamp(*lower, *upper)).collect();
+        let gained = normal.cost - problem.tried(&mut trial).0;
+        if gained.is_nan() || gained < 0.0 {
+            return minimise_with(problem, &point, effort).point;
+        }
+        point = trial;
+        if gained >= AS_PROMISED * promised {
+            break;
+        }
+    }
+    point
+}
+
 /// A search that has slowed to [`Effort::QUICK`]'s fall in a step and is above this many times the lowest
 /// does not catch up in as many steps as [`Effort::FULL`] allows.
 const BEATEN: f64 = 1.001;
@@ -440,6 +468,33 @@ mod tests {
         let (raced, alone) = (count(raced), count(alone));
         assert!(raced < alone, "{raced} for {alone}");
         assert!(race(&TwoValleys::default(), &[]).is_empty());
+    }
+
+    #[test]
+    fn from_close_by_a_minimum_is_settled_in_without_normal_equations_there() {
+        struct Counted(Decay, std::cell::Cell<usize>);
+        impl LeastSquares for Counted {
+            fn bounds(&self) -> &[(f64, f64)] {
+                self.0.bounds()
+            }
+            fn cost(&self, point: &[f64]) -> f64 {
+                self.0.cost(point)
+            }
+            fn normal(&self, point: &[f64]) -> Normal {
+                self.1.set(self.1.get() + 1);
+                self.0.normal(point)
+            }
+        }
+        let counted = |start: [f64; 2]| {
+            let problem = Counted(decay(3.0, 2.0, WIDE), Default::default());
+            let found = settle(&problem, &start, Effort::QUICK);
+            (found, problem.1.get())
+        };
+        let (near, asked) = counted([3.001, 2.002]);
+        assert!((near[0] - 3.0).abs() < 1e-5 && (near[1] - 2.0).abs() < 1e-5, "{near:?}");
+        assert_eq!(asked, 1);
+        let (far, _) = counted([0.5, 20.0]);
+        assert!((far[0] - 3.0).abs() < 1e-3 && (far[1] - 2.0).abs() < 1e-3, "{far:?}");
     }
 
     #[test]

@@ -3,7 +3,7 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
-use palpate_fit::least_squares::{Effort, LeastSquares, Normal, Solution, minimise_with};
+use palpate_fit::least_squares::{Effort, LeastSquares, Normal, Solution, minimise_with, settle};
 use palpate_fit::levels::LevelSums;
 use palpate_fit::problem::{Block, Problem};
 use palpate_fit::uncertainty;
@@ -74,7 +74,7 @@ impl Fitted {
     /// the means: these smooth what repeats within a block.
     pub fn confirm(&mut self, samples: &Problem) {
         let problem = samples.with_chain(&self.chain);
-        self.point = minimise_with(&problem, &self.point, Effort::TRIAL).point;
+        self.point = settle(&problem, &self.point, Effort::TRIAL);
         self.values = problem.declared(&self.point);
     }
 
