@@ -22,9 +22,15 @@ impl Blocks {
         Self { places: [const { Rows::new() }; PLACES], filling: 0, waiting: 0 }
     }
 
-    /// From the next row on rows are of so many gauges.
-    pub(crate) fn set_gauges(&mut self, gauges: u8) {
+    /// Drops what waits, none being filled, and begins again with rows of so many gauges: how many rows were lost.
+    pub(crate) fn set_gauges(&mut self, gauges: u8) -> usize {
+        let mut lost: usize = 0;
+        while let Some(rows) = self.next() {
+            lost = lost.saturating_add(rows.len());
+            self.sent();
+        }
         self.places.iter_mut().for_each(|rows| rows.set_gauges(gauges));
+        lost
     }
 
     /// Forgets everything.

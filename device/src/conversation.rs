@@ -164,7 +164,7 @@ impl<'a> Device<'a> {
             identity,
             settings: *settings,
             kept: *kept,
-            stream: Stream::new(Pipeline::new(config), room, identity.gauges()),
+            stream: Stream::new(Pipeline::new(config), room),
             outgoing: Outgoing::new(),
             counters: Counters::default(),
             test: None,
@@ -367,6 +367,9 @@ impl<'a> Device<'a> {
         self.host = if understood { Host::Speaks(schema) } else { Host::Foreign };
         (self.last, self.heard) = (None, Some(sequence));
         self.outgoing = Outgoing::new();
+        // Release 0.1 takes every row for one of four gauges.
+        let all = GAUGES as u8;
+        self.stream.set_gauges(if self.is_told_less() { all } else { self.identity.gauges() });
         self.outgoing.ask(Due::Hello);
         if understood {
             if schema == wire::SCHEMA {

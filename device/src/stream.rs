@@ -75,13 +75,11 @@ pub(crate) struct Stream<'a> {
 }
 
 impl<'a> Stream<'a> {
-    /// A stream of so many gauges.
-    pub(crate) fn new(pipeline: Pipeline, room: &'a mut Room, gauges: u8) -> Self {
-        room.blocks.set_gauges(gauges);
+    pub(crate) const fn new(pipeline: Pipeline, room: &'a mut Room) -> Self {
         Self {
             pipeline,
             room,
-            gauges,
+            gauges: GAUGES as u8,
             injected: Deque::new(),
             on: None,
             temperature: None,
@@ -92,6 +90,16 @@ impl<'a> Stream<'a> {
             seen_waiting: 0,
             generation: 0,
             link_full: 0,
+        }
+    }
+
+    /// Rows are of so many gauges from now on; those that wait and are of another number are lost on their way.
+    pub(crate) fn set_gauges(&mut self, gauges: u8) {
+        if gauges != self.gauges {
+            self.close();
+            let lost = self.room.blocks.set_gauges(gauges);
+            self.link_full = self.link_full.saturating_add(lost as u32);
+            self.gauges = gauges;
         }
     }
 

@@ -92,10 +92,14 @@ impl Host {
     }
 
     fn beginning_with(record: Option<&[u8]>) -> Self {
+        Self::of(IDENTITY, record)
+    }
+
+    fn of(identity: Identity<'static>, record: Option<&[u8]>) -> Self {
         Self {
             device: Device::new(
-                IDENTITY,
-                &begin_with(record, &IDENTITY.capabilities).unwrap(),
+                identity,
+                &begin_with(record, &identity.capabilities).unwrap(),
                 Box::leak(Box::default()),
             ),
             board: Bench::default(),
@@ -752,6 +756,34 @@ fn a_host_of_release_0_1_sets_four_gains_and_reads_status_test_and_rows_in_its_o
     host.sample([7; GAUGES], Lost::NONE);
     host.say(&ToDevice::Stop).unwrap();
     assert_eq!(host.rows[0].counts, [7; GAUGES]);
+}
+
+#[test]
+fn a_device_of_one_gauge_sends_one_and_four_to_release_0_1_and_counts_what_a_change_costs() {
+    let capabilities = Capabilities { channels: 1, ..IDENTITY.capabilities };
+    let mut host = Host::of(Identity { capabilities, ..IDENTITY }, None);
+    let hello = |schema| ToDevice::Hello(HelloToDevice { schema, version: "1" });
+    host.say(&hello(EARLIER[0])).unwrap();
+    host.start(Source::Converter);
+    let mut sent = 0;
+    for schema in [SCHEMA, EARLIER[0], SCHEMA] {
+        for _ in 0..30 {
+            host.sample([sent, 0, 0, 0], Lost::NONE);
+            sent += 1;
+            if sent % 20 == 0 {
+                host.hear();
+            }
+        }
+        // Another host, while blocks wait.
+        host.say(&hello(schema)).unwrap();
+    }
+    host.say(&ToDevice::Stop).unwrap();
+    for row in &host.rows {
+        assert_eq!(row.counts, [row.number as i32, 0, 0, 0]);
+    }
+    let counters = host.status().counters;
+    assert!(counters.link_full > 0);
+    assert_eq!(host.rows.len() + counters.link_full as usize, 90);
 }
 
 #[test]

@@ -198,6 +198,9 @@ pub fn settle(problem: &impl LeastSquares, start: &[f64], effort: Effort) -> Vec
     let bounds = problem.bounds();
     let mut point = start.to_vec();
     for _ in 0..effort.iterations {
+        if !watch::step() {
+            break;
+        }
         let normal = problem.normal(&point);
         let step = bounded_step(&normal, HARDLY, &point, bounds);
         let promised = -normal.raised_by(&step);

@@ -4,6 +4,7 @@ use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
 
 use super::differences::{CodingError, Gauges};
+use super::per_gauge::FOUR;
 use super::rows::{Coded, Coder, PAIR};
 use super::{BlockOfFour, Columns, FRAME_MAX, FrameError, Head, ToHost, encode};
 use crate::calibration::Calibration;
@@ -176,8 +177,9 @@ impl Rows {
         self.clear();
     }
 
-    /// From the next [`Self::begin`] on rows are of the first so many gauges, at most as many as a pipeline has.
+    /// Forgets the rows; those to come are of the first so many gauges, at most as many as a pipeline has.
     pub const fn set_gauges(&mut self, gauges: u8) {
+        self.clear();
         self.coder.gauges = gauges;
     }
 
@@ -251,12 +253,15 @@ impl Rows {
     /// The same for a host of release 0.1, which takes every row for one of four gauges.
     ///
     /// # Errors
-    /// As [`Self::encode`].
+    /// As [`Self::encode`]; [`FrameError::Message`] if they are of another number of gauges.
     pub fn encode_of_four<'f>(
         &self,
         sequence: u32,
         frame: &'f mut [u8; FRAME_MAX],
     ) -> Result<&'f [u8], FrameError> {
+        if usize::from(self.coder.gauges) != FOUR {
+            return Err(FrameError::Message);
+        }
         let block = BlockOfFour {
             first: self.first,
             generation: self.generation,
