@@ -1,5 +1,7 @@
 //! Everything that takes bytes from outside.
 
+use std::fs::OpenOptions;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
@@ -99,7 +101,10 @@ fn file(name: &str, bytes: &[u8]) -> PathBuf {
     static FOLDER: OnceLock<tempfile::TempDir> = OnceLock::new();
     let folder = FOLDER.get_or_init(|| tempfile::tempdir().unwrap());
     let path = folder.path().join(name);
-    std::fs::write(&path, bytes).unwrap();
+    // Written over in place: some file systems write a file through to the disk once it was emptied first.
+    let mut file = OpenOptions::new().create(true).truncate(false).write(true).open(&path).unwrap();
+    file.write_all(bytes).unwrap();
+    file.set_len(bytes.len() as u64).unwrap();
     path
 }
 

@@ -11,6 +11,7 @@ use nalgebra::DMatrix;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use super::fit::{Fit, MOST_PARAMETERS, Normalisation, Note};
+use crate::many_exp::exp;
 
 /// How the residuals of a fit correlate.
 #[derive(Clone, Debug, PartialEq)]
@@ -224,13 +225,14 @@ impl Coordinates {
         if self.constant {
             put(1.0);
         }
-        let decay = |k: usize| (-fit.sum.terms[k].rate * time).exp();
-        for &k in &self.terms {
-            put(decay(k));
+        let mut decays = [0.0; MOST_PARAMETERS];
+        for (&k, kept) in self.terms.iter().zip(&mut decays) {
+            *kept = exp(-fit.sum.terms[k].rate * time);
+            put(*kept);
         }
-        for &k in &self.terms {
+        for (&k, decay) in self.terms.iter().zip(decays) {
             let term = fit.sum.terms[k];
-            put(-fit.sum.scale * term.coefficient * term.rate * time * decay(k));
+            put(-fit.sum.scale * term.coefficient * term.rate * time * decay);
         }
         row[RESIDUAL] = value - fit.sum.at(time);
         row
@@ -297,17 +299,18 @@ impl Linear {
         let shortest = 0.5 * intervals[intervals.len() / 2];
         let duration = self.times[self.times.len() - 1] - self.times[0];
         let ratio = (LONGEST * duration / shortest).max(2.0);
-        let time = |k: usize| shortest * ratio.powf(k as f64 / (TIMES - 1) as f64);
         let each = (1.0 - WHITE) / (TIMES * SHARES.len()) as f64;
-        let processes = (0..TIMES).flat_map(|k| SHARES.map(|white| (each, time(k), white)));
-        let members: Vec<(f64, Noise)> = std::iter::once((WHITE, shortest, 1.0))
-            .chain(processes)
-            .map(|(prior, time, white)| {
-                let (log, scale) = self.likelihood(time, white);
-                (log + prior.ln(), Noise { time, white, scale })
-            })
-            .filter(|member| member.0.is_finite())
-            .collect();
+        let member = |prior: f64, time: f64, decays: &[f64], white: f64| {
+            let (log, scale) = self.likelihood(decays, white);
+            (log + prior.ln(), Noise { time, white, scale })
+        };
+        let mut members = vec![member(WHITE, shortest, &self.decays(shortest), 1.0)];
+        for k in 0..TIMES {
+            let time = shortest * ratio.powf(k as f64 / (TIMES - 1) as f64);
+            let decays = self.decays(time);
+            members.extend(SHARES.map(|white| member(each, time, &decays, white)));
+        }
+        members.retain(|member| member.0.is_finite());
         let best = members.iter().map(|member| member.0).fold(f64::NEG_INFINITY, f64::max);
         let sum: f64 = members.iter().map(|member| (member.0 - best).exp()).sum();
         let weighted = members.iter().map(|&(log, noise)| ((log - best).exp() / sum, noise));
@@ -316,22 +319,27 @@ impl Linear {
         kept.into_iter().map(|(weight, noise)| (weight / sum, noise)).collect()
     }
 
+    /// How much of a process with a correlation time, s, is left from each sample to the next.
+    fn decays(&self, time: f64) -> Vec<f64> {
+        self.times.windows(2).map(|pair| exp(-(pair[1] - pair[0]) / time)).collect()
+    }
+
     /// Logarithm of the restricted likelihood, up to a constant, and the scale of the noise, by a Kalman
-    /// filter over all columns at once.
-    fn likelihood(&self, time: f64, white: f64) -> (f64, f64) {
+    /// filter over all columns at once; of a process beside so much white noise, with what is left of it from sample to sample.
+    fn likelihood(&self, decays: &[f64], white: f64) -> (f64, f64) {
         let count = self.count;
         let (mut state, mut variance) = ([0.0; MOST_PARAMETERS], 1.0 - white);
         // The residual behind the derivatives.
         let mut products = [[0.0; MOST_PARAMETERS]; MOST_PARAMETERS];
         let mut log = 0.0;
         for (k, row) in self.rows.iter().enumerate() {
-            if k > 0 {
-                let decay = (-(self.times[k] - self.times[k - 1]) / time).exp();
+            if let Some(decay) = k.checked_sub(1).and_then(|before| decays.get(before)) {
                 state.iter_mut().for_each(|state| *state *= decay);
                 variance = decay * decay * variance + (1.0 - white) * (1.0 - decay * decay);
             }
             let total = variance + white + FLOOR;
-            let gain = variance / total;
+            let inverse = total.recip();
+            let gain = variance * inverse;
             let mut innovation = *row;
             innovation[count] = row[RESIDUAL];
             for (innovation, state) in innovation.iter_mut().zip(&mut state) {
@@ -341,7 +349,7 @@ impl Linear {
             variance *= 1.0 - gain;
             log += total.ln();
             for (i, products) in products.iter_mut().enumerate().take(count + 1) {
-                let weighted = innovation[i] / total;
+                let weighted = innovation[i] * inverse;
                 for (product, other) in products.iter_mut().zip(&innovation).take(i + 1) {
                     *product += weighted * other;
                 }

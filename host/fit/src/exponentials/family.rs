@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use crate::many_exp::exp;
+
 /// Spacing of the tabulated rates in ln v: a quintic between them is exact to 1e-10.
 const SPACING: f64 = 0.08;
 
@@ -51,20 +53,22 @@ impl Family {
 
     pub fn shapes(&self, samples: Range<usize>, roots: &[f64]) -> Shapes {
         let times = &self.times[samples.clone()];
-        let root = |k: usize| roots.get(samples.start + k).copied().unwrap_or(1.0);
+        let roots = roots.get(samples).unwrap_or_default();
+        let weighted = |mut values: Vec<f64>| {
+            values.iter_mut().zip(roots).for_each(|(value, root)| *value *= root);
+            values
+        };
         let mut columns = Vec::with_capacity(self.columns());
         for rate in &self.rates {
-            let mut shapes = [const { Vec::new() }; 3];
-            for (k, time) in times.iter().enumerate() {
-                let x = rate * time;
-                let value = (-x).exp() * root(k);
-                shapes[0].push(value);
-                shapes[1].push(-x * value * self.spacing);
-                shapes[2].push(x * (x - 1.0) * value * self.spacing * self.spacing);
-            }
-            columns.extend(shapes);
+            let values = weighted(times.iter().map(|time| exp(-(rate * time))).collect());
+            let each = || times.iter().zip(&values).map(|(time, value)| (rate * time, value));
+            let first = each().map(|(x, value)| -x * value * self.spacing).collect();
+            let second = each()
+                .map(|(x, value)| x * (x - 1.0) * value * self.spacing * self.spacing)
+                .collect();
+            columns.extend([values, first, second]);
         }
-        columns.push((0..times.len()).map(root).collect());
+        columns.push(weighted(vec![1.0; times.len()]));
         Shapes { columns }
     }
 }

@@ -11,6 +11,9 @@ use super::vector::{add_scaled, dot, scale};
 /// Spacing in ln v that the grids of 1 to 4 terms aim at, and the most rates they may have.
 const SPACING: [(f64, usize); 4] = [(0.2, 96), (0.3, 64), (0.4, 32), (0.5, 24)];
 
+/// Part of an exponential, left of it beside others, that is made orthogonal to them again: twice is enough.
+const LITTLE: f64 = 1e-3;
+
 /// All sets of `m` grid rates, in lexicographic order, for one m.
 #[derive(Clone, Debug, Default)]
 struct Level {
@@ -94,6 +97,7 @@ impl<const R: usize> Grid<R> {
             let mut q = self.atoms[index];
             let mut combination = [0.0; 4];
             combination[size] = 1.0;
+            let mut norm = 1.0;
             for _ in 0..2 {
                 for (_, vector, mix) in prefix.iter() {
                     let along = dot(vector, &q);
@@ -102,8 +106,12 @@ impl<const R: usize> Grid<R> {
                         *c -= along * m;
                     }
                 }
+                norm = dot(&q, &q).sqrt();
+                // What is left after one pass has its digits unless it is little.
+                if norm > LITTLE {
+                    break;
+                }
             }
-            let norm = dot(&q, &q).sqrt();
             // Too close to the others to tell from rounding: such a set explains no more.
             let inverse = if norm > 1e-8 { 1.0 / norm } else { 0.0 };
             scale(&mut q, inverse);
