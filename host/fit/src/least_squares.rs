@@ -190,8 +190,10 @@ pub fn finish<P: LeastSquares + Sync>(problem: &P, kept: &[Solution]) -> Option<
 
 /// Part of what a step promises that it gains where the sum of squares is nearly the quadratic one.
 const AS_PROMISED: f64 = 0.9;
+/// Part of the sum of squares that such a step may promise and be the last: what is left behind it is far less.
+const LAST: f64 = 1e-3;
 
-/// The minimum next to `start`, by steps that are not damped: the first one that gains what it promises leads there, and the normal
+/// The minimum next to `start`, by steps that are not damped: the first small one that gains what it promises leads there, and the normal
 /// equations are not asked for again. Where one gains nothing, a search does with limited effort.
 #[must_use]
 pub fn settle(problem: &impl LeastSquares, start: &[f64], effort: Effort) -> Vec<f64> {
@@ -212,7 +214,7 @@ pub fn settle(problem: &impl LeastSquares, start: &[f64], effort: Effort) -> Vec
             return minimise_with(problem, &point, effort).point;
         }
         point = trial;
-        if gained >= AS_PROMISED * promised {
+        if promised <= LAST * normal.cost && gained >= AS_PROMISED * promised {
             break;
         }
     }
@@ -475,17 +477,20 @@ mod tests {
 
     #[test]
     fn from_close_by_a_minimum_is_settled_in_without_normal_equations_there() {
+        /// What no decay describes.
+        const NOISE: f64 = 1.0;
         struct Counted(Decay, std::cell::Cell<usize>);
         impl LeastSquares for Counted {
             fn bounds(&self) -> &[(f64, f64)] {
                 self.0.bounds()
             }
             fn cost(&self, point: &[f64]) -> f64 {
-                self.0.cost(point)
+                NOISE + self.0.cost(point)
             }
             fn normal(&self, point: &[f64]) -> Normal {
                 self.1.set(self.1.get() + 1);
-                self.0.normal(point)
+                let normal = self.0.normal(point);
+                Normal { cost: NOISE + normal.cost, ..normal }
             }
         }
         let counted = |start: [f64; 2]| {
