@@ -21,6 +21,8 @@
 mod block_means;
 pub mod caught;
 mod control;
+#[cfg(feature = "parquet")]
+mod declared;
 mod elapsed;
 mod error;
 pub mod files;

@@ -22,6 +22,7 @@ use super::read::MAX_COLUMNS;
 use super::write::{check, checked};
 use super::{Column, Error, Head, SIZE_LIMIT, TIME, Trace, head};
 use crate::caught::caught;
+use crate::declared::{self, Ending};
 
 /// Key of the head in the file's metadata.
 const HEAD: &str = "palpate-trace";
@@ -95,7 +96,7 @@ pub(super) fn guarded<T>(path: &Path, read: impl FnOnce() -> Result<T, Error>) -
 
 fn decode(path: &Path, file: File) -> Result<Trace, Error> {
     let refused = |message: String| Error::Parquet { path: path.into(), message };
-    let reader = SerializedFileReader::new(file).map_err(|error| refused(error.to_string()))?;
+    let reader = declared::open(file).map_err(|error| refused(error.to_string()))?;
     let head = head_of(path, &reader)?;
     let mut columns = columns_of(&reader).map_err(refused)?;
     let time_at = columns.iter().position(|column| column.name == TIME);
@@ -107,7 +108,7 @@ fn decode(path: &Path, file: File) -> Result<Trace, Error> {
 }
 
 /// The head in the metadata; an empty one in a file of another program.
-pub(super) fn head_of(path: &Path, reader: &SerializedFileReader<File>) -> Result<Head, Error> {
+pub(super) fn head_of(path: &Path, reader: &SerializedFileReader<Ending>) -> Result<Head, Error> {
     let pairs = reader.metadata().file_metadata().key_value_metadata();
     let head = pairs.into_iter().flatten().find(|pair| pair.key == HEAD);
     match head.and_then(|pair| pair.value.as_deref()) {
@@ -116,7 +117,7 @@ pub(super) fn head_of(path: &Path, reader: &SerializedFileReader<File>) -> Resul
     }
 }
 
-fn columns_of(reader: &SerializedFileReader<File>) -> Result<Vec<Column>, String> {
+fn columns_of(reader: &SerializedFileReader<Ending>) -> Result<Vec<Column>, String> {
     let schema = reader.metadata().file_metadata().schema_descr();
     if schema.num_columns() > MAX_COLUMNS {
         return Err(format!("it has {} columns, more than {MAX_COLUMNS}", schema.num_columns()));
@@ -129,13 +130,15 @@ fn columns_of(reader: &SerializedFileReader<File>) -> Result<Vec<Column>, String
         }
         columns.push(Column { name, values: Vec::new() });
     }
-    for group in 0..reader.num_row_groups() {
+    let groups = reader.metadata().row_groups().iter().map(|group| group.num_rows());
+    for (group, rows) in declared::rows(groups, columns.len())?.into_iter().enumerate() {
         let group = reader.get_row_group(group).map_err(|error| error.to_string())?;
         for (index, column) in columns.iter_mut().enumerate() {
             let wrong = |what: String| format!("column `{}`: {what}", column.name);
-            let reader =
-                group.get_column_reader(index).map_err(|error| wrong(error.to_string()))?;
-            append(reader, &mut column.values).map_err(wrong)?;
+            let reader = declared::column_reader(&*group, index)
+                .map_err(|error| wrong(error.to_string()))?;
+            let most = column.values.len() + rows as usize;
+            append(reader, most, &mut column.values).map_err(wrong)?;
         }
     }
     Ok(columns)
@@ -158,12 +161,14 @@ fn is_plain(column: &ColumnDescriptor) -> bool {
     plain && (whole || column.logical_type_ref().is_none())
 }
 
-fn append(reader: ColumnReader, values: &mut Vec<f64>) -> Result<(), String> {
+fn append(reader: ColumnReader, most: usize, values: &mut Vec<f64>) -> Result<(), String> {
     match reader {
-        ColumnReader::DoubleColumnReader(reader) => append_as(reader, |value| value, values),
-        ColumnReader::FloatColumnReader(reader) => append_as(reader, f64::from, values),
-        ColumnReader::Int32ColumnReader(reader) => append_as(reader, f64::from, values),
-        ColumnReader::Int64ColumnReader(reader) => append_as(reader, |value| value as f64, values),
+        ColumnReader::DoubleColumnReader(reader) => append_as(reader, |value| value, most, values),
+        ColumnReader::FloatColumnReader(reader) => append_as(reader, f64::from, most, values),
+        ColumnReader::Int32ColumnReader(reader) => append_as(reader, f64::from, most, values),
+        ColumnReader::Int64ColumnReader(reader) => {
+            append_as(reader, |value| value as f64, most, values)
+        }
         _ => Err("does not hold plain numbers".into()),
     }
 }
@@ -171,6 +176,7 @@ fn append(reader: ColumnReader, values: &mut Vec<f64>) -> Result<(), String> {
 fn append_as<T: DataType>(
     mut reader: ColumnReaderImpl<T>,
     number: fn(T::T) -> f64,
+    most: usize,
     values: &mut Vec<f64>,
 ) -> Result<(), String> {
     let (mut batch, mut levels) = (Vec::new(), Vec::new());
@@ -186,6 +192,9 @@ fn append_as<T: DataType>(
             return Ok(());
         }
         values.extend(batch.drain(..).map(number));
+        if values.len() > most {
+            return Err("has more values than the file declares rows".into());
+        }
     }
 }
 

@@ -18,6 +18,7 @@ use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::schema::types::ColumnDescriptor;
 
 use super::{Error, Head, parquet as one};
+use crate::declared::{self, Ending};
 
 /// What the columns of a file with many traces are.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -47,10 +48,10 @@ pub fn head_of(path: &Path) -> Result<Head, Error> {
     one::head_of(path, &open(path)?)
 }
 
-fn open(path: &Path) -> Result<SerializedFileReader<File>, Error> {
+fn open(path: &Path) -> Result<SerializedFileReader<Ending>, Error> {
     let file = File::open(path).map_err(|source| Error::Open { path: path.into(), source })?;
     one::guarded(path, move || {
-        SerializedFileReader::new(file).map_err(|error| refused(path, error.to_string()))
+        declared::open(file).map_err(|error| refused(path, error.to_string()))
     })
 }
 

@@ -1,6 +1,5 @@
 //! The rows of one trace after the other, without reading the file whole.
 
-use std::fs::File;
 use std::path::{Path, PathBuf};
 
 use parquet::column::reader::ColumnReader;
@@ -9,12 +8,13 @@ use parquet::file::reader::{FileReader, SerializedFileReader};
 use super::super::write::check;
 use super::taken::{self, Taken};
 use super::{Names, one, open, refused};
+use crate::declared::{self, Ending};
 use crate::{Column, Error, Head, TIME, Trace};
 
 /// Reads traces of one file. Going forward, no page is read twice.
 pub struct Rows {
     path: PathBuf,
-    file: SerializedFileReader<File>,
+    file: SerializedFileReader<Ending>,
     head: Head,
     /// The columns of numbers.
     columns: Vec<Taken>,
@@ -114,7 +114,7 @@ impl Rows {
             None => {
                 let rows = self.file.get_row_group(group).map_err(|error| error.to_string())?;
                 let readers =
-                    self.columns.iter().map(|column| rows.get_column_reader(column.place));
+                    self.columns.iter().map(|column| declared::column_reader(&*rows, column.place));
                 let readers =
                     readers.collect::<Result<_, _>>().map_err(|error| error.to_string())?;
                 Open { group, row: self.starts[group], readers }

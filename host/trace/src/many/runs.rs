@@ -13,6 +13,7 @@ use parquet::schema::types::ColumnDescPtr;
 
 use super::{is_name, one, open, refused};
 use crate::Error;
+use crate::declared;
 
 /// Values read at once.
 const BATCH: usize = 1 << 14;
@@ -58,7 +59,7 @@ fn find(path: &Path, id: &str, by: &[&str]) -> Result<Vec<Run>, Error> {
         let rows = group.metadata().num_rows() as u64;
         let mut columns = Vec::new();
         for &place in &places {
-            let reader = group.get_column_reader(place);
+            let reader = declared::column_reader(&*group, place);
             let reader = reader.map_err(|error| refused(path, error.to_string()))?;
             let names = names(reader, &schema.column(place));
             let what =
