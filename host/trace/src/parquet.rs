@@ -12,7 +12,7 @@ use parquet::basic::{
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
 use parquet::data_type::{DataType, DoubleType};
 use parquet::errors::ParquetError;
-use parquet::file::metadata::KeyValue;
+use parquet::file::metadata::{KeyValue, RowGroupMetaData};
 use parquet::file::properties::{EnabledStatistics, WriterProperties};
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::file::writer::SerializedFileWriter;
@@ -130,7 +130,7 @@ fn columns_of(reader: &SerializedFileReader<Ending>) -> Result<Vec<Column>, Stri
         }
         columns.push(Column { name, values: Vec::new() });
     }
-    let groups = reader.metadata().row_groups().iter().map(|group| group.num_rows());
+    let groups = reader.metadata().row_groups().iter().map(RowGroupMetaData::num_rows);
     for (group, rows) in declared::rows(groups, columns.len())?.into_iter().enumerate() {
         let group = reader.get_row_group(group).map_err(|error| error.to_string())?;
         for (index, column) in columns.iter_mut().enumerate() {
