@@ -372,7 +372,7 @@ impl<'a> Device<'a> {
         self.stream.set_gauges(if self.is_told_less() { all } else { self.identity.gauges() });
         self.outgoing.ask(Due::Hello);
         if understood {
-            if schema == wire::SCHEMA {
+            if self.host_is_of_this_release() {
                 self.outgoing.ask(Due::Kept);
                 self.outgoing.ask(Due::Capabilities);
             }

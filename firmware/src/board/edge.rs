@@ -31,8 +31,7 @@ pub fn caught(now_us: u64) -> Option<u64> {
     let timer = unsafe { &*TIM3::ptr() };
     timer.sr().read().cc2if().bit_is_set().then(|| {
         // Reading the capture clears its flag.
-        let caught = timer.ccr2().read().ccr().bits();
-        now_us.saturating_sub((now_us as u16).wrapping_sub(caught).into())
+        time_of(timer.ccr2().read().ccr().bits(), now_us)
     })
 }
 
@@ -47,5 +46,10 @@ pub fn rose(now_us: u64) -> Option<u64> {
         timer.sr().write(|w| unsafe { w.bits(!ROSE_AGAIN) });
         return None;
     }
-    Some(now_us.saturating_sub((now_us as u16).wrapping_sub(caught).into()))
+    Some(time_of(caught, now_us))
+}
+
+/// Device time, µs, of which the lower 16 bits were caught less than 65 ms ago.
+fn time_of(caught: u16, now_us: u64) -> u64 {
+    now_us.saturating_sub((now_us as u16).wrapping_sub(caught).into())
 }

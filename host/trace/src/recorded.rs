@@ -128,7 +128,7 @@ pub fn to_traces(
 /// Gives a trace of one of several devices, with the device time of its first row, µs, the host's time since the recording was opened.
 fn in_shared_time(trace: &mut Trace, first_us: u64, host: &HostTime) {
     for time in &mut trace.time {
-        *time = host.of(first_us as f64 + *time * 1e6) * 1e-6;
+        *time = host.of(first_us + (*time * 1e6).round() as u64) * 1e-6;
     }
     let pulses = i64::try_from(host.pulses()).unwrap_or(i64::MAX);
     if let Some(Value::Table(recording)) =

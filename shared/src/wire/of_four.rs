@@ -75,35 +75,31 @@ impl<'a> From<BlockOfFour<'a>> for Block<'a> {
 
 impl From<StatusOfFour> for Status {
     fn from(status: StatusOfFour) -> Self {
-        let StatusOfFour {
-            counters,
-            gauges,
-            rows,
-            streaming,
-            temperature,
-            converter,
-            stack_used,
-            queue_most,
-        } = status;
-        let gauges = PerGauge::of(&gauges);
-        Self { counters, gauges, rows, streaming, temperature, converter, stack_used, queue_most }
+        Self {
+            gauges: PerGauge::of(&status.gauges),
+            counters: status.counters,
+            rows: status.rows,
+            streaming: status.streaming,
+            temperature: status.temperature,
+            converter: status.converter,
+            stack_used: status.stack_used,
+            queue_most: status.queue_most,
+        }
     }
 }
 
 impl From<Status> for StatusOfFour {
     fn from(status: Status) -> Self {
-        let Status {
-            counters,
-            gauges,
-            rows,
-            streaming,
-            temperature,
-            converter,
-            stack_used,
-            queue_most,
-        } = status;
-        let gauges = gauges.four();
-        Self { counters, gauges, rows, streaming, temperature, converter, stack_used, queue_most }
+        Self {
+            gauges: status.gauges.four(),
+            counters: status.counters,
+            rows: status.rows,
+            streaming: status.streaming,
+            temperature: status.temperature,
+            converter: status.converter,
+            stack_used: status.stack_used,
+            queue_most: status.queue_most,
+        }
     }
 }
 

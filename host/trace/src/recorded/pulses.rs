@@ -22,12 +22,12 @@ pub(super) struct Timing {
 
 /// The host's time of what a device says.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum HostTime {
-    /// By the line under the arrival of its frames.
-    Fit(ClockFit),
-    /// By pulses that another device heard too: µs of this device, and of the host. At least one; before the first and after the
-    /// last time goes on as it does near them, or as the line has it where there is one.
-    Pulses(ClockFit, Vec<(f64, f64)>),
+pub(super) struct HostTime {
+    /// The line under the arrival of its frames.
+    fit: ClockFit,
+    /// Pulses that another device heard too, by which time goes if there are any: µs of this device, and of the host. Before the first
+    /// and after the last time goes on as it does near them.
+    pulses: Vec<(f64, f64)>,
 }
 
 impl Timing {
@@ -47,47 +47,41 @@ impl Timing {
             let nearest = near.min_by(|a, b| (*a - own).abs().total_cmp(&(*b - own).abs()))?;
             ((nearest - own).abs() < SAME_S * 1e6).then_some((*pulse_us as f64, *nearest))
         };
-        let pairs: Vec<(f64, f64)> = self.pulses_us.iter().filter_map(same).collect();
-        let in_order = pairs.windows(2).all(|pair| pair[0].0 < pair[1].0 && pair[0].1 < pair[1].1);
-        if pairs.is_empty() || !in_order {
-            return HostTime::Fit(self.fit);
+        let mut pulses: Vec<(f64, f64)> = self.pulses_us.iter().filter_map(same).collect();
+        if pulses.windows(2).any(|pair| pair[0].0 >= pair[1].0 || pair[0].1 >= pair[1].1) {
+            pulses.clear();
         }
-        HostTime::Pulses(self.fit, pairs)
+        HostTime { fit: self.fit, pulses }
     }
 }
 
 impl HostTime {
     /// The host's time of a device time, µs.
-    pub(super) fn of(&self, device_us: f64) -> f64 {
-        let (fit, pairs) = match self {
-            Self::Fit(fit) => return by_line(fit, device_us),
-            Self::Pulses(fit, pairs) => (fit, pairs),
+    pub(super) fn of(&self, device_us: u64) -> f64 {
+        let Some(last) = self.pulses.len().checked_sub(1) else {
+            return self.fit.host_us(device_us);
         };
-        let last = pairs.len() - 1;
-        let after = pairs.partition_point(|(device, _)| *device < device_us);
+        let device_us = device_us as f64;
+        let after = self.pulses.partition_point(|(device, _)| *device < device_us);
         let (at, other) = match after {
             0 => (0, last.min(ENOUGH)),
             _ if after > last => (last, last.saturating_sub(ENOUGH)),
             _ => (after - 1, after),
         };
-        let ((device, host), (other_device, other_host)) = (pairs[at], pairs[other]);
+        let ((device, host), (other_device, other_host)) = (self.pulses[at], self.pulses[other]);
         // One pulse alone tells when, not how fast.
-        let one = at == other;
-        let pace = if one { 1.0 / fit.rate } else { (other_host - host) / (other_device - device) };
+        let pace = if at == other {
+            1.0 / self.fit.rate
+        } else {
+            (other_host - host) / (other_device - device)
+        };
         host + (device_us - device) * pace
     }
 
     /// Pulses that it rests on.
     pub(super) fn pulses(&self) -> usize {
-        match self {
-            Self::Fit(_) => 0,
-            Self::Pulses(_, pairs) => pairs.len(),
-        }
+        self.pulses.len()
     }
-}
-
-fn by_line(fit: &ClockFit, device_us: f64) -> f64 {
-    fit.host_us + (device_us - fit.device_us as f64) / fit.rate
 }
 
 #[cfg(test)]
@@ -107,6 +101,10 @@ mod tests {
         Timing { fit, pulses_us: pulses_us.iter().map(|t| at(*t).round() as u64).collect() }
     }
 
+    fn by_line(fit: ClockFit) -> HostTime {
+        HostTime { fit, pulses: Vec::new() }
+    }
+
     #[test]
     fn what_two_devices_saw_at_once_has_one_time_however_their_frames_came() {
         let fast = |t: f64| 70e6 + t * (1.0 + 40e-6);
@@ -118,15 +116,15 @@ mod tests {
         let other =
             timing(warming, 1.0 - 27e-6, 7_000.0, &[&pulses[2..90], &pulses[93..]].concat());
         let (first, second) =
-            (HostTime::Fit(reference.fit), other.beside(std::slice::from_ref(&reference)));
+            (by_line(reference.fit), other.beside(std::slice::from_ref(&reference)));
         assert_eq!(second.pulses(), 194);
         for t in (0..2_190).map(|k| 1e5 * f64::from(k)) {
-            let apart = first.of(fast(t)) - second.of(warming(t));
+            let apart = first.of(fast(t).round() as u64) - second.of(warming(t).round() as u64);
             let allowed = if (3.3e6..2.18e8).contains(&t) { 2.0 } else { 30.0 };
             assert!(apart.abs() < allowed, "{apart} µs at {t} µs");
         }
         // Without the pulses they are milliseconds apart.
-        assert!((HostTime::Fit(other.fit).of(warming(1e8)) - 1e8).abs() > 2_000.0);
+        assert!((by_line(other.fit).of(warming(1e8) as u64) - 1e8).abs() > 2_000.0);
     }
 
     #[test]
@@ -135,9 +133,9 @@ mod tests {
         let reference = timing(at, 1.01, 0.0, &[1e6, 2e6]);
         let one = timing(at, 1.01, 5_000.0, &[2e6]).beside(std::slice::from_ref(&reference));
         assert_eq!(one.pulses(), 1);
-        assert!((one.of(at(9e6)) - 9e6).abs() < 1.0);
+        assert!((one.of(at(9e6).round() as u64) - 9e6).abs() < 1.0);
         let apart = timing(at, 1.01, 5_000.0, &[2.6e6]);
-        assert_eq!(apart.beside(&[reference]), HostTime::Fit(apart.fit));
-        assert_eq!(apart.beside(&[]), HostTime::Fit(apart.fit));
+        assert_eq!(apart.beside(&[reference]), by_line(apart.fit));
+        assert_eq!(apart.beside(&[]), by_line(apart.fit));
     }
 }
