@@ -370,9 +370,9 @@ impl Linear {
         let count = self.count;
         let mut before = [0.0; MOST_PARAMETERS];
         let mut middle = DMatrix::zeros(count, count);
+        let decays = self.decays(noise.time);
         for (k, row) in self.rows.iter().enumerate() {
-            if k > 0 {
-                let decay = (-(self.times[k] - self.times[k - 1]) / noise.time).exp();
+            if let Some(decay) = k.checked_sub(1).and_then(|before| decays.get(before)) {
                 before.iter_mut().for_each(|sum| *sum *= decay);
             }
             for i in 0..count {
