@@ -68,6 +68,10 @@ pub fn parse(name: &str, text: &str) -> Result<ForceCurve, AfmError> {
         let words = || value.split_whitespace().map(String::from).collect();
         match key {
             "segment" => block.kind = value.into(),
+            "columns" if !block.rows.is_empty() => {
+                let problem = "`# columns:` again without a `# segmentIndex:` before it";
+                return Err(fault(number, problem.into()));
+            }
             "columns" => (block.columns, block.line) = (words(), number),
             "units" => block.units = words(),
             "springConstant" => block.spring = value.parse().ok().filter(|k: &f64| k.is_finite()),
@@ -199,6 +203,8 @@ mod tests {
         assert!(refused("2e-6 0 0.1", "2e-6 x 0.1").contains("`x` is no number"));
         assert!(refused("vDeflection", "deflection").contains("no column `vDeflection`"));
         assert!(refused("extend", "modulation").contains("none of extend"));
+        // Numbers of two segments would stand under the names of one.
+        assert!(refused("# segmentIndex: 1\n", "").contains("line 14"));
         assert!(parse("c.txt", "# TEXT EXPORT\n").is_err());
     }
 }
