@@ -164,17 +164,24 @@ impl Chain {
             .collect();
         let yielded = |force: f64| yields.iter().map(|(law, own)| law(own, force)).sum::<f64>();
         let next = |x: f64, force: f64| x - yielded(force);
+        let stretch = (&scene.motion.time[..], &x[..], scene.motion.rest_before);
+        let start = scene.motion.time.first().copied().unwrap_or(0.0);
         if yields.is_empty() {
             self.contact(parameters, scene, (history, elasticity), &x, force);
         } else if let Some(response) = self.bare_response(parameters) {
-            let stretch = (&scene.motion.time[..], &x[..], scene.motion.rest_before);
             response.run_yielding(stretch, &mut history.relaxation, next, force);
-            let start = scene.motion.time.first().copied().unwrap_or(0.0);
             elasticity.yielding.came_to(start, force.iter().map(|&force| yielded(force)));
         } else {
             let before = history.clone();
             let mut yielding = std::mem::take(&mut elasticity.yielding);
-            yielding.settle(scene.motion.time.first().copied().unwrap_or(0.0), &x, |reached| {
+            let response = self.base.response(parameters);
+            if !yielding.knows(start, x.len()) && response.can_yield() {
+                // Where the base law alone comes to is near.
+                let mut alone = history.relaxation.clone();
+                response.run_yielding(stretch, &mut alone, next, force);
+                yielding.comes_near(start, force.iter().map(|&force| yielded(force)));
+            }
+            yielding.settle(start, &x, |reached| {
                 history.clone_from(&before);
                 self.contact(parameters, scene, (history, elasticity), reached, force);
                 x.iter().zip(force.iter()).map(|(&x, &force)| next(x, force)).collect()

@@ -90,6 +90,12 @@ impl StretchYielding {
         Self { most_runs: RUNS_NEARBY, ..self.clone() }
     }
 
+    /// Whether it is known where a stretch of so many samples that begins at `start`, s, came to.
+    #[must_use]
+    pub fn knows(&self, start: f64, samples: usize) -> bool {
+        self.start.to_bits() == start.to_bits() && self.yielded.len() == samples
+    }
+
     /// A stretch that begins at `start`, s, came to where the set-up yielded so much, mm.
     pub fn came_to(&mut self, start: f64, yielded: impl Iterator<Item = f64>) {
         self.start = start;
@@ -97,6 +103,12 @@ impl StretchYielding {
         self.yielded.extend(yielded);
         self.slope.clear();
         self.slope.resize(self.yielded.len(), 1.0);
+    }
+
+    /// The same where that is only near: all is to be settled.
+    pub fn comes_near(&mut self, start: f64, yielded: impl Iterator<Item = f64>) {
+        self.came_to(start, yielded);
+        self.most_runs = MOST_RUNS;
     }
 
     /// Finds the compressions, mm, of a stretch that begins at `start`, s, at the commanded ones, x, mm:
@@ -108,9 +120,8 @@ impl StretchYielding {
         x: &[f64],
         mut next: impl FnMut(&[f64]) -> Vec<f64>,
     ) -> usize {
-        if self.start.to_bits() != start.to_bits() || self.yielded.len() != x.len() {
-            self.came_to(start, x.iter().map(|_| 0.0));
-            self.most_runs = MOST_RUNS;
+        if !self.knows(start, x.len()) {
+            self.comes_near(start, x.iter().map(|_| 0.0));
         }
         let mut at: Vec<f64> =
             x.iter().zip(&self.yielded).map(|(x, yielded)| x - yielded).collect();

@@ -72,7 +72,7 @@ pub const EFFECT: Effect = Effect {
                 role: Role::Fitted(|scales| (0.01 * scales.force, scales.force)),
             }],
             act: Act::Yield(|parameters, force| {
-                -parameters[0] * (-force.max(0.0) / parameters[1]).exp_m1()
+                parameters[0] * (1.0 - (-force.max(0.0) / parameters[1]).exp())
             }),
         },
     ],
