@@ -270,6 +270,28 @@ impl<'a> Problem<'a> {
         (cost, aparts)
     }
 
+    /// Sum of squares and number of samples, not whitened, of each trace that is left out, in order. What comes after the last of them is
+    /// not run.
+    #[must_use]
+    pub fn left_out_squares(&self, point: &[f64]) -> Vec<(f64, usize)> {
+        let Some(fold) = self.left_out else { return Vec::new() };
+        let traces: Vec<usize> = fold.traces(self.data.labels.len()).collect();
+        let mut sums = vec![(0.0, 0); traces.len()];
+        let last = self.data.pieces.iter().rposition(|piece| fold.holds(piece.trace));
+        let (mut run, mut elasticity) = (self.run_at(point), Elasticity::default());
+        let mut force = self.spare.take();
+        for (index, piece) in self.data.pieces.iter().enumerate().take(last.map_or(0, |k| k + 1)) {
+            self.advance(&mut run, index, &mut elasticity, &mut force);
+            let Ok(place) = traces.binary_search(&piece.trace) else { continue };
+            let (sum, count) = &mut sums[place];
+            let residual = force.iter().zip(piece.measured).map(|(force, y)| force - y);
+            *sum += residual.map(|r| r * r).sum::<f64>();
+            *count += piece.measured.len();
+        }
+        self.spare.give([force]);
+        sums
+    }
+
     /// The whitened sum of squares over the traces that are fitted; `seen` gets the residual of every
     /// stretch (predicted minus measured).
     fn fitted_cost(&self, point: &[f64], mut seen: impl FnMut(usize, &Piece, &[f64])) -> f64 {

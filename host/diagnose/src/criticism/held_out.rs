@@ -232,7 +232,10 @@ fn left_out(
     }
     if let Some(rows) = rows {
         let rows = rows.leaving_out(fold);
-        aparts = rows.apart(&rows.point(&others.declared(&point))).1;
+        let squares = rows.left_out_squares(&rows.point(&others.declared(&point)));
+        for (apart, (square, samples)) in aparts.iter_mut().zip(squares) {
+            (apart.square, apart.samples) = (square, samples);
+        }
     }
     let error = |(apart, by_uncertainty): (Apart, f64)| TraceError {
         square: apart.square,
