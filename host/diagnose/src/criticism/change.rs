@@ -258,6 +258,7 @@ fn try_laws(chain: &Chain, values: &[f64], data: &Data, candidate: &Candidate) -
         problem: &problem,
         samples: &problem,
         options: &options,
+        rows: None,
     };
     let from = Fitted::new(&problem, &problem.point(values), Effort::QUICK);
     let directions = screen(&problem, data, &from.point, &whitening, candidates).directions;

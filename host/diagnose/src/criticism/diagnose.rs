@@ -147,6 +147,7 @@ pub fn diagnose_with(
         whitening: &noise.whitening,
         problem: &problem,
         samples: if weighted.is_some() { &samples } else { &problem },
+        rows: few.is_some().then_some(&rows),
         options,
     };
 
@@ -320,8 +321,7 @@ impl<'a> Course<'a> {
     fn conclude(self, rows: &Problem, given_rms: f64, traces: &[Trace]) -> Diagnosis {
         let Search { data, candidates, problem, options, .. } = self.search;
         let last = self.found.model();
-        let inexact = self.assessed.discrepancy > 0.0;
-        let discrepancy = if inexact { beyond_noise(last, self.noise) } else { 0.0 };
+        let discrepancy = if self.assessed.inexact { beyond_noise(last, self.noise) } else { 0.0 };
         let standard_errors =
             last.standard_errors(&problem.with_chain(&last.chain), self.found.inexact);
         let final_rows = rows.with_chain(&last.chain);

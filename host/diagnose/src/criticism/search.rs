@@ -176,13 +176,17 @@ impl Found {
             let (without, with) = (self.judged(step), self.judged(index));
             if let Some(reason) = rises(without, with) {
                 let denied = refused(&self.steps[step].effect, without, with, reason);
-                self.steps.truncate(step);
-                self.models.truncate(step);
-                self.evidence.truncate(index);
-                self.refuse([denied]);
-                return;
+                return self.go_back_to(step, denied);
             }
         }
+    }
+
+    /// Takes back what comes after so many steps, the first of which was denied.
+    fn go_back_to(&mut self, steps: usize, denied: Refused) {
+        self.steps.truncate(steps);
+        self.models.truncate(steps);
+        self.evidence.truncate(steps + 1);
+        self.refuse([denied]);
     }
 
     /// The same for the model after so many steps: the last one's parameters too.
@@ -195,16 +199,7 @@ impl Found {
         if is_last && search.problem.stands_for_samples() {
             fitted.confirm(search.samples);
         }
-        let on_rows = fitted.score(rows);
-        let held_out = &mut self.evidence[steps].held_out;
-        *held_out = match held_out.take() {
-            // Means that stand for their samples tell how the error changes when a trace is left out; all that is left to take from
-            // the rows is the error of the fit to all.
-            Some(errors) if search.problem.stands_for_samples() => {
-                Some(errors.over_rows(search.problem, fitted, &on_rows))
-            }
-            _ => held_out_on(search.problem, fitted, rows),
-        };
+        search.take_errors_of(rows, fitted, &mut self.evidence[steps]);
     }
 
     /// Takes down what was refused, the latest trial of each effect.
@@ -248,6 +243,8 @@ pub struct Search<'a> {
     pub problem: &'a Problem<'a>,
     /// The same on all samples where those are searched on means that stand for them: what is noise is told there.
     pub samples: &'a Problem<'a>,
+    /// All rows, as they are, where those are searched on their means.
+    pub rows: Option<&'a Problem<'a>>,
     /// What is asked for.
     pub options: &'a Options,
 }
@@ -340,6 +337,45 @@ impl Search<'_> {
         found
     }
 
+    /// Takes back the last step where it does not lower the errors over all rows as it does those over their means; of those on traces
+    /// left out only where means that stand for the rows tell them.
+    fn holds_on_rows(&self, found: &mut Found) -> bool {
+        let (Some(rows), Some(before)) = (self.rows, found.steps.len().checked_sub(1)) else {
+            return true;
+        };
+        let on_rows = |judged: Judged| {
+            let (mut fitted, mut evidence) = (judged.fitted.clone(), judged.evidence.clone());
+            if self.problem.stands_for_samples() {
+                self.take_errors_of(rows, &mut fitted, &mut evidence);
+            } else {
+                fitted.score(rows);
+                evidence.held_out = None;
+            }
+            (fitted, evidence)
+        };
+        let (without, with) = (on_rows(found.judged(before)), on_rows(found.judged(before + 1)));
+        let without = Judged { fitted: &without.0, evidence: &without.1 };
+        let with = Judged { fitted: &with.0, evidence: &with.1 };
+        let Some(reason) = rises(without, with) else { return true };
+        let denied = refused(&found.steps[before].effect, without, with, reason);
+        tracing::debug!("taken back over all rows: {denied:?}");
+        found.go_back_to(before, denied);
+        false
+    }
+
+    /// Takes the errors of a model over all rows, where it was fitted to their means.
+    fn take_errors_of(&self, rows: &Problem, fitted: &mut Fitted, evidence: &mut Evidence) {
+        let on_rows = fitted.score(rows);
+        evidence.held_out = match evidence.held_out.take() {
+            // Means that stand for their samples tell how the error changes when a trace is left out; all that is left to take from
+            // the rows is the error of the fit to all.
+            Some(errors) if self.problem.stands_for_samples() => {
+                Some(errors.over_rows(self.problem, fitted, &on_rows))
+            }
+            _ => held_out_on(self.problem, fitted, rows),
+        };
+    }
+
     /// The steps that are borne out on the data of a search by likelihood: its own effects in another
     /// order or those that predict traces left out best one by one, whichever ends lower there.
     #[must_use]
@@ -401,7 +437,9 @@ impl Search<'_> {
         found.models.push(fitted);
         found.evidence.push(evidence);
         found.steps.push(Step { effect, p_value, rivals: vec![rival], credible, fresh: true });
-        found.last = self.screen(found.model());
+        if self.holds_on_rows(found) {
+            found.last = self.screen(found.model());
+        }
     }
 
     /// Adds the effect that lowers the error on traces left out most, if one is borne out.
@@ -434,6 +472,9 @@ impl Search<'_> {
         }
         let error = |index: usize| evidence[index].left_out().map_or(f64::INFINITY, |it| it.rms);
         borne_out.sort_by(|&a, &b| error(a).total_cmp(&error(b)));
+        for &index in &borne_out {
+            tracing::debug!("borne out: {}, left out {:.6e}", rivals[index].effect, error(index));
+        }
         found.refuse(refusals);
         let Some(&ahead) = borne_out.first() else { return false };
         let as_good = |best: usize, index: usize, standard_errors: f64| {
@@ -459,8 +500,11 @@ impl Search<'_> {
         rivals[1..].sort_by(by_criterion);
         found.refused.retain(|refused| refused.effect != effect);
         found.steps.push(Step { effect, p_value, rivals, credible: names, fresh: true });
-        found.last = self.screen(found.model());
-        true
+        let holds = self.holds_on_rows(found);
+        if holds {
+            found.last = self.screen(found.model());
+        }
+        holds
     }
 
     /// Chance of as much agreement between the parts of the data about each candidate: about any of the library, or about it by itself

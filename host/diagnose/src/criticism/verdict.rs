@@ -49,6 +49,8 @@ pub(super) struct Assessed {
     pub(super) verdict: Verdict,
     /// Part of the misfit of the model without effects that the last one leaves.
     pub(super) unexplained: f64,
+    /// Whether what it leaves is more than noise.
+    pub(super) inexact: bool,
     /// Root mean square beyond the noise, in the unit of the signal; 0 where it is noise.
     pub(super) discrepancy: f64,
     /// The residual of the last model beside noise.
@@ -91,7 +93,7 @@ impl Assessed {
         );
         let inexact = after.p_value < LEVEL || guessed;
         let discrepancy = if inexact { beyond_noise(found.model(), noise) } else { 0.0 };
-        Self { verdict, unexplained, discrepancy, after }
+        Self { verdict, unexplained, inexact, discrepancy, after }
     }
 }
 

@@ -130,6 +130,7 @@ pub fn discover(
         problem: &problem,
         samples: &problem,
         options: &discovery.diagnosis.options,
+        rows: None,
     };
     let climb = Climb { search: &search, grammar: &grammar };
     let found = match known {
