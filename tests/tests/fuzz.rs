@@ -79,21 +79,26 @@ fn run(target: &Target, wanted: &Wanted) {
     let mut last = Last::of(target);
     corpus.iter().for_each(|input| attempt(target, input, &mut last));
     let mut mutator = Mutator::new(wanted.seed, &corpus, target.words);
+    let slowest_path = last.path.with_extension("slowest");
     let (begun, mut cases, mut slowest) = (Instant::now(), 0, Duration::ZERO);
     while wanted.time.map_or(cases < CASES, |time| begun.elapsed() < time) {
         let input = mutator.next_input();
         let tried = Instant::now();
         attempt(target, &input, &mut last);
-        slowest = slowest.max(tried.elapsed());
         cases += 1;
+        if tried.elapsed() > slowest {
+            slowest = tried.elapsed();
+            std::fs::write(&slowest_path, &input).unwrap();
+        }
     }
     std::fs::remove_file(last.path).unwrap();
     println!(
-        "{}: {} known inputs, {cases} changed ones with seed {} in {:.0} s, the slowest {:.0} ms",
+        "{}: {} known inputs, {cases} changed ones with seed {} in {:.0} s, the slowest (kept in {}) {:.0} ms",
         target.name,
         corpus.len(),
         wanted.seed,
         begun.elapsed().as_secs_f64(),
+        slowest_path.display(),
         slowest.as_secs_f64() * 1e3
     );
 }

@@ -1143,6 +1143,23 @@ mod tests {
         assert!(carried > 20, "{carried}");
     }
 
+    #[test]
+    fn traces_left_out_have_the_same_errors_where_no_more_is_run() {
+        let traces = traces();
+        let data = Data::of(&traces, FORCE).unwrap();
+        let white = Whitening::none();
+        let chain = Chain::new(BaseLaw::fung(2, Separation::Clamp));
+        let problem = Problem::new(&chain, &data, &white, None);
+        let point = [0.4, 0.3, 0.2, 0.6, 1.2, -0.7];
+        for trace in 0..2 {
+            let others = problem.leaving_out(Fold::alone(trace));
+            let all = others.apart(&point).1;
+            let found = others.left_out_squares(&point);
+            assert_eq!((found.len(), found[0].1), (1, all[0].samples));
+            assert!((found[0].0 - all[0].square).abs() < 1e-12 * all[0].square);
+        }
+    }
+
     fn distance(a: &[f64], b: &[f64]) -> f64 {
         a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
     }

@@ -184,6 +184,10 @@ mod tests {
         let first = yielding.settle(0.0, &x, next(0.4));
         let again = yielding.settle(0.0, &x, next(0.4 * (1.0 + 1e-6)));
         assert!(first <= 9 && again < first, "{first}, then {again}");
+        let mut near = StretchYielding::default();
+        near.comes_near(0.0, yielding.yielded.iter().map(|yielded| 1.02 * yielded));
+        let near = near.settle(0.0, &x, next(0.4));
+        assert!(near < first, "{near} from nearby, {first} from nothing");
         let mut nearby = yielding.nearby();
         assert_eq!(nearby.settle(0.0, &x, next(0.4 * 1.01)), RUNS_NEARBY);
         let before = yielding.yielded.clone();
