@@ -167,7 +167,12 @@ fn summary(trace: &Trace) -> String {
         0 => String::new(),
         count => format!(", {count} gaps in time"),
     };
-    format!("{} samples over {:.3} s{gaps}", trace.len(), trace.duration())
+    let timed = match trace.pulses() {
+        None => String::new(),
+        Some(1) => ", timed by a pulse of a shared line".into(),
+        Some(pulses) => format!(", timed by {pulses} pulses of a shared line"),
+    };
+    format!("{} samples over {:.3} s{gaps}{timed}", trace.len(), trace.duration())
 }
 
 /// What is missing from the recordings that were read.

@@ -215,6 +215,12 @@ impl Trace {
             .unwrap_or_else(|| "trace".into())
     }
 
+    /// Number of pulses of a line that several devices share from which the recorder's time was taken; none where it was not.
+    #[must_use]
+    pub fn pulses(&self) -> Option<i64> {
+        self.head.other.get("recording")?.get("pulses")?.as_integer()
+    }
+
     /// Adds a column, replacing one of the same name.
     ///
     /// # Panics

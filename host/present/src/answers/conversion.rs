@@ -38,6 +38,9 @@ pub struct WrittenAnswer {
     pub duration_s: f64,
     /// Number of gaps in time.
     pub gaps: usize,
+    /// Number of pulses of a line that several devices share from which its time was taken; absent where it was not.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pulses: Option<i64>,
 }
 
 impl ConversionAnswer {
@@ -64,6 +67,7 @@ impl WrittenAnswer {
             samples: trace.len(),
             duration_s: trace.duration(),
             gaps: gaps(&trace.time).len(),
+            pulses: trace.pulses(),
         }
     }
 }
