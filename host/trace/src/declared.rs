@@ -4,6 +4,7 @@
 use std::fs::File;
 use std::io::{self, Read};
 
+use super::thrift::look_through;
 use bytes::Bytes;
 use parquet::column::page::{Page, PageMetadata, PageReader};
 use parquet::column::reader::{ColumnReader, get_column_reader};
@@ -15,7 +16,10 @@ const MOST_VALUES: u64 = 1 << 29;
 /// Fewest bytes that a value of a dictionary takes: four of a number, or the length of a text.
 const DICTIONARY_VALUE: usize = 4;
 
-/// A file beyond whose end nothing is read.
+/// Length of what ends a file: that of the header before it, and the mark.
+const END: u64 = 8;
+
+/// A file beyond whose end nothing is read, and whose headers have bytes for what they declare.
 #[derive(Debug)]
 pub(super) struct Ending(File);
 
@@ -41,6 +45,10 @@ impl ChunkReader for Ending {
     type T = EndingRead;
 
     fn get_read(&self, start: u64) -> Result<EndingRead> {
+        // But for the end of the file, the header of a page.
+        if start.saturating_add(END) != self.len() {
+            has_what_it_declares(self.0.get_read(start)?)?;
+        }
         self.0.get_read(start).map(EndingRead)
     }
 
@@ -48,8 +56,17 @@ impl ChunkReader for Ending {
         if start.saturating_add(length as u64) > self.len() {
             return Err(ParquetError::EOF("a part of the file lies beyond its end".into()));
         }
-        self.0.get_bytes(start, length)
+        let bytes = self.0.get_bytes(start, length)?;
+        // Before the end of the file, its header.
+        if start.saturating_add(length as u64).saturating_add(END) == self.len() {
+            has_what_it_declares(&bytes[..])?;
+        }
+        Ok(bytes)
     }
+}
+
+fn has_what_it_declares(header: impl Read) -> Result<()> {
+    look_through(header).map_err(|error| ParquetError::General(error.to_string()))
 }
 
 impl Read for EndingRead {

@@ -59,6 +59,8 @@ mod stamp;
 mod suggest;
 mod table;
 mod tare;
+#[cfg(feature = "parquet")]
+mod thrift;
 #[cfg(not(feature = "parquet"))]
 mod unbuilt;
 pub mod units;
