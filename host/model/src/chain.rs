@@ -174,8 +174,9 @@ impl Chain {
         } else {
             let before = history.clone();
             let mut yielding = std::mem::take(&mut elasticity.yielding);
-            let response = self.base.response(parameters);
-            if !yielding.knows(start, x.len()) && response.can_yield() {
+            let unknown = !yielding.knows(start, x.len());
+            let response = unknown.then(|| self.base.response(parameters));
+            if let Some(response) = response.filter(Response::can_yield) {
                 // Where the base law alone comes to is near.
                 let mut alone = history.relaxation.clone();
                 response.run_yielding(stretch, &mut alone, next, force);

@@ -215,6 +215,11 @@ impl<'a> Course<'a> {
         }
     }
 
+    /// Root mean square of what the last model leaves beyond the noise, in the unit of the signal; 0 where it is noise.
+    fn discrepancy(&self) -> f64 {
+        if self.assessed.inexact { beyond_noise(self.found.model(), self.noise) } else { 0.0 }
+    }
+
     fn single_trace(&self) -> bool {
         self.search.data.labels.len() == 1
     }
@@ -222,8 +227,8 @@ impl<'a> Course<'a> {
     /// Keeps the steps that nothing measured contradicts: what fits best need not predict best where no
     /// law describes the data to the noise.
     fn keep_what_predicts(&mut self) {
-        let Assessed { verdict, discrepancy, .. } = self.assessed;
-        let exact = verdict != Verdict::Unknown && !(self.single_trace() && discrepancy > 0.0);
+        let inexact = self.single_trace() && self.discrepancy() > 0.0;
+        let exact = self.assessed.verdict != Verdict::Unknown && !inexact;
         let denied = self.search.examine(&mut self.found, exact);
         let named = !self.found.steps.is_empty();
         let missed =
@@ -321,7 +326,7 @@ impl<'a> Course<'a> {
     fn conclude(self, rows: &Problem, given_rms: f64, traces: &[Trace]) -> Diagnosis {
         let Search { data, candidates, problem, options, .. } = self.search;
         let last = self.found.model();
-        let discrepancy = if self.assessed.inexact { beyond_noise(last, self.noise) } else { 0.0 };
+        let discrepancy = self.discrepancy();
         let standard_errors =
             last.standard_errors(&problem.with_chain(&last.chain), self.found.inexact);
         let final_rows = rows.with_chain(&last.chain);

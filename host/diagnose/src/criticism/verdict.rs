@@ -51,8 +51,6 @@ pub(super) struct Assessed {
     pub(super) unexplained: f64,
     /// Whether what it leaves is more than noise.
     pub(super) inexact: bool,
-    /// Root mean square beyond the noise, in the unit of the signal; 0 where it is noise.
-    pub(super) discrepancy: f64,
     /// The residual of the last model beside noise.
     pub(super) after: Adequacy,
 }
@@ -92,8 +90,7 @@ impl Assessed {
             after.p_value,
         );
         let inexact = after.p_value < LEVEL || guessed;
-        let discrepancy = if inexact { beyond_noise(found.model(), noise) } else { 0.0 };
-        Self { verdict, unexplained, inexact, discrepancy, after }
+        Self { verdict, unexplained, inexact, after }
     }
 }
 
