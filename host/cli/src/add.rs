@@ -11,7 +11,8 @@ use super::preparation::Prepare;
 use super::published::Published;
 use super::{Failure, progress};
 use palpate_diagnose::criticism::change::{self, Change, ChangeError};
-use palpate_diagnose::criticism::compare::compare;
+use palpate_diagnose::criticism::compare::compared;
+use palpate_fit::data::Data;
 use palpate_model::Model;
 use palpate_present::answers::{self, ChangeAnswer};
 use palpate_present::summary::{change_report, change_sections};
@@ -115,8 +116,10 @@ impl Answer for Changed {
     }
 
     fn sections(&self) -> Result<Vec<Section>, Failure> {
-        let comparison = compare(&self.change.model, &self.traces).map_err(Failure::input)?;
-        Ok(change_report(&self.change, &comparison))
+        let model = &self.change.model;
+        let data = Data::of_model(model, &self.traces).map_err(Failure::input)?;
+        let left = compared(model, &self.traces, &data).map_err(Failure::input)?;
+        Ok(change_report(&self.change, &left))
     }
 
     fn in_short(&self) -> Result<Vec<Section>, Failure> {

@@ -10,6 +10,8 @@ use super::output::Output;
 use super::preparation::Prepare;
 use super::{Failure, progress};
 use palpate_diagnose::criticism::compare::{Comparison, compare};
+use palpate_diagnose::criticism::residuals::Residuals;
+use palpate_fit::data::Data;
 use palpate_model::Model;
 use palpate_present::answers::{self, ComparisonAnswer};
 use palpate_present::summary::{Preparation, compare_sections};
@@ -86,6 +88,8 @@ impl Answer for Compared {
 
     fn sections(&self) -> Result<Vec<Section>, Failure> {
         let Self { model, comparison, traces, .. } = self;
-        Ok(self.preparation.before(compare_sections(model, comparison, traces)))
+        let data = Data::of_model(model, traces).map_err(Failure::input)?;
+        let left = Residuals::of(model, &data).map_err(Failure::input)?;
+        Ok(self.preparation.before(compare_sections(model, comparison, &left, traces)))
     }
 }

@@ -90,12 +90,22 @@ impl Piece<'_> {
         self.motion.time.iter().map(|time| self.first + time).collect()
     }
 
+    /// Time of each sample since the data set began, s.
+    pub(super) fn set_time(&self) -> Vec<f64> {
+        self.motion.time.iter().map(|time| self.begin + time).collect()
+    }
+
+    /// Loadings completed before the one at hand and largest displacement so far, mm, at each sample.
+    pub(super) fn history(&self) -> (Vec<f64>, Vec<f64>) {
+        let mut past = self.past;
+        past.follow(&self.motion)
+    }
+
     /// Velocity and all else that effects know of the stretch, temperature counted from `reference`, °C.
     pub(super) fn derive(&self, reference: Option<f64>) -> Known {
         let reference = reference.unwrap_or_default();
         let warmth = |values: &[f64]| values.iter().map(|value| value - reference).collect();
-        let mut past = self.past;
-        let (loadings, largest) = past.follow(&self.motion);
+        let (loadings, largest) = self.history();
         let velocity = velocity(&self.motion);
         Known {
             acceleration: acceleration(&self.motion, &velocity),
@@ -371,10 +381,7 @@ impl<'a> Data<'a> {
             samples += piece.measured.len();
             samples <= HEARD.max(piece.measured.len())
         };
-        let timed = |piece: &Piece<'a>| {
-            let time = piece.motion.time.iter().map(|t| piece.begin + t).collect();
-            (time, piece.measured)
-        };
+        let timed = |piece: &Piece<'a>| (piece.set_time(), piece.measured);
         self.pieces.iter().take_while(enough).map(timed).collect()
     }
 
@@ -382,6 +389,11 @@ impl<'a> Data<'a> {
     #[must_use]
     pub const fn keeps(&self) -> bool {
         self.keeps
+    }
+
+    /// What follows from a stretch without a model, where it is kept.
+    pub(super) fn known<'b>(&self, piece: &'b Piece) -> Option<&'b Known> {
+        self.keeps.then(|| piece.known.get_or_init(|| piece.derive(self.reference_temperature)))
     }
 
     /// Everything that is known at every sample of a stretch without a model.
@@ -399,9 +411,7 @@ impl<'a> Data<'a> {
             warmth: None,
             channels: &piece.channels,
         };
-        let derive = || piece.derive(self.reference_temperature);
-        if self.keeps {
-            let known = piece.known.get_or_init(derive);
+        if let Some(known) = self.known(piece) {
             Scene {
                 velocity: (&known.velocity).into(),
                 acceleration: (&known.acceleration).into(),
@@ -411,7 +421,7 @@ impl<'a> Data<'a> {
                 ..bare
             }
         } else {
-            let known = derive();
+            let known = piece.derive(self.reference_temperature);
             Scene {
                 velocity: known.velocity.into(),
                 acceleration: known.acceleration.into(),

@@ -31,6 +31,7 @@ mod columns;
 mod compression;
 pub mod consistency;
 pub mod coordinates;
+mod covariates;
 pub mod data;
 pub mod elastic_law;
 pub mod exponentials;

@@ -36,7 +36,7 @@ pub struct Character {
 
 /// The character of a trace's residual, from its first 262 144 samples; none of fewer than 32 samples, or where nothing is left.
 #[must_use]
-pub fn character(stretches: &[&Stretch]) -> Option<Character> {
+pub fn character(stretches: &[Stretch]) -> Option<Character> {
     let mut room = MOST;
     let mut residuals: Vec<Vec<f64>> = Vec::new();
     for stretch in stretches {
@@ -68,7 +68,7 @@ pub fn character(stretches: &[&Stretch]) -> Option<Character> {
     })
 }
 
-fn median_interval(stretches: &[&Stretch]) -> Option<f64> {
+fn median_interval(stretches: &[Stretch]) -> Option<f64> {
     let longest = stretches.iter().max_by_key(|stretch| stretch.time.len())?;
     let mut steps: Vec<f64> = longest.time.windows(2).map(|pair| pair[1] - pair[0]).collect();
     steps.sort_by(f64::total_cmp);
@@ -177,8 +177,8 @@ mod tests {
             Stretch {
                 trace: 0,
                 predicted: vec![0.0; time.len()],
+                displacement: Vec::new(),
                 regions: Vec::new(),
-                covariates: Vec::new(),
                 measured,
                 time,
             }
@@ -187,7 +187,7 @@ mod tests {
     }
 
     fn of(stretches: &[Stretch]) -> Character {
-        character(&stretches.iter().collect::<Vec<_>>()).unwrap()
+        character(stretches).unwrap()
     }
 
     fn noise(a: f64) -> Noise {
@@ -237,10 +237,10 @@ mod tests {
         few[0].time.truncate(31);
         few[0].measured.truncate(31);
         few[0].predicted.truncate(31);
-        assert_eq!(character(&few.iter().collect::<Vec<_>>()), None);
+        assert_eq!(character(&few), None);
         let mut exact = noisy(0.0, |_| 0.0);
         exact.iter_mut().for_each(|stretch| stretch.predicted.clone_from(&stretch.measured));
-        assert_eq!(character(&exact.iter().collect::<Vec<_>>()), None);
+        assert_eq!(character(&exact), None);
         assert_eq!(character(&[]), None);
     }
 }

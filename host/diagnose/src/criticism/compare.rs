@@ -3,10 +3,11 @@
 use super::adequacy::{LEVEL, adequacy};
 use super::covariate::Covariate;
 use super::dependence::{Dependence, dependences};
+use super::leftover::Leftover;
 use super::noise::{noise_model, told};
 use super::region::{Region, regions};
-use super::residuals::{Stretch, stretches};
-use palpate_fit::data::{Data, DataError};
+use super::residuals::Residuals;
+use palpate_fit::data::{Data, DataError, Piece};
 use palpate_fit::problem::Problem;
 use palpate_model::Model;
 use palpate_model::effects::chain_of;
@@ -47,8 +48,6 @@ pub struct Comparison {
     pub cells: Vec<Cell>,
     /// What the residual depends on, strongest first.
     pub dependences: Vec<Dependence>,
-    /// The residuals themselves.
-    pub stretches: Vec<Stretch>,
     /// Stretches that could not be compared, in words.
     pub left_out: Vec<String>,
 }
@@ -75,23 +74,34 @@ const TOLD: f64 = 0.01;
 /// # Errors
 /// When the model is not usable or a trace lacks its signal or a motion.
 pub fn compare(model: &Model, traces: &[Trace]) -> Result<Comparison, CompareError> {
-    let signal = &model.base.signal;
     let data = Data::of_model(model, traces)?;
+    Ok(compared(model, traces, &data)?.comparison)
+}
+
+/// The same with what the model leaves at each sample of the traces' data set.
+///
+/// # Errors
+/// When the model is not usable.
+pub fn compared<'a>(
+    model: &Model,
+    traces: &[Trace],
+    data: &'a Data,
+) -> Result<Leftover<'a>, CompareError> {
     let (chain, parameters) =
         chain_of(model, &data.setting()).map_err(|error| CompareError::Model(error.to_string()))?;
-    let stretches = stretches(&chain, &parameters, &data);
-    let seen = noise_model(&data);
-    let noise = told(seen.as_ref(), traces, signal);
+    let residuals = Residuals::new(&chain, &parameters, data);
+    let seen = noise_model(data);
+    let noise = told(seen.as_ref(), traces, &model.base.signal);
+    let mut cells = cells(data, &residuals, noise.as_ref());
     let only_noise = match (&seen, noise) {
         (Some(seen), Some(noise)) => {
-            let problem = Problem::new(&chain, &data, &seen.whitening, None);
+            let problem = Problem::new(&chain, data, &seen.whitening, None);
             let found = adequacy(&problem, &problem.point(&parameters), &seen.whitening);
             found.p_value >= LEVEL && found.rms < CLOSE * noise.standard_deviation
         }
-        (None, Some(noise)) => rms_of(&stretches) < NOISE_ONLY * noise.standard_deviation,
+        (None, Some(noise)) => rms(cells.iter()) < NOISE_ONLY * noise.standard_deviation,
         _ => false,
     };
-    let mut cells = cells(&stretches, data.labels.len(), noise.as_ref());
     if only_noise {
         // There is nothing beyond the noise to share out.
         cells.iter_mut().for_each(|cell| cell.share_of_excess = 0.0);
@@ -99,24 +109,18 @@ pub fn compare(model: &Model, traces: &[Trace]) -> Result<Comparison, CompareErr
     let of_trace = |trace| move |cell: &&Cell| trace == cell.trace;
     let trace_rms =
         (0..data.labels.len()).map(|trace| rms(cells.iter().filter(of_trace(trace)))).collect();
-    Ok(Comparison {
+    let comparison = Comparison {
         rms: rms(cells.iter()),
         trace_rms,
-        dependences: dependences(&stretches),
-        labels: data.labels,
-        signal: signal.clone(),
+        dependences: dependences(&residuals),
+        labels: data.labels.clone(),
+        signal: data.signal.clone(),
         noise,
         only_noise,
         cells,
-        stretches,
-        left_out: data.left_out,
-    })
-}
-
-/// Root mean square of all residuals.
-fn rms_of(stretches: &[Stretch]) -> f64 {
-    let residuals = || stretches.iter().flat_map(Stretch::residual);
-    (residuals().map(|r| r * r).sum::<f64>() / (residuals().count() as f64).max(1.0)).sqrt()
+        left_out: data.left_out.clone(),
+    };
+    Ok(Leftover { comparison, residuals })
 }
 
 /// Root mean square over cells.
@@ -128,10 +132,10 @@ fn rms<'a>(cells: impl Iterator<Item = &'a Cell>) -> f64 {
     if samples > 0.0 { (square / samples).sqrt() } else { 0.0 }
 }
 
-fn cells(stretches: &[Stretch], traces: usize, noise: Option<&Noise>) -> Vec<Cell> {
-    let mut sums = Sums::new(traces);
-    for stretch in stretches {
-        sums.add(stretch.trace, &stretch.regions, &stretch.residual());
+fn cells(data: &Data, left: &Residuals, noise: Option<&Noise>) -> Vec<Cell> {
+    let mut sums = Sums::new(data.labels.len());
+    for (piece, predicted) in data.pieces.iter().zip(&left.predicted) {
+        sums.add(piece, predicted);
     }
     sums.cells(noise.map_or(0.0, |noise| noise.standard_deviation))
 }
@@ -140,12 +144,7 @@ fn cells(stretches: &[Stretch], traces: usize, noise: Option<&Noise>) -> Vec<Cel
 #[must_use]
 pub fn cells_of(problem: &Problem, point: &[f64], noise: f64) -> Vec<Cell> {
     let mut sums = Sums::new(problem.data().labels.len());
-    problem.each_piece(&[point.to_vec()], |piece, forces| {
-        let residual: Vec<f64> =
-            piece.measured.iter().zip(&forces[0]).map(|(y, f)| y - f).collect();
-        let regions = regions(&piece.motion.time, &piece.motion.displacement);
-        sums.add(piece.trace, &regions, &residual);
-    });
+    problem.each_piece(&[point.to_vec()], |piece, forces| sums.add(piece, &forces[0]));
     sums.cells(noise)
 }
 
@@ -157,10 +156,13 @@ impl Sums {
         Self(vec![[(0.0, 0); Region::ALL.len()]; traces])
     }
 
-    fn add(&mut self, trace: usize, regions: &[Region], residual: &[f64]) {
-        for (&region, residual) in regions.iter().zip(residual) {
-            let (square, samples) = &mut self.0[trace][region as usize];
-            *square += residual * residual;
+    fn add(&mut self, piece: &Piece, predicted: &[f64]) {
+        let regions = regions(&piece.motion.time, &piece.motion.displacement);
+        for ((region, measured), predicted) in
+            regions.into_iter().zip(piece.measured).zip(predicted)
+        {
+            let (square, samples) = &mut self.0[piece.trace][region as usize];
+            *square += (measured - predicted).powi(2);
             *samples += 1;
         }
     }

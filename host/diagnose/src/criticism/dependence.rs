@@ -1,11 +1,13 @@
 //! How much of a residual a quantity explains, and whether that could be chance.
 
+use std::borrow::Cow;
+
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
 use super::covariate::Covariate;
-use super::residuals::Stretch;
+use super::residuals::Residuals;
 use palpate_fit::watch;
 
 /// Mean residual in one bin of a covariate.
@@ -50,68 +52,202 @@ pub const SEED: u64 = 7;
 /// random part of its length: this keeps the correlation of neighbours and breaks all else. The
 /// shifts are seeded.
 #[must_use]
-pub fn dependences(stretches: &[Stretch]) -> Vec<Dependence> {
+pub fn dependences(left: &Residuals) -> Vec<Dependence> {
     watch::stage("quantities that the residual could depend on", Covariate::ALL.len());
+    let residual = Residual::new(left.values());
     let mut found: Vec<Dependence> = Covariate::ALL
         .into_par_iter()
         .filter_map(|covariate| {
-            let found = dependence(stretches, covariate);
+            let bins = left.covariate(covariate).and_then(|values| Bins::of(&values));
             watch::done();
-            found
+            Some(dependence(&residual, covariate, &bins?))
         })
         .collect();
     found.sort_by(|a, b| b.explained.total_cmp(&a.explained));
     found
 }
 
-/// Dependence on one covariate; none where it is missing or constant.
-#[must_use]
-pub fn dependence(stretches: &[Stretch], covariate: Covariate) -> Option<Dependence> {
-    let values: Vec<&[f64]> =
-        stretches.iter().map(|stretch| stretch.covariate(covariate)).collect::<Option<_>>()?;
-    let edges = edges(&values)?;
-    let places = places(&values, &edges);
-    let residuals: Vec<Vec<f64>> = stretches.iter().map(Stretch::residual).collect();
-    let binned = Binned::new(&residuals, &places, edges.len() + 1);
-    let explained = binned.explained(&vec![0; stretches.len()]);
+fn dependence(residual: &Residual, covariate: Covariate, bins: &Bins) -> Dependence {
+    let explained = bins.explained(residual, &vec![0; residual.values.len()]);
     let mut random = ChaCha8Rng::seed_from_u64(SEED);
     let as_much = (0..SHIFTS)
         .take_while(|_| !watch::ended())
         .filter(|_| {
-            let shifts: Vec<usize> =
-                residuals.iter().map(|r| random.random_range(0..r.len().max(1))).collect();
-            binned.explained(&shifts) >= explained
+            let shift = |r: &Vec<f64>| random.random_range(0..r.len().max(1));
+            let shifts: Vec<usize> = residual.values.iter().map(shift).collect();
+            bins.explained(residual, &shifts) >= explained
         })
         .count();
-    let bins = bins(&residuals, &values, &places, edges.len() + 1, &mut random);
-    Some(Dependence {
+    let bins = bins.means(&residual.values, &mut random);
+    Dependence {
         covariate,
         explained,
         p_value: (as_much + 1) as f64 / (SHIFTS + 1) as f64,
         trend: trend(&bins),
         bins,
-    })
+    }
 }
 
 /// Mean residuals in bins of a quantity; none where it does not vary.
-pub(super) fn binned(residuals: &[Vec<f64>], values: &[&[f64]]) -> Option<Vec<Bin>> {
-    let edges = edges(values)?;
+pub(super) fn binned(residual: Vec<f64>, values: Vec<f64>) -> Option<Vec<Bin>> {
     let mut random = ChaCha8Rng::seed_from_u64(SEED);
-    Some(bins(residuals, values, &places(values, &edges), edges.len() + 1, &mut random))
+    Some(Bins::of(&[values.into()])?.means(&[residual], &mut random))
 }
 
-/// The bin of every value.
-fn places(values: &[&[f64]], edges: &[f64]) -> Vec<Vec<usize>> {
-    let place = |v: &f64| edges.partition_point(|edge| edge <= v);
-    values.iter().map(|values| values.iter().map(place).collect()).collect()
+/// Residuals of every stretch with their sums.
+struct Residual {
+    values: Vec<Vec<f64>>,
+    /// Sum before each sample of a stretch, and of all.
+    before: Vec<Vec<f64>>,
+    /// Sum of squares of all.
+    square: f64,
+}
+
+impl Residual {
+    fn new(values: Vec<Vec<f64>>) -> Self {
+        let before = values.iter().map(|values| sums_before(values.iter().copied())).collect();
+        let square = values.iter().flatten().map(|r| r * r).sum();
+        Self { values, before, square }
+    }
+}
+
+/// Sum before each value, and of all.
+fn sums_before(values: impl Iterator<Item = f64>) -> Vec<f64> {
+    let sums = values.scan(0.0, |sum, value| {
+        *sum += value;
+        Some(*sum)
+    });
+    std::iter::once(0.0).chain(sums).collect()
+}
+
+/// A covariate in bins, as runs in one bin each: it stays in one for long, and the sum of the residuals over a run is a
+/// difference of two sums, so that a shift costs as much as the covariate changes its bin.
+struct Bins {
+    /// Bin of each run of a stretch, and the sample after its last.
+    runs: Vec<Vec<(usize, usize)>>,
+    /// Sum of the covariate in each bin.
+    sums: Vec<f64>,
+    /// Number of samples in each bin; no shift changes it.
+    counts: Vec<usize>,
+}
+
+impl Bins {
+    /// Bins of equal width, or around each value where they are few; none of a covariate that does not vary.
+    fn of(values: &[Cow<[f64]>]) -> Option<Self> {
+        let edges = edges(values)?;
+        let (mut sums, mut counts) = (vec![0.0; edges.len() + 1], vec![0; edges.len() + 1]);
+        let mut runs = Vec::new();
+        for values in values {
+            let mut own: Vec<(usize, usize)> = Vec::new();
+            for (k, value) in values.iter().enumerate() {
+                let bin = edges.partition_point(|edge| edge <= value);
+                sums[bin] += value;
+                counts[bin] += 1;
+                match own.last_mut() {
+                    Some((last, end)) if *last == bin => *end = k + 1,
+                    _ => own.push((bin, k + 1)),
+                }
+            }
+            runs.push(own);
+        }
+        Some(Self { runs, sums, counts })
+    }
+
+    /// Share of the residual's mean square that the bin means explain, each stretch of it shifted in a circle.
+    fn explained(&self, residual: &Residual, shifts: &[usize]) -> f64 {
+        let mut sums = vec![0.0; self.counts.len()];
+        for ((runs, before), &shift) in self.runs.iter().zip(&residual.before).zip(shifts) {
+            add(runs, before, shift, &mut sums);
+        }
+        let of_means = |(sum, &count): (&f64, &usize)| {
+            if count > 0 { sum * sum / count as f64 } else { 0.0 }
+        };
+        let of_means: f64 = sums.iter().zip(&self.counts).map(of_means).sum();
+        if residual.square > 0.0 { of_means / residual.square } else { 0.0 }
+    }
+
+    /// The mean residual in every bin that has samples.
+    fn means(&self, residual: &[Vec<f64>], random: &mut ChaCha8Rng) -> Vec<Bin> {
+        let mut means = vec![0.0; self.counts.len()];
+        self.each_run(residual, |bin, values| values.iter().for_each(|r| means[bin] += r));
+        means.iter_mut().zip(&self.counts).for_each(|(mean, &count)| *mean /= count as f64);
+        let errors = self.standard_errors(residual, &means, random);
+        let bin = |k: usize| Bin {
+            at: self.sums[k] / self.counts[k] as f64,
+            mean: means[k],
+            standard_error: errors[k],
+            samples: self.counts[k],
+        };
+        (0..means.len()).map(bin).filter(|bin| bin.samples > 0).collect()
+    }
+
+    /// Calls `visit` with the bin and the residuals of every run.
+    fn each_run(&self, residual: &[Vec<f64>], mut visit: impl FnMut(usize, &[f64])) {
+        for (runs, residual) in self.runs.iter().zip(residual) {
+            let mut begin = 0;
+            for &(bin, end) in runs {
+                visit(bin, &residual[begin..end]);
+                begin = end;
+            }
+        }
+    }
+
+    /// Root mean square of each bin's mean over shifts of what the bins leave unexplained. All stretches make one circle: then
+    /// a covariate that is constant within each of them is told from them as well.
+    fn standard_errors(
+        &self,
+        residual: &[Vec<f64>],
+        means: &[f64],
+        random: &mut ChaCha8Rng,
+    ) -> Vec<f64> {
+        let (mut before, mut sum) = (vec![0.0], 0.0);
+        let mut runs: Vec<(usize, usize)> = Vec::new();
+        self.each_run(residual, |bin, values| {
+            before.extend(values.iter().map(|r| {
+                sum += r - means[bin];
+                sum
+            }));
+            match runs.last_mut() {
+                Some((last, end)) if *last == bin => *end = before.len() - 1,
+                _ => runs.push((bin, before.len() - 1)),
+            }
+        });
+        let mut squares = vec![0.0; means.len()];
+        for _ in 0..SHIFTS {
+            let mut sums = vec![0.0; means.len()];
+            let shift = random.random_range(0..(before.len() - 1).max(1));
+            add(&runs, &before, shift, &mut sums);
+            for ((square, sum), &count) in squares.iter_mut().zip(&sums).zip(&self.counts) {
+                *square += (sum / count as f64).powi(2);
+            }
+        }
+        squares.iter().map(|square| (square / SHIFTS as f64).sqrt()).collect()
+    }
+}
+
+/// Adds the residuals of every run to the sum of its bin, each sample taking the residual `shift` samples later, round and round;
+/// `before` are the sums of the residuals before each sample, and of all.
+fn add(runs: &[(usize, usize)], before: &[f64], shift: usize, sums: &mut [f64]) {
+    let count = before.len() - 1;
+    let all = before[count];
+    let until = |sample: usize| {
+        let sample = sample + shift;
+        if sample <= count { before[sample] } else { all + before[sample - count] }
+    };
+    let mut last = until(0);
+    for &(bin, end) in runs {
+        let sum = until(end);
+        sums[bin] += sum - last;
+        last = sum;
+    }
 }
 
 /// Inner edges of bins of equal width; around each value where they are few.
-fn edges(values: &[&[f64]]) -> Option<Vec<f64>> {
+fn edges(values: &[Cow<[f64]>]) -> Option<Vec<f64>> {
     // The distinct values, rising, as long as they are few.
     let mut distinct: Vec<f64> = Vec::new();
     let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
-    for &value in values.iter().copied().flatten() {
+    for &value in values.iter().flat_map(|values| values.iter()) {
         (least, most) = (least.min(value), most.max(value));
         if distinct.len() <= BINS {
             let place = distinct.partition_point(|known| *known < value);
@@ -126,132 +262,6 @@ fn edges(values: &[&[f64]]) -> Option<Vec<f64>> {
         (1..BINS).map(|k| least + (most - least) * k as f64 / BINS as f64).collect()
     };
     (!edges.is_empty()).then_some(edges)
-}
-
-/// Residuals in bins of a covariate, laid out so that a shift costs as much as the covariate changes its
-/// bin: it stays in one for long, and the sum over such a run is a difference of two prefix sums.
-struct Binned {
-    stretches: Vec<Runs>,
-    /// Number of samples in each bin; no shift changes it.
-    counts: Vec<f64>,
-    /// Sum of squares of all residuals.
-    square: f64,
-}
-
-/// One stretch of residuals as runs in one bin each.
-struct Runs {
-    /// Bin of each run, and the sample after its last.
-    runs: Vec<(usize, usize)>,
-    /// Sum of the residuals before each sample, and of all.
-    before: Vec<f64>,
-}
-
-impl Binned {
-    fn new(residuals: &[Vec<f64>], places: &[Vec<usize>], bins: usize) -> Self {
-        let mut counts = vec![0.0; bins];
-        for &place in places.iter().flatten() {
-            counts[place] += 1.0;
-        }
-        let stretches = residuals.iter().zip(places).map(|(r, places)| Runs::new(r, places));
-        Self {
-            stretches: stretches.collect(),
-            counts,
-            square: residuals.iter().flatten().map(|r| r * r).sum(),
-        }
-    }
-
-    /// Share of the mean square explained by the bin means, the residuals shifted in a circle.
-    fn explained(&self, shifts: &[usize]) -> f64 {
-        let mut sums = vec![0.0; self.counts.len()];
-        for (stretch, &shift) in self.stretches.iter().zip(shifts) {
-            stretch.add(shift, &mut sums);
-        }
-        let of_means =
-            |(sum, count): (&f64, &f64)| if *count > 0.0 { sum * sum / count } else { 0.0 };
-        let of_means: f64 = sums.iter().zip(&self.counts).map(of_means).sum();
-        if self.square > 0.0 { of_means / self.square } else { 0.0 }
-    }
-}
-
-impl Runs {
-    fn new(residual: &[f64], places: &[usize]) -> Self {
-        let mut runs: Vec<(usize, usize)> = Vec::new();
-        for (k, &place) in places.iter().enumerate() {
-            match runs.last_mut() {
-                Some((bin, end)) if *bin == place => *end = k + 1,
-                _ => runs.push((place, k + 1)),
-            }
-        }
-        let sums = residual.iter().scan(0.0, |sum, r| {
-            *sum += r;
-            Some(*sum)
-        });
-        Self { runs, before: std::iter::once(0.0).chain(sums).collect() }
-    }
-
-    /// Adds the residuals of every run to the sum of its bin, each sample taking the residual `shift`
-    /// samples later, round and round.
-    fn add(&self, shift: usize, sums: &mut [f64]) {
-        let count = self.before.len() - 1;
-        let all = self.before[count];
-        let until = |sample: usize| {
-            let sample = sample + shift;
-            if sample <= count { self.before[sample] } else { all + self.before[sample - count] }
-        };
-        let mut last = until(0);
-        for &(bin, end) in &self.runs {
-            let sum = until(end);
-            sums[bin] += sum - last;
-            last = sum;
-        }
-    }
-}
-
-fn bins(
-    residuals: &[Vec<f64>],
-    values: &[&[f64]],
-    places: &[Vec<usize>],
-    count: usize,
-    random: &mut ChaCha8Rng,
-) -> Vec<Bin> {
-    let mut sums = vec![(0.0, 0.0, 0_usize); count];
-    for ((residual, values), places) in residuals.iter().zip(values).zip(places) {
-        for ((r, v), &place) in residual.iter().zip(*values).zip(places) {
-            let sum = &mut sums[place];
-            *sum = (sum.0 + v, sum.1 + r, sum.2 + 1);
-        }
-    }
-    let means: Vec<f64> = sums.iter().map(|(_, r, samples)| r / *samples as f64).collect();
-    let errors = standard_errors(residuals, places, &means, random);
-    let bin = |(((v, _, samples), mean), standard_error): (((f64, f64, usize), &f64), f64)| Bin {
-        at: v / samples as f64,
-        mean: *mean,
-        standard_error,
-        samples,
-    };
-    sums.into_iter().zip(&means).zip(errors).map(bin).filter(|bin| bin.samples > 0).collect()
-}
-
-/// Root mean square of each bin's mean over shifts of what the bins leave unexplained. All stretches make one circle: then a
-/// covariate that is constant within each of them is told from them as well.
-fn standard_errors(
-    residuals: &[Vec<f64>],
-    places: &[Vec<usize>],
-    means: &[f64],
-    random: &mut ChaCha8Rng,
-) -> Vec<f64> {
-    let places = places.concat();
-    let rest = residuals.iter().flatten().zip(&places).map(|(r, &place)| r - means[place]);
-    let binned = Binned::new(&[rest.collect()], std::slice::from_ref(&places), means.len());
-    let mut squares = vec![0.0; means.len()];
-    for _ in 0..SHIFTS {
-        let mut sums = vec![0.0; means.len()];
-        binned.stretches[0].add(random.random_range(0..places.len().max(1)), &mut sums);
-        for ((square, sum), count) in squares.iter_mut().zip(&sums).zip(&binned.counts) {
-            *square += (sum / count).powi(2);
-        }
-    }
-    squares.iter().map(|square| (square / SHIFTS as f64).sqrt()).collect()
 }
 
 /// Correlation of the bin means with the covariate, each bin weighing as its samples.
@@ -274,43 +284,44 @@ fn trend(bins: &[Bin]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::criticism::region::Region;
 
-    /// Three traces whose residual is correlated noise plus `slope` times the displacement.
-    fn stretches(slope: f64) -> Vec<Stretch> {
+    /// Residuals of three traces, correlated noise plus `slope` times the displacement, and their quantities.
+    fn traces(slope: f64) -> (Residual, [(Covariate, Vec<Cow<'static, [f64]>>); 3]) {
         let mut random = ChaCha8Rng::seed_from_u64(3);
-        (0..3)
-            .map(|trace| {
-                let time: Vec<f64> = (0..600).map(|k| f64::from(k) * 0.01).collect();
-                let x: Vec<f64> = time.iter().map(|t| (t * 1.3 + f64::from(trace)).sin()).collect();
-                let mut noise = 0.0;
-                let measured = x
-                    .iter()
-                    .map(|x| {
-                        noise = 0.8 * noise + random.random_range(-1.0..1.0);
-                        noise + slope * x
-                    })
-                    .collect();
-                Stretch {
-                    trace: trace as usize,
-                    regions: vec![Region::Loading; time.len()],
-                    predicted: vec![0.0; time.len()],
-                    measured,
-                    covariates: vec![
-                        (Covariate::Displacement, x),
-                        (Covariate::Time, time.clone()),
-                        (Covariate::Direction, vec![0.0; time.len()]),
-                    ],
-                    time,
-                }
-            })
-            .collect()
+        let time: Vec<f64> = (0..600).map(|k| f64::from(k) * 0.01).collect();
+        let (mut displacement, mut residuals) = (Vec::new(), Vec::new());
+        for trace in 0..3 {
+            let x: Vec<f64> = time.iter().map(|t| (t * 1.3 + f64::from(trace)).sin()).collect();
+            let mut noise = 0.0;
+            let mut left = |x: &f64| {
+                noise = 0.8 * noise + random.random_range(-1.0..1.0);
+                noise + slope * x
+            };
+            residuals.push(x.iter().map(&mut left).collect());
+            displacement.push(x.into());
+        }
+        let still = vec![Cow::from(vec![0.0; time.len()]); 3];
+        let quantities = [
+            (Covariate::Displacement, displacement),
+            (Covariate::Time, vec![time.into(); 3]),
+            (Covariate::Direction, still),
+        ];
+        (Residual::new(residuals), quantities)
+    }
+
+    /// What they depend on.
+    fn dependences(slope: f64) -> Vec<Dependence> {
+        let (residual, quantities) = traces(slope);
+        let found = |(it, values): &(Covariate, Vec<Cow<[f64]>>)| {
+            Some(dependence(&residual, *it, &Bins::of(values)?))
+        };
+        quantities.iter().filter_map(found).collect()
     }
 
     #[test]
     fn a_real_dependence_is_found_with_its_direction() {
         for (slope, sign) in [(2.0, 1.0), (-2.0, -1.0)] {
-            let found = dependence(&stretches(slope), Covariate::Displacement).unwrap();
+            let found = &dependences(slope)[0];
             assert!(found.explained > 0.4 && found.p_value <= 0.01, "{found:?}");
             assert!(found.trend * sign > 0.95);
         }
@@ -318,7 +329,7 @@ mod tests {
 
     #[test]
     fn correlated_noise_alone_passes_for_chance() {
-        let found = dependences(&stretches(0.0));
+        let found = dependences(0.0);
         assert!(found.iter().all(|dependence| dependence.p_value > 0.02), "{found:?}");
     }
 
@@ -366,11 +377,13 @@ mod tests {
                 (0..length).map(|_| 3.0 + random.random_range(-1.0..1.0)).collect::<Vec<f64>>()
             };
             let residuals: Vec<Vec<f64>> = lengths.iter().map(residual).collect();
-            let binned = Binned::new(&residuals, &places, 6);
+            let values = places.iter().map(|own| own.iter().map(|place| *place as f64).collect());
+            let bins = Bins::of(&values.collect::<Vec<Cow<[f64]>>>()).unwrap();
+            let residual = Residual::new(residuals.clone());
             for _ in 0..50 {
                 let shifts = lengths.map(|length| random.random_range(0..length));
                 let expected = sample_by_sample(&residuals, &places, 6, &shifts);
-                let found = binned.explained(&shifts);
+                let found = bins.explained(&residual, &shifts);
                 assert!((found - expected).abs() < 1e-12, "{found} for {expected}");
             }
         }
@@ -379,15 +392,15 @@ mod tests {
     #[test]
     fn a_shift_costs_as_many_sums_as_the_covariate_changes_its_bin() {
         for samples in [1_000, 100_000] {
-            let places: Vec<usize> = (0..samples).map(|k| 20 * k / samples).collect();
-            assert_eq!(Runs::new(&vec![1.0; samples], &places).runs.len(), 20);
+            let rising: Cow<[f64]> = (0..samples).map(f64::from).collect();
+            assert_eq!(Bins::of(&[rising]).unwrap().runs[0].len(), BINS);
         }
     }
 
     /// How often a mean lies within so many of its standard errors of zero, where there is no dependence.
     #[test]
     fn error_bars_allow_for_the_correlation_of_neighbours() {
-        let found = dependences(&stretches(0.0));
+        let found = dependences(0.0);
         let bins: Vec<&Bin> = found.iter().flat_map(|dependence| &dependence.bins).collect();
         let within = |times: f64| {
             let near = |bin: &&&Bin| bin.mean.abs() <= times * bin.standard_error;
@@ -397,19 +410,16 @@ mod tests {
         // Of samples taken as independent, a third: neighbours with a correlation of 0.8 count as one of nine.
         assert!(within(1.0) > 0.5 && within(2.0) > 0.85, "{} {}", within(1.0), within(2.0));
         // Nor are they so wide that they hide what is there.
-        let real = dependence(&stretches(2.0), Covariate::Displacement).unwrap();
+        let real = &dependences(2.0)[0];
         let clear = |bin: &&Bin| bin.mean.abs() > 3.0 * bin.standard_error;
         assert!(real.bins.iter().filter(clear).count() > real.bins.len() / 2, "{real:?}");
     }
 
     #[test]
     fn a_quantity_that_is_constant_within_each_trace_has_error_bars() {
-        let mut stretches = stretches(0.0);
-        for (stretch, celsius) in stretches.iter_mut().zip([20.0, 22.0, 25.0]) {
-            let temperature = vec![celsius; stretch.time.len()];
-            stretch.covariates.push((Covariate::Temperature, temperature));
-        }
-        let found = dependence(&stretches, Covariate::Temperature).unwrap();
+        let residual = traces(0.0).0;
+        let celsius = [20.0, 22.0, 25.0].map(|celsius| Cow::from(vec![celsius; 600]));
+        let found = dependence(&residual, Covariate::Temperature, &Bins::of(&celsius).unwrap());
         assert!(
             found.bins.iter().all(|bin| bin.mean.abs() < 3.0 * bin.standard_error),
             "{found:?}"
@@ -418,7 +428,7 @@ mod tests {
 
     #[test]
     fn a_quantity_that_does_not_vary_is_left_out() {
-        assert_eq!(dependence(&stretches(1.0), Covariate::Direction), None);
-        assert_eq!(dependence(&stretches(1.0), Covariate::Temperature), None);
+        let found = dependences(1.0);
+        assert!(found.iter().all(|it| it.covariate != Covariate::Direction), "{found:?}");
     }
 }

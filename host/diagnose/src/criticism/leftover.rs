@@ -4,23 +4,31 @@ use super::compare::{Comparison, cells_of};
 use super::dependence::dependences;
 use super::diagnose::Diagnosis;
 use super::fitted::Fitted;
-use super::residuals::stretches;
+use super::residuals::Residuals;
 use palpate_fit::data::Data;
 use palpate_fit::problem::Problem;
 use palpate_fit::whitening::Whitening;
 
-/// The comparison of one of a diagnosis' models with its data. The shares are of what is left beyond
-/// the noise of the diagnosis.
+/// A model against a data set: the comparison, and what the model leaves at each sample.
+#[derive(Clone, Debug)]
+pub struct Leftover<'a> {
+    /// Where the model is wrong.
+    pub comparison: Comparison,
+    /// By how much, at each sample.
+    pub residuals: Residuals<'a>,
+}
+
+/// What one of a diagnosis' models leaves of its data. The shares are of what is left beyond the noise of the diagnosis.
 #[must_use]
-pub fn leftover(diagnosis: &Diagnosis, fitted: &Fitted, data: &Data) -> Comparison {
+pub fn leftover<'a>(diagnosis: &Diagnosis, fitted: &Fitted, data: &'a Data) -> Leftover<'a> {
     let white = Whitening::none();
     let problem = Problem::new(&fitted.chain, data, &white, None);
     let noise = diagnosis.noise.level;
     let point = problem.point(&fitted.values);
     let squares = problem.trace_squares(&point);
     let rms = |&(square, samples): &(f64, usize)| (square / (samples as f64).max(1.0)).sqrt();
-    let stretches = stretches(&fitted.chain, &fitted.values, data);
-    Comparison {
+    let residuals = Residuals::new(&fitted.chain, &fitted.values, data);
+    let comparison = Comparison {
         labels: data.labels.clone(),
         signal: diagnosis.signal.clone(),
         noise: Some(diagnosis.noise.in_short()),
@@ -29,8 +37,8 @@ pub fn leftover(diagnosis: &Diagnosis, fitted: &Fitted, data: &Data) -> Comparis
         rms: fitted.rms(),
         trace_rms: squares.iter().map(rms).collect(),
         cells: cells_of(&problem, &point, noise),
-        dependences: dependences(&stretches),
-        stretches,
+        dependences: dependences(&residuals),
         left_out: data.left_out.clone(),
-    }
+    };
+    Leftover { comparison, residuals }
 }

@@ -1,10 +1,12 @@
 //! What a model leaves as a curve over one quantity, each way of the motion by itself: a law to begin with
 //! where no effect of the library explains the rest.
 
+use std::borrow::Cow;
+
 use nalgebra::{DMatrix, DVector};
 
 use super::dependence::{Bin, binned};
-use super::residuals::Stretch;
+use super::residuals::Residuals;
 use palpate_model::covariate::Covariate;
 
 /// A residual over one quantity.
@@ -30,24 +32,31 @@ const SINGULAR: f64 = 1e-10;
 impl LeftoverCurve {
     /// The curve over a quantity; none where it is missing or constant, or an expression cannot hold it.
     #[must_use]
-    pub fn of(stretches: &[Stretch], covariate: Covariate) -> Option<Self> {
+    pub fn of(left: &Residuals, covariate: Covariate) -> Option<Self> {
         // An expression counts the temperature from a reference that the residual does not know.
         if covariate == Covariate::Temperature {
             return None;
         }
-        let values: Vec<&[f64]> =
-            stretches.iter().map(|s| s.covariate(covariate)).collect::<Option<_>>()?;
-        let ways: Vec<&[f64]> =
-            stretches.iter().map(|s| s.covariate(Covariate::Direction)).collect::<Option<_>>()?;
+        let values = left.covariate(covariate)?;
+        let ways = left.covariate(Covariate::Direction)?;
+        Self::over(covariate, &left.values(), (&values, &ways))
+    }
+
+    fn over(
+        covariate: Covariate,
+        residuals: &[Vec<f64>],
+        (values, ways): (&[Cow<[f64]>], &[Cow<[f64]>]),
+    ) -> Option<Self> {
         let scale =
             values.iter().flat_map(|v| v.iter()).fold(0.0, |most: f64, v| most.max(v.abs()));
         if scale <= 0.0 {
             return None;
         }
-        let residuals: Vec<Vec<f64>> = stretches.iter().map(Stretch::residual).collect();
         let samples = || {
-            let all = residuals.iter().zip(&values).zip(&ways);
-            all.flat_map(|((r, v), w)| r.iter().zip(*v).zip(*w).map(|((r, v), w)| (*r, *v, *w)))
+            let all = residuals.iter().zip(values).zip(ways);
+            all.flat_map(|((r, v), w)| {
+                r.iter().zip(&v[..]).zip(&w[..]).map(|((r, v), w)| (*r, *v, *w))
+            })
         };
         let by_direction = covariate != Covariate::Direction;
         let row = |value: f64, way: f64| -> Vec<f64> {
@@ -74,8 +83,7 @@ impl LeftoverCurve {
                 .filter(|(.., w)| if pressed { *w > 0.0 } else { *w < 0.0 })
                 .map(|(r, v, _)| (r, v))
                 .unzip();
-            let (r, v): (Vec<f64>, Vec<f64>) = (r, v);
-            binned(&[r], &[&v]).unwrap_or_default()
+            binned(r, v).unwrap_or_default()
         };
         Some(Self {
             covariate,
@@ -118,29 +126,22 @@ fn expression(covariate: Covariate, scale: f64, coefficients: &[f64]) -> String 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::criticism::region::Region;
     use palpate_model::Expression;
 
     /// A press and a release that leave 0.3 x² on the way in and −0.1 x on the way out.
-    fn stretch() -> Stretch {
+    fn curve(covariate: Covariate) -> Option<LeftoverCurve> {
         let x: Vec<f64> = (0..200)
             .map(|k| if k < 100 { f64::from(k) } else { f64::from(200 - k) } * 0.02)
             .collect();
         let way: Vec<f64> = (0..200).map(|k| if k < 100 { 1.0 } else { -1.0 }).collect();
         let left = x.iter().zip(&way).map(|(x, w)| if *w > 0.0 { 0.3 * x * x } else { -0.1 * x });
-        Stretch {
-            trace: 0,
-            time: (0..200).map(f64::from).collect(),
-            measured: left.collect(),
-            predicted: vec![0.0; 200],
-            regions: vec![Region::ALL[0]; 200],
-            covariates: vec![(Covariate::Displacement, x), (Covariate::Direction, way)],
-        }
+        let (left, way) = ([left.collect()], [way.into()]);
+        LeftoverCurve::over(covariate, &left, (&[x.into()], &way))
     }
 
     #[test]
     fn a_curve_is_told_each_way_by_itself_and_as_an_expression() {
-        let curve = LeftoverCurve::of(&[stretch()], Covariate::Displacement).unwrap();
+        let curve = curve(Covariate::Displacement).unwrap();
         assert!(curve.explained > 0.999_999, "{curve:?}");
         let last = curve.loading.last().unwrap();
         assert!((last.mean - 0.3 * last.at * last.at).abs() < 0.02, "{last:?}");
@@ -149,8 +150,9 @@ mod tests {
     }
 
     #[test]
-    fn a_quantity_that_does_not_vary_or_is_not_there_has_no_curve() {
-        assert!(LeftoverCurve::of(&[stretch()], Covariate::Velocity).is_none());
-        assert!(LeftoverCurve::of(&[stretch()], Covariate::Temperature).is_none());
+    fn a_quantity_that_does_not_vary_has_no_curve() {
+        let none = [Cow::from(vec![0.0; 3])];
+        let curve = LeftoverCurve::over(Covariate::Velocity, &[vec![1.0; 3]], (&none, &none));
+        assert_eq!(curve, None);
     }
 }

@@ -1,10 +1,21 @@
-//! What a model leaves of a data set, sample by sample, with everything it could depend on.
+//! What a model leaves of a data set, sample by sample.
+
+use std::borrow::Cow;
 
 use super::covariate::Covariate;
 use super::region::{Region, regions};
 use palpate_fit::data::{Data, Piece};
 use palpate_fit::whole_motion::predict;
-use palpate_model::Chain;
+use palpate_model::effects::{EffectError, chain_of};
+use palpate_model::{Chain, Model};
+
+/// A data set beside what a model predicts for it.
+#[derive(Clone, Debug)]
+pub struct Residuals<'a> {
+    data: &'a Data<'a>,
+    /// Predicted signal of each stretch.
+    pub predicted: Vec<Vec<f64>>,
+}
 
 /// One stretch of a recording without a gap, against the model.
 #[derive(Clone, Debug)]
@@ -13,14 +24,75 @@ pub struct Stretch {
     pub trace: usize,
     /// Time of each sample, s.
     pub time: Vec<f64>,
+    /// Displacement at each sample, mm.
+    pub displacement: Vec<f64>,
     /// Measured signal.
     pub measured: Vec<f64>,
     /// Predicted signal.
     pub predicted: Vec<f64>,
     /// Region of each sample.
     pub regions: Vec<Region>,
-    /// The covariates that these recordings have, with one value for each sample.
-    pub covariates: Vec<(Covariate, Vec<f64>)>,
+}
+
+impl<'a> Residuals<'a> {
+    /// Runs a model over a data set.
+    ///
+    /// # Errors
+    /// When the model has an effect that the data set does not know.
+    pub fn of(model: &Model, data: &'a Data) -> Result<Self, EffectError> {
+        let (chain, parameters) = chain_of(model, &data.setting())?;
+        Ok(Self::new(&chain, &parameters, data))
+    }
+
+    /// Runs a chain over a data set.
+    #[must_use]
+    pub fn new(chain: &Chain, parameters: &[f64], data: &'a Data) -> Self {
+        Self { data, predicted: predict(chain, parameters, data) }
+    }
+
+    /// Which trace of the set each stretch is from.
+    pub fn traces(&self) -> impl Iterator<Item = usize> {
+        self.data.pieces.iter().map(|piece| piece.trace)
+    }
+
+    /// Measured minus predicted, stretch by stretch.
+    #[must_use]
+    pub fn values(&self) -> Vec<Vec<f64>> {
+        let left = |(piece, predicted): (&Piece, &Vec<f64>)| {
+            piece.measured.iter().zip(predicted).map(|(y, f)| y - f).collect()
+        };
+        self.data.pieces.iter().zip(&self.predicted).map(left).collect()
+    }
+
+    /// The values of a quantity that the residual could depend on, stretch by stretch; none where it was not recorded everywhere.
+    #[must_use]
+    pub fn covariate(&self, covariate: Covariate) -> Option<Vec<Cow<'_, [f64]>>> {
+        let pieces = self.data.pieces.iter().zip(&self.predicted);
+        pieces.map(|(piece, f)| self.data.covariate(piece, f, covariate)).collect()
+    }
+
+    /// Every stretch, to be drawn.
+    pub fn stretches(&self) -> impl ExactSizeIterator<Item = Stretch> {
+        self.data.pieces.iter().zip(&self.predicted).map(stretch)
+    }
+
+    /// The stretches of one trace, to be drawn.
+    #[must_use]
+    pub fn of_trace(&self, trace: usize) -> Vec<Stretch> {
+        let all = self.data.pieces.iter().zip(&self.predicted);
+        all.filter(|(piece, _)| piece.trace == trace).map(stretch).collect()
+    }
+}
+
+fn stretch((piece, predicted): (&Piece, &Vec<f64>)) -> Stretch {
+    Stretch {
+        trace: piece.trace,
+        time: piece.recorded_time(),
+        displacement: piece.motion.displacement.to_vec(),
+        measured: piece.measured.to_vec(),
+        predicted: predicted.clone(),
+        regions: regions(&piece.motion.time, &piece.motion.displacement),
+    }
 }
 
 impl Stretch {
@@ -28,54 +100,5 @@ impl Stretch {
     #[must_use]
     pub fn residual(&self) -> Vec<f64> {
         self.measured.iter().zip(&self.predicted).map(|(y, f)| y - f).collect()
-    }
-
-    /// The values of a covariate, where these recordings have it.
-    #[must_use]
-    pub fn covariate(&self, wanted: Covariate) -> Option<&[f64]> {
-        self.covariates.iter().find(|(known, _)| *known == wanted).map(|(_, values)| &values[..])
-    }
-}
-
-/// Runs a chain over a data set and lays its residuals beside everything they could depend on.
-#[must_use]
-pub fn stretches(chain: &Chain, parameters: &[f64], data: &Data) -> Vec<Stretch> {
-    let predicted = predict(chain, parameters, data);
-    data.pieces
-        .iter()
-        .zip(predicted)
-        .map(|(piece, predicted)| stretch(piece, predicted, data))
-        .collect()
-}
-
-fn stretch(piece: &Piece, predicted: Vec<f64>, data: &Data) -> Stretch {
-    let scene = data.scene(piece);
-    let time = piece.recorded_time();
-    // A velocity within a hundredth of the fastest is rest.
-    let fastest = scene.velocity.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
-    let direction = |v: &f64| if v.abs() > 0.01 * fastest { v.signum() } else { 0.0 };
-    let mut covariates = vec![
-        (Covariate::Displacement, piece.motion.displacement.to_vec()),
-        (Covariate::Direction, scene.velocity.iter().map(direction).collect()),
-        (Covariate::SetTime, (0..scene.len()).map(|k| scene.set_time(k)).collect()),
-        (Covariate::Acceleration, scene.acceleration.into_owned()),
-        (Covariate::Velocity, scene.velocity.into_owned()),
-        (Covariate::Force, predicted.clone()),
-        (Covariate::Time, scene.since.into_owned()),
-        (Covariate::Cycle, scene.loadings.into_owned()),
-        (Covariate::Largest, scene.largest.into_owned()),
-    ];
-    if let Some(warmth) = scene.warmth {
-        let reference = data.reference_temperature.unwrap_or_default();
-        let temperature = warmth.iter().map(|value| value + reference).collect();
-        covariates.push((Covariate::Temperature, temperature));
-    }
-    Stretch {
-        trace: piece.trace,
-        regions: regions(&piece.motion.time, &piece.motion.displacement),
-        time,
-        measured: piece.measured.to_vec(),
-        predicted,
-        covariates,
     }
 }

@@ -1,7 +1,9 @@
 //! What an effect leaves in the residual of a base law that lacks it: a press and a few cycles, made up
 //! with the effect at its typical size, and the base law refitted to them.
 
-use super::residuals::{Stretch, stretches};
+use std::borrow::Cow;
+
+use super::residuals::{Residuals, Stretch};
 use super::screen::ABSORBED;
 use crate::practice::session::{SPECIMEN, two_traces};
 use palpate_fit::data::{Data, DataError};
@@ -21,6 +23,8 @@ pub struct Signature {
     pub scales: Scales,
     /// The force with the effect against the base law refitted to it.
     pub stretches: Vec<Stretch>,
+    /// Values of the quantity that tells most of the effect, stretch by stretch.
+    pub against: Vec<Vec<f64>>,
     /// Largest force, N.
     pub force: f64,
     /// Root mean square of what the effect adds to the force, N.
@@ -72,7 +76,8 @@ pub fn signature(effect: &'static Effect) -> Result<Signature, DataError> {
     give(&mut traces, &force);
     let data = Data::of(&traces, FORCE)?;
     let found = refit(&base, values, &data)?;
-    let stretches = stretches(&base, &found.values, &data);
+    let residuals = Residuals::new(&base, &found.values, &data);
+    let against = residuals.covariate(effect.against).unwrap_or_default();
     Ok(Signature {
         effect,
         parameters: applied.parameters.into_iter().zip(own).collect(),
@@ -80,7 +85,8 @@ pub fn signature(effect: &'static Effect) -> Result<Signature, DataError> {
         force: force.iter().flatten().fold(0.0, |most: f64, force| most.max(force.abs())),
         whole,
         left: found.rms(),
-        stretches,
+        stretches: residuals.stretches().collect(),
+        against: against.into_iter().map(Cow::into_owned).collect(),
     })
 }
 

@@ -29,7 +29,7 @@ use crate::criticism::diagnose::{DiagnoseError, Diagnosis, Verdict, diagnose};
 use crate::criticism::evidence::Refused;
 use crate::criticism::explore::explored;
 use crate::criticism::fitted::Fitted;
-use crate::criticism::residuals::{Stretch, stretches};
+use crate::criticism::residuals::Residuals;
 use crate::criticism::search::{Found, Search};
 use palpate_fit::data::Data;
 use palpate_fit::problem::Problem;
@@ -91,7 +91,7 @@ pub fn discover(
     let whitening = diagnosis.noise.whitening.clone();
     let chain = base.chain.clone();
     let problem = Problem::new(&chain, &data, &whitening, None);
-    let left = stretches(&chain, &base.values, &data);
+    let left = Residuals::new(&chain, &base.values, &data);
     let (dependences, surfaces) = (dependences(&left), surfaces(&left));
     let mut discovery = Discovery {
         outcome: match diagnosis.verdict {
@@ -116,9 +116,8 @@ pub fn discover(
     if known && (library.steps.is_empty() || rest.p_value >= LEVEL) {
         return Ok(discovery);
     }
-    let predicted: Vec<Vec<f64>> = left.iter().map(|stretch| stretch.predicted.clone()).collect();
-    let residuals: Vec<Vec<f64>> = left.iter().map(Stretch::residual).collect();
-    let reach = |quantity| Reach::of(quantity, &data, &predicted, &residuals);
+    let residuals = left.values();
+    let reach = |quantity| Reach::of(quantity, &data, &left.predicted, &residuals);
     let reaches: Vec<Option<Reach>> = QUANTITIES.iter().map(reach).collect();
     let grammar = Grammar::new(&reaches, signal_unit);
     let candidates: Vec<Candidate> =

@@ -1,12 +1,14 @@
 //! What a residual depends on without any law: a free surface over two quantities, taken apart into what each does by itself and
 //! what only both together do.
 
+use std::borrow::Cow;
+
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
 use crate::criticism::covariate::Covariate;
-use crate::criticism::residuals::Stretch;
+use crate::criticism::residuals::Residuals;
 
 /// A residual over two quantities.
 #[derive(Clone, Debug, PartialEq)]
@@ -50,11 +52,14 @@ const PULL: f64 = 5.0;
 
 /// The surfaces that explain most on traces left out, the best first.
 #[must_use]
-pub fn surfaces(stretches: &[Stretch]) -> Vec<Surface> {
-    let classed: Vec<Classed> =
-        Covariate::ALL.into_iter().filter_map(|it| Classed::of(stretches, it)).collect();
-    let residuals: Vec<Vec<f64>> = stretches.iter().map(Stretch::residual).collect();
-    let traces: Vec<usize> = stretches.iter().map(|stretch| stretch.trace).collect();
+pub fn surfaces(left: &Residuals) -> Vec<Surface> {
+    let classed = |it| Classed::of(it, &left.covariate(it)?);
+    let classed = Covariate::ALL.into_iter().filter_map(classed).collect();
+    surfaces_of(&left.values(), &left.traces().collect::<Vec<_>>(), classed)
+}
+
+/// The same of residuals stretch by stretch, with the trace of each and the quantities.
+fn surfaces_of(residuals: &[Vec<f64>], traces: &[usize], classed: Vec<Classed>) -> Vec<Surface> {
     let pairs: Vec<(&Classed, &Classed)> = classed
         .iter()
         .enumerate()
@@ -62,11 +67,11 @@ pub fn surfaces(stretches: &[Stretch]) -> Vec<Surface> {
         .collect();
     let mut found: Vec<(f64, (&Classed, &Classed))> = pairs
         .into_par_iter()
-        .map(|pair| (Cells::by_trace(pair, &residuals, &traces).held_out(), pair))
+        .map(|pair| (Cells::by_trace(pair, residuals, traces).held_out(), pair))
         .collect();
     found.sort_by(|a, b| b.0.total_cmp(&a.0));
     found.truncate(MOST);
-    found.into_par_iter().map(|(held_out, pair)| surface(pair, held_out, &residuals)).collect()
+    found.into_par_iter().map(|(held_out, pair)| surface(pair, held_out, residuals)).collect()
 }
 
 /// A quantity in classes of equal width, or around its values where they are few.
@@ -78,9 +83,7 @@ struct Classed {
 }
 
 impl Classed {
-    fn of(stretches: &[Stretch], covariate: Covariate) -> Option<Self> {
-        let values: Vec<&[f64]> =
-            stretches.iter().map(|stretch| stretch.covariate(covariate)).collect::<Option<_>>()?;
+    fn of(covariate: Covariate, values: &[Cow<[f64]>]) -> Option<Self> {
         let all = || values.iter().flat_map(|values| values.iter().copied());
         let (least, most) =
             (all().fold(f64::INFINITY, f64::min), all().fold(f64::NEG_INFINITY, f64::max));
@@ -223,50 +226,42 @@ fn surface(pair: (&Classed, &Classed), held_out: f64, residuals: &[Vec<f64>]) ->
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::criticism::region::Region;
 
-    /// Four traces with a residual of this law of displacement and velocity, and noise.
-    fn stretches(law: fn(f64, f64) -> f64) -> Vec<Stretch> {
+    /// The surfaces of four traces with a residual of this law of displacement and velocity, and noise.
+    fn found(law: fn(f64, f64) -> f64) -> Vec<Surface> {
         let mut random = ChaCha8Rng::seed_from_u64(5);
-        (0..4)
-            .map(|trace| {
-                let time: Vec<f64> = (0..800).map(|k| f64::from(k) * 0.01).collect();
-                let turn = |t: &f64| t * (1.0 + 0.3 * f64::from(trace));
-                let x: Vec<f64> = time.iter().map(|t| turn(t).sin()).collect();
-                let v: Vec<f64> = time.iter().map(|t| turn(t).cos()).collect();
-                let noisy = |(x, v): (&f64, &f64)| law(*x, *v) + random.random_range(-0.3..0.3);
-                let measured = x.iter().zip(&v).map(noisy).collect();
-                Stretch {
-                    trace: trace as usize,
-                    regions: vec![Region::Loading; time.len()],
-                    predicted: vec![0.0; time.len()],
-                    measured,
-                    covariates: vec![
-                        (Covariate::Displacement, x),
-                        (Covariate::Velocity, v),
-                        (Covariate::Time, time.clone()),
-                    ],
-                    time,
-                }
-            })
-            .collect()
+        let time: Vec<f64> = (0..800).map(|k| f64::from(k) * 0.01).collect();
+        let (mut x, mut v, mut residuals) = (Vec::new(), Vec::new(), Vec::new());
+        for trace in 0..4 {
+            let turn = |t: &f64| t * (1.0 + 0.3 * f64::from(trace));
+            let own: (Vec<f64>, Vec<f64>) = time.iter().map(|t| turn(t).sin_cos()).unzip();
+            let noisy = |(x, v): (&f64, &f64)| law(*x, *v) + random.random_range(-0.3..0.3);
+            residuals.push(own.0.iter().zip(&own.1).map(noisy).collect());
+            x.push(own.0.into());
+            v.push(own.1.into());
+        }
+        let time = vec![Cow::from(time); 4];
+        let quantities =
+            [(Covariate::Displacement, x), (Covariate::Velocity, v), (Covariate::Time, time)];
+        let classed = quantities.iter().filter_map(|(it, values)| Classed::of(*it, values));
+        surfaces_of(&residuals, &[0, 1, 2, 3], classed.collect())
     }
 
     #[test]
     fn a_product_is_an_interaction_and_a_sum_is_none() {
         let pair = [Covariate::Displacement, Covariate::Velocity];
-        let product = surfaces(&stretches(|x, v| 2.0 * x * v));
+        let product = found(|x, v| 2.0 * x * v);
         assert_eq!(product[0].of, pair);
         assert!(product[0].interaction() > 0.8 && product[0].held_out > 0.8, "{product:?}");
         assert!(product[0].p_value <= 0.01);
-        let sum = surfaces(&stretches(|x, v| 2.0 * x + v));
+        let sum = found(|x, v| 2.0 * x + v);
         let of_pair = sum.iter().find(|surface| surface.of == pair).unwrap();
         assert!(of_pair.explained > 0.9 && of_pair.interaction() < 0.05, "{of_pair:?}");
     }
 
     #[test]
     fn noise_predicts_nothing_on_traces_left_out() {
-        let found = surfaces(&stretches(|_, _| 0.0));
+        let found = found(|_, _| 0.0);
         assert!(found.iter().all(|surface| surface.held_out < 0.02), "{found:?}");
         assert!(found[0].p_value > 0.02, "{:?}", found[0]);
     }

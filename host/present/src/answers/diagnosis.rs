@@ -415,7 +415,7 @@ impl From<&DiagnosisSummary<'_>> for DiagnosisAnswer {
         } else {
             (PValueBasis::Noise, ErrorBasis::Noise)
         };
-        let dependences = &summary.after().dependences;
+        let dependences = &summary.after().comparison.dependences;
         let (incident, swing) = outside(summary);
         Self {
             palpate_diagnosis: 1,

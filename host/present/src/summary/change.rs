@@ -2,7 +2,7 @@
 
 use super::{estimate, ladder, overlays, unit_of};
 use palpate_diagnose::criticism::change::Change;
-use palpate_diagnose::criticism::compare::Comparison;
+use palpate_diagnose::criticism::leftover::Leftover;
 use palpate_model::{Parameter, Rung};
 use palpate_report::number::significant;
 use palpate_report::{Callout, Column, Section, Table};
@@ -31,10 +31,10 @@ pub fn change_sections(change: &Change) -> Vec<Section> {
 
 /// What a report shows of a change: the change, the ladder, and every trace with the model after.
 #[must_use]
-pub fn change_report(change: &Change, comparison: &Comparison) -> Vec<Section> {
+pub fn change_report(change: &Change, left: &Leftover) -> Vec<Section> {
     let mut sections = change_sections(change);
     sections.extend(ladder(&change.model));
-    sections.push(overlays(comparison));
+    sections.push(overlays(&left.comparison, &left.residuals));
     sections
 }
 

@@ -5,6 +5,7 @@ use super::{ladder, name_of, unit_of};
 use palpate_diagnose::criticism::compare::{Cell, Comparison};
 use palpate_diagnose::criticism::dependence::{Dependence, SEED};
 use palpate_diagnose::criticism::region::Region;
+use palpate_diagnose::criticism::residuals::Residuals;
 use palpate_model::Model;
 use palpate_report::number::{percent, share, significant};
 use palpate_report::{
@@ -17,9 +18,14 @@ const MOST_DRAWN: usize = 12;
 
 /// Where the model fails, what the failure depends on, every trace, and the ladder.
 #[must_use]
-pub fn compare_sections(model: &Model, comparison: &Comparison, traces: &[Trace]) -> Vec<Section> {
+pub fn compare_sections(
+    model: &Model,
+    comparison: &Comparison,
+    left: &Residuals,
+    traces: &[Trace],
+) -> Vec<Section> {
     let mut sections = vec![place(comparison), dependence_section(comparison, traces)];
-    sections.push(overlays(comparison));
+    sections.push(overlays(comparison, left));
     sections.extend(ladder(model));
     sections
 }
@@ -164,9 +170,9 @@ fn by_p_value(comparison: &Comparison) -> Vec<&Dependence> {
 
 /// Measurement and model of every trace with what is left, on one scale for all, regions shaded.
 #[must_use]
-pub fn overlays(comparison: &Comparison) -> Section {
+pub fn overlays(comparison: &Comparison, left: &Residuals) -> Section {
     let mut section = Section::new("Each trace");
-    let drawn = || comparison.stretches.iter().take(MOST_DRAWN);
+    let drawn = || left.stretches().take(MOST_DRAWN);
     let largest =
         |residual: Vec<f64>| residual.iter().fold(0.0_f64, |most, left| most.max(left.abs()));
     let most = drawn().map(|stretch| 1.05 * largest(stretch.residual())).fold(0.0, f64::max);
@@ -201,8 +207,8 @@ pub fn overlays(comparison: &Comparison) -> Section {
         let panels = Panels::new(label.as_str()).summary(summary).plot(overlay).plot(left);
         section = section.figure(panels, "");
     }
-    if comparison.stretches.len() > MOST_DRAWN {
-        let count = comparison.stretches.len();
+    let count = left.stretches().len();
+    if count > MOST_DRAWN {
         section = section.paragraph(format!("The first {MOST_DRAWN} of {count} are drawn."));
     }
     section

@@ -4,7 +4,6 @@
 use rayon::prelude::*;
 
 use super::compare::spans;
-use palpate_diagnose::criticism::covariate::Covariate;
 use palpate_diagnose::criticism::region::Region;
 use palpate_diagnose::criticism::residuals::Stretch;
 use palpate_diagnose::criticism::signature::{Signature, signature};
@@ -201,7 +200,7 @@ pub fn effect_figures(signature: &Signature) -> Vec<Figure> {
         }
         panels = panels.plot(left);
     }
-    vec![panels.into(), against(signature, signature.effect.against).into()]
+    vec![panels.into(), against(signature).into()]
 }
 
 /// Fewest samples from one point drawn to the next.
@@ -227,7 +226,8 @@ fn thousand(values: &[f64]) -> Vec<f64> {
 }
 
 /// Everything left against a quantity, by what the drive does.
-fn against(signature: &Signature, covariate: Covariate) -> Plot {
+fn against(signature: &Signature) -> Plot {
+    let covariate = signature.effect.against;
     let groups: [(&str, &[Region]); 4] = [
         ("loading", &[Region::Loading]),
         ("hold", &[Region::EarlyHold, Region::LateHold]),
@@ -241,8 +241,7 @@ fn against(signature: &Signature, covariate: Covariate) -> Plot {
         .height(170.0);
     for (number, (name, regions)) in groups.into_iter().enumerate() {
         let (mut at, mut left) = (Vec::new(), Vec::new());
-        for stretch in &signature.stretches {
-            let Some(values) = stretch.covariate(covariate) else { continue };
+        for (stretch, values) in signature.stretches.iter().zip(&signature.against) {
             let residual = stretch.residual();
             for k in (0..residual.len()).step_by(STRIDE) {
                 if regions.contains(&stretch.regions[k]) {

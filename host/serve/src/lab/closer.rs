@@ -3,8 +3,7 @@
 use serde_json::{Value, json};
 
 use palpate_diagnose::criticism::character::character;
-use palpate_diagnose::criticism::compare::Comparison;
-use palpate_diagnose::criticism::covariate::Covariate;
+use palpate_diagnose::criticism::leftover::Leftover;
 use palpate_diagnose::criticism::residuals::Stretch;
 
 /// Most points of a loop.
@@ -14,22 +13,20 @@ const CURVE: usize = 61;
 
 /// What is drawn of one trace. The loop has one list of points for each stretch without a gap.
 #[must_use]
-pub fn closer_json(comparison: &Comparison, trace: usize) -> Value {
-    let of_trace = |stretch: &&Stretch| stretch.trace == trace;
-    let stretches: Vec<&Stretch> = comparison.stretches.iter().filter(of_trace).collect();
+pub fn closer_json(left: &Leftover, trace: usize) -> Value {
+    let stretches = left.residuals.of_trace(trace);
     let samples: usize = stretches.iter().map(|stretch| stretch.time.len()).sum();
     let step = samples.div_ceil(POINTS).max(1);
-    let course = |stretch: &&Stretch| {
-        let displacement = stretch.covariate(Covariate::Displacement)?;
+    let course = |stretch: &Stretch| {
         let thin = |values: &[f64]| values.iter().step_by(step).copied().collect::<Vec<f64>>();
-        Some(json!({
-            "displacement": thin(displacement),
+        json!({
+            "displacement": thin(&stretch.displacement),
             "measured": thin(&stretch.measured),
             "predicted": thin(&stretch.predicted),
-        }))
+        })
     };
     let found = character(&stretches).map(|found| {
-        let noise = comparison.noise.as_ref();
+        let noise = left.comparison.noise.as_ref();
         let (first, last) = (found.edges[0], found.edges[found.edges.len() - 1]);
         let at = |k: usize| first + (last - first) * k as f64 / (CURVE - 1) as f64;
         let values: Vec<f64> = (0..CURVE).map(at).collect();
@@ -47,5 +44,5 @@ pub fn closer_json(comparison: &Comparison, trace: usize) -> Value {
             "noise_shares": noise.map(|noise| found.shares_of(noise, &values)),
         })
     });
-    json!({"loop": stretches.iter().filter_map(course).collect::<Vec<_>>(), "residual": found})
+    json!({"loop": stretches.iter().map(course).collect::<Vec<_>>(), "residual": found})
 }

@@ -8,8 +8,7 @@ use serde_json::{Map, Value, json};
 
 use super::envelope::Envelope;
 use super::spans::Spans;
-use palpate_diagnose::criticism::compare::Comparison;
-use palpate_diagnose::criticism::residuals::Stretch;
+use palpate_diagnose::criticism::residuals::{Residuals, Stretch};
 use palpate_trace::{Trace, gaps};
 
 /// What part of a trace a plot shows.
@@ -109,9 +108,8 @@ impl Drawing {
 
     /// What was measured, what a model predicts and what it leaves.
     #[must_use]
-    pub fn of_comparison(comparison: &Comparison, trace: usize) -> Self {
-        let of_trace = |stretch: &&Stretch| stretch.trace == trace;
-        let stretches: Vec<&Stretch> = comparison.stretches.iter().filter(of_trace).collect();
+    pub fn of_residuals(left: &Residuals, trace: usize) -> Self {
+        let stretches = left.of_trace(trace);
         let join = |value: fn(&Stretch) -> &[f64]| {
             stretches.iter().flat_map(|stretch| value(stretch)).copied().collect()
         };

@@ -6,6 +6,7 @@ use super::drawing::{Drawing, View};
 use palpate_diagnose::criticism::compare::Comparison;
 use palpate_diagnose::criticism::diagnose::Diagnosis;
 use palpate_diagnose::criticism::foretold::{foretold, most_promising};
+use palpate_diagnose::criticism::leftover::Leftover;
 use palpate_diagnose::criticism::screen::Direction;
 use palpate_fit::data::Data;
 use palpate_model::Model;
@@ -72,18 +73,13 @@ impl Forecast {
 /// Every candidate, the largest foretold gain first: what it is, what speaks for it, and a picture of what
 /// it would leave of the trace where most is left.
 #[must_use]
-pub fn candidates(
-    diagnosis: &Diagnosis,
-    data: &Data,
-    comparison: &Comparison,
-    model: &Model,
-) -> Value {
+pub fn candidates(diagnosis: &Diagnosis, data: &Data, left: &Leftover, model: &Model) -> Value {
     let screen = &diagnosis.found.first;
     let mut ranked: Vec<(usize, f64)> = (0..diagnosis.candidates.len())
         .map(|index| (index, most_promising(screen, index).map_or(0.0, |found| found.gain)))
         .collect();
     ranked.sort_by(|a, b| b.1.total_cmp(&a.1));
-    let worst = worst_trace(comparison);
+    let worst = worst_trace(&left.comparison);
     let list: Vec<Value> = ranked
         .iter()
         .enumerate()
@@ -103,7 +99,7 @@ pub fn candidates(
             found
         })
         .collect();
-    let now = Drawing::of_comparison(comparison, worst).picture("residual", COLUMNS);
+    let now = Drawing::of_residuals(&left.residuals, worst).picture("residual", COLUMNS);
     json!({"trace": diagnosis.labels[worst], "now": now, "list": list})
 }
 

@@ -14,9 +14,10 @@ use super::set::Set;
 use super::surveyed::{surveyed, take_group};
 use super::task::{FitTask, HideTask, MOTION, Task};
 use palpate_diagnose::criticism::change::{self, Change};
-use palpate_diagnose::criticism::compare::{Comparison, compare};
+use palpate_diagnose::criticism::compare::{Comparison, compared};
 use palpate_diagnose::criticism::diagnose::{Diagnosis, diagnose};
 use palpate_diagnose::criticism::explore::explored;
+use palpate_diagnose::criticism::leftover::Leftover;
 use palpate_diagnose::criticism::next_motion::{RigFile, propose};
 use palpate_diagnose::criticism::noise::noise_of;
 use palpate_diagnose::discover::{self, Outcome as Found};
@@ -104,14 +105,13 @@ pub struct Beside {
 }
 
 impl Compared {
-    fn new(mut comparison: Comparison, traces: &[Trace]) -> Self {
-        let preparation = Preparation::of(traces, &comparison.signal);
-        let indices = 0..comparison.labels.len();
-        let drawings = indices.map(|trace| Drawing::of_comparison(&comparison, trace)).collect();
-        let indices = 0..comparison.labels.len();
-        let closer = indices.map(|trace| closer_json(&comparison, trace)).collect();
-        comparison.stretches = Vec::new();
-        Self { comparison, preparation, drawings, closer }
+    fn new(left: Leftover, traces: &[Trace]) -> Self {
+        let preparation = Preparation::of(traces, &left.comparison.signal);
+        let indices = || 0..left.comparison.labels.len();
+        let drawing = |trace| Drawing::of_residuals(&left.residuals, trace);
+        let drawings = indices().map(drawing).collect();
+        let closer = indices().map(|trace| closer_json(&left, trace)).collect();
+        Self { comparison: left.comparison, preparation, drawings, closer }
     }
 }
 
@@ -177,20 +177,32 @@ impl Bench {
         Ok(Outcome {
             answer: answers::json(&preparation.with(FitAnswer::from(&summary))),
             report: Some(("fit", self.page("A fit over whole motions", sections))),
-            compared: Some(Compared::new(compare(&model, &self.traces)?, &self.traces)),
+            compared: Some(self.compared(&model)?),
             model: Some(model),
             ..Outcome::default()
         })
     }
 
+    /// How a model does, with all that is drawn of it.
+    fn compared(&self, model: &Model) -> Result<Compared, LabError> {
+        let data = Data::of_model(model, &self.traces)?;
+        Ok(Compared::new(compared(model, &self.traces, &data)?, &self.traces))
+    }
+
     fn compare(&self, model: &Model) -> Result<Outcome, LabError> {
-        let comparison = compare(model, &self.traces)?;
+        let data = Data::of_model(model, &self.traces)?;
+        let left = compared(model, &self.traces, &data)?;
         let preparation = Preparation::of(&self.traces, &model.base.signal);
-        let sections = preparation.before(compare_sections(model, &comparison, &self.traces));
+        let sections = preparation.before(compare_sections(
+            model,
+            &left.comparison,
+            &left.residuals,
+            &self.traces,
+        ));
         Ok(Outcome {
-            answer: answers::json(&preparation.with(ComparisonAnswer::from(&comparison))),
+            answer: answers::json(&preparation.with(ComparisonAnswer::from(&left.comparison))),
             report: Some(("compare", self.page("Model against measurement", sections))),
-            compared: Some(Compared::new(comparison, &self.traces)),
+            compared: Some(Compared::new(left, &self.traces)),
             ..Outcome::default()
         })
     }
@@ -203,16 +215,12 @@ impl Bench {
             let (theirs, ours) = (theirs.clone(), ours.clone());
             return Err(LabError::OtherSignal { other: file, theirs, ours });
         }
-        let comparison = compare(&other, &self.traces)?;
+        let compared = self.compared(&other)?;
         let preparation = Preparation::of(&self.traces, ours);
+        let answer = ComparisonAnswer::from(&compared.comparison);
         Ok(Outcome {
-            answer: answers::json(&preparation.with(ComparisonAnswer::from(&comparison))),
-            beside: Some(Beside {
-                file,
-                model: other,
-                compared: Compared::new(comparison, &self.traces),
-                command: self.command.clone(),
-            }),
+            answer: answers::json(&preparation.with(answer)),
+            beside: Some(Beside { file, model: other, compared, command: self.command.clone() }),
             ..Outcome::default()
         })
     }
@@ -237,10 +245,9 @@ impl Bench {
         let summary = DiagnosisSummary::new(&diagnosis, &data, self.next.clone());
         let title = if climb { "From the first model to the last" } else { "What the model lacks" };
         let better = climb.then(|| explored(model, &diagnosis, &data, unit_of(&diagnosis.signal)));
-        let comparison = compare(better.as_ref().unwrap_or(model), &self.traces)?;
+        let left = compared(better.as_ref().unwrap_or(model), &self.traces, &data)?;
         // After a climb, what could be added to the first model says nothing of the last.
-        let list =
-            if climb { Value::Null } else { candidates(&diagnosis, &data, &comparison, model) };
+        let list = if climb { Value::Null } else { candidates(&diagnosis, &data, &left, model) };
         let preparation = Preparation::of(&self.traces, &model.base.signal);
         let mut answer = answers::json(&preparation.with(DiagnosisAnswer::from(&summary)));
         if let Some(folder) = self.folder.as_ref().filter(|_| climb) {
@@ -249,7 +256,7 @@ impl Bench {
         Ok(Outcome {
             answer,
             report: Some(("diagnosis", self.page(title, preparation.before(summary.sections())))),
-            compared: Some(Compared::new(comparison, &self.traces)),
+            compared: Some(Compared::new(left, &self.traces)),
             model: better,
             diagnosis: Some((diagnosis, list)),
             ..Outcome::default()
@@ -301,12 +308,13 @@ impl Bench {
     }
 
     fn changed(&self, change: Change) -> Result<Outcome, LabError> {
-        let comparison = compare(&change.model, &self.traces)?;
-        let page = self.page("A changed model", change_report(&change, &comparison));
+        let data = Data::of_model(&change.model, &self.traces)?;
+        let left = compared(&change.model, &self.traces, &data)?;
+        let page = self.page("A changed model", change_report(&change, &left));
         Ok(Outcome {
             answer: answers::json(&ChangeAnswer::from(&change)),
             report: Some(("change", page)),
-            compared: Some(Compared::new(comparison, &self.traces)),
+            compared: Some(Compared::new(left, &self.traces)),
             model: Some(change.model),
             ..Outcome::default()
         })

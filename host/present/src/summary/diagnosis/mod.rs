@@ -24,10 +24,9 @@ pub(crate) use candidates::Ranked;
 
 use super::ladder::{ABOUT, ladder_bars, rung_name};
 use super::unit_of;
-use palpate_diagnose::criticism::compare::Comparison;
 use palpate_diagnose::criticism::diagnose::{Diagnosis, Verdict};
 use palpate_diagnose::criticism::explore::rungs;
-use palpate_diagnose::criticism::leftover::leftover;
+use palpate_diagnose::criticism::leftover::{Leftover, leftover};
 use palpate_diagnose::criticism::leftover_curve::LeftoverCurve;
 use palpate_diagnose::criticism::screen::DRAWS;
 use palpate_diagnose::criticism::search::DECISIVE;
@@ -45,9 +44,9 @@ pub struct DiagnosisSummary<'a> {
     pub(crate) diagnosis: &'a Diagnosis,
     pub(crate) data: &'a Data<'a>,
     /// What the model leaves without the effects found, once asked for.
-    before: OnceCell<Comparison>,
+    before: OnceCell<Leftover<'a>>,
     /// What it leaves with them, once asked for.
-    after: OnceCell<Comparison>,
+    after: OnceCell<Leftover<'a>>,
     /// That as a curve over what it depends on most, once asked for.
     curve: OnceCell<Option<LeftoverCurve>>,
     next: NextCommand,
@@ -99,13 +98,13 @@ impl<'a> DiagnosisSummary<'a> {
     }
 
     /// What the model leaves without the effects found.
-    fn before(&self) -> &Comparison {
+    fn before(&self) -> &Leftover<'a> {
         let base = &self.diagnosis.found.base;
         self.before.get_or_init(|| leftover(self.diagnosis, base, self.data))
     }
 
     /// What it leaves with them.
-    pub(crate) fn after(&self) -> &Comparison {
+    pub(crate) fn after(&self) -> &Leftover<'a> {
         let found = &self.diagnosis.found;
         if found.steps.is_empty() {
             return self.before();

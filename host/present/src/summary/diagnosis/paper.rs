@@ -1,7 +1,7 @@
 //! A diagnosis as one figure for a paper: before, verdict, after.
 
 use super::{DiagnosisSummary, Verdict};
-use palpate_diagnose::criticism::compare::Comparison;
+use palpate_diagnose::criticism::leftover::Leftover;
 use palpate_report::{Axis, Bars, Colour, Figure, Panels, Plot, Series, Sheet, stacked};
 
 /// Heights, user units: all of it fits on a page of A4.
@@ -17,12 +17,11 @@ impl DiagnosisSummary<'_> {
         let trace = self.worst().first().copied().unwrap_or(0);
         let label = &self.data.labels[trace];
         let models = self.models();
-        let comparisons: Vec<&Comparison> = models.iter().map(|(_, of)| *of).collect();
-        let most = self.most_left(trace, &comparisons);
+        let most = self.most_left(trace);
         let mut figures: Vec<Figure> = Vec::new();
-        for ((name, comparison), when) in models.iter().zip(["Before", "After"]) {
+        for ((name, left), when) in models.iter().zip(["Before", "After"]) {
             let title = format!("{when}: {label} with {name}");
-            figures.push(self.beside(trace, &title, comparison, most).into());
+            figures.push(self.beside(trace, &title, left, most).into());
         }
         let bars = Bars { title: verdict.clone(), ..self.ladder_bars() };
         figures.insert(1, bars.into());
@@ -50,10 +49,10 @@ impl DiagnosisSummary<'_> {
     }
 
     /// A trace with a model over it, and the residual below.
-    fn beside(&self, trace: usize, title: &str, of: &Comparison, most: f64) -> Panels {
+    fn beside(&self, trace: usize, title: &str, of: &Leftover, most: f64) -> Panels {
         let signal = Axis::new("signal", self.unit());
         let mut above = Plot::new("", Axis::new("time", "s"), signal).height(SIGNAL);
-        for (index, stretch) in of.stretches.iter().filter(|s| s.trace == trace).enumerate() {
+        for (index, stretch) in of.residuals.of_trace(trace).iter().enumerate() {
             // One entry each in the legend, however many stretches.
             let name = |text: &str| if index == 0 { text.to_owned() } else { String::new() };
             let time = || &stretch.time[..];

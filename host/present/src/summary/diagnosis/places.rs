@@ -2,12 +2,12 @@
 
 use super::DiagnosisSummary;
 use crate::summary::compare::{heat_map, spans};
-use palpate_diagnose::criticism::compare::{Cell, Comparison};
+use palpate_diagnose::criticism::compare::Cell;
 use palpate_diagnose::criticism::dependence::Bin;
 use palpate_diagnose::criticism::diagnose::Verdict;
+use palpate_diagnose::criticism::leftover::Leftover;
 use palpate_diagnose::criticism::leftover_curve::LeftoverCurve;
 use palpate_diagnose::criticism::region::Region;
-use palpate_diagnose::criticism::residuals::Stretch;
 use palpate_report::number::{percent, significant};
 use palpate_report::{Axis, Colour, HeatMap, Panels, Plot, Section, Series};
 
@@ -25,17 +25,17 @@ impl DiagnosisSummary<'_> {
         let mut section = Section::new("Where it sits").paragraph(format!(
             "{}: {}",
             if steps.is_empty() { "What the model leaves" } else { "Without the effects found" },
-            self.before().in_words()
+            self.before().comparison.in_words()
         ));
-        let before = heat_map(self.before());
+        let before = heat_map(&self.before().comparison);
         let strongest = before.values.iter().flatten().copied().fold(0.0, f64::max);
         let title = format!("Share of what {} leaves beyond the noise", self.base_name());
-        if !self.before().only_noise {
+        if !self.before().comparison.only_noise {
             section = section.figure(HeatMap { title, ..before.clone() }, "");
         }
         if !steps.is_empty() {
             let title = format!("What {} still leaves of that", self.top_name());
-            let (values, summary) = (self.still_left(), self.after().in_words());
+            let (values, summary) = (self.still_left(), self.after().comparison.in_words());
             let strongest = Some(strongest);
             let map = HeatMap { title, values, summary, strongest, ..before };
             section = section.figure(map, "In the same unit and colours: all above is 100 %.");
@@ -86,9 +86,9 @@ impl DiagnosisSummary<'_> {
         let noise = self.noise();
         let excess =
             |cell: &Cell| ((cell.rms * cell.rms - noise * noise) * cell.samples as f64).max(0.0);
-        let all: f64 = self.before().cells.iter().map(excess).sum();
+        let all: f64 = self.before().comparison.cells.iter().map(excess).sum();
         let mut values = vec![vec![f64::NAN; Region::ALL.len()]; self.data.labels.len()];
-        for cell in &self.after().cells {
+        for cell in &self.after().comparison.cells {
             values[cell.trace][cell.region as usize] =
                 if all > 0.0 { excess(cell) / all } else { 0.0 };
         }
@@ -98,7 +98,7 @@ impl DiagnosisSummary<'_> {
     /// The traces with the most of the misfit before, the worst first.
     pub(super) fn worst(&self) -> Vec<usize> {
         let share = |trace: usize| -> f64 {
-            let own = self.before().cells.iter().filter(|cell| cell.trace == trace);
+            let own = self.before().comparison.cells.iter().filter(|cell| cell.trace == trace);
             own.map(|cell| cell.share_of_excess).sum()
         };
         let mut traces: Vec<usize> = (0..self.data.labels.len()).collect();
@@ -111,33 +111,34 @@ impl DiagnosisSummary<'_> {
     fn residuals(&self, trace: usize) -> Panels {
         let label = &self.data.labels[trace];
         let plots = self.models();
-        let most = self.most_left(trace, &[self.before(), self.after()]);
+        let most = self.most_left(trace);
         let mut panels = Panels::new(label.as_str()).summary(format!(
             "{label}: the residual over time, {}",
             plots
                 .iter()
-                .map(|(name, comparison)| {
-                    let rms = significant(comparison.trace_rms[trace], 3);
+                .map(|(name, left)| {
+                    let rms = significant(left.comparison.trace_rms[trace], 3);
                     format!("{rms} {} RMS with {name}", self.unit())
                 })
                 .collect::<Vec<_>>()
                 .join(" and ")
         ));
-        for (index, (name, comparison)) in plots.iter().enumerate() {
-            panels = panels.plot(self.residual(trace, name, comparison, most, index == 0));
+        for (index, (name, left)) in plots.iter().enumerate() {
+            panels = panels.plot(self.residual(trace, name, left, most, index == 0));
         }
         panels
     }
 
-    /// The largest residual of a trace in any of these, with a little room.
-    pub(super) fn most_left(&self, trace: usize, comparisons: &[&Comparison]) -> f64 {
-        let stretches = comparisons.iter().flat_map(|of| &of.stretches);
-        let own = stretches.filter(|stretch| stretch.trace == trace);
-        1.05 * own.flat_map(Stretch::residual).fold(0.0, |most: f64, r| most.max(r.abs()))
+    /// The largest residual of a trace before and after, with a little room.
+    pub(super) fn most_left(&self, trace: usize) -> f64 {
+        let both = [self.before(), self.after()];
+        let stretches = both.iter().flat_map(|left| left.residuals.of_trace(trace));
+        let residual = stretches.flat_map(|stretch| stretch.residual());
+        1.05 * residual.fold(0.0, |most: f64, r| most.max(r.abs()))
     }
 
     /// The model before and after, each with what it leaves.
-    pub(super) fn models(&self) -> Vec<(String, &Comparison)> {
+    pub(super) fn models(&self) -> Vec<(String, &Leftover<'_>)> {
         let mut plots = vec![(self.base_name(), self.before())];
         if !self.diagnosis.found.steps.is_empty() {
             plots.push((self.top_name(), self.after()));
@@ -149,14 +150,14 @@ impl DiagnosisSummary<'_> {
         &self,
         trace: usize,
         name: &str,
-        comparison: &Comparison,
+        left: &Leftover,
         most: f64,
         first: bool,
     ) -> Plot {
         let noise = self.noise();
         let axis = Axis::new("residual", self.unit()).range(-most, most);
         let mut plot = Plot::new(name, Axis::new("time", "s"), axis).height(175.0);
-        for stretch in comparison.stretches.iter().filter(|stretch| stretch.trace == trace) {
+        for stretch in left.residuals.of_trace(trace) {
             plot = plot.series(
                 Series::line("residual", &stretch.time[..], stretch.residual())
                     .colour(Colour::RESIDUAL),

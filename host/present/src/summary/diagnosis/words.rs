@@ -231,7 +231,7 @@ impl DiagnosisSummary<'_> {
 
     /// Where what the last model leaves sits and what it depends on.
     pub(super) fn place_in_words(&self) -> String {
-        format!("Beyond the noise, {}", self.after().in_words())
+        format!("Beyond the noise, {}", self.after().comparison.in_words())
     }
 
     /// The experiment that would decide, or show more.
@@ -310,14 +310,18 @@ impl DiagnosisSummary<'_> {
 
     /// What is left as a curve over what it depends on most.
     pub(super) fn curve(&self) -> Option<&LeftoverCurve> {
-        let curve = || LeftoverCurve::of(&self.after().stretches, self.suspect());
+        let curve = || LeftoverCurve::of(&self.after().residuals, self.suspect());
         self.curve.get_or_init(curve).as_ref()
     }
 
     /// What the rest depends on most.
     fn suspect(&self) -> Covariate {
-        let strongest =
-            self.after().dependences.first().filter(|strongest| strongest.p_value < 0.01);
+        let strongest = self
+            .after()
+            .comparison
+            .dependences
+            .first()
+            .filter(|strongest| strongest.p_value < 0.01);
         strongest.map_or(Covariate::Displacement, |dependence| dependence.covariate)
     }
 
