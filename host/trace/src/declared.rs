@@ -4,7 +4,8 @@
 use std::fs::File;
 use std::io::{self, Read};
 
-use super::thrift::look_through;
+use super::parquet_header::{FILE, PAGE};
+use super::thrift::{Kind, look_through};
 use bytes::Bytes;
 use parquet::column::page::{Page, PageMetadata, PageReader};
 use parquet::column::reader::{ColumnReader, get_column_reader};
@@ -47,7 +48,7 @@ impl ChunkReader for Ending {
     fn get_read(&self, start: u64) -> Result<EndingRead> {
         // But for the end of the file, the header of a page.
         if start.saturating_add(END) != self.len() {
-            has_what_it_declares(self.0.get_read(start)?)?;
+            has_what_it_declares(self.0.get_read(start)?, PAGE)?;
         }
         self.0.get_read(start).map(EndingRead)
     }
@@ -59,14 +60,14 @@ impl ChunkReader for Ending {
         let bytes = self.0.get_bytes(start, length)?;
         // Before the end of the file, its header.
         if start.saturating_add(length as u64).saturating_add(END) == self.len() {
-            has_what_it_declares(&bytes[..])?;
+            has_what_it_declares(&bytes[..], FILE)?;
         }
         Ok(bytes)
     }
 }
 
-fn has_what_it_declares(header: impl Read) -> Result<()> {
-    look_through(header).map_err(|error| ParquetError::General(error.to_string()))
+fn has_what_it_declares(header: impl Read, fields: &[Kind]) -> Result<()> {
+    look_through(header, fields).map_err(|error| ParquetError::General(error.to_string()))
 }
 
 impl Read for EndingRead {

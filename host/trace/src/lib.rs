@@ -45,6 +45,8 @@ mod noise;
 mod outliers;
 #[cfg(feature = "parquet")]
 mod parquet;
+#[cfg(feature = "parquet")]
+mod parquet_header;
 mod pooled_noise;
 mod read;
 pub mod recordable;
