@@ -381,8 +381,11 @@ impl Hereditary {
         state.interval = f64::NAN;
         let factor = at(&self.rate_factor, k);
         let change = ahead - state.driven;
-        for ((step, branch), &x) in state.steps.iter_mut().zip(&self.branches).zip(&state.states) {
-            *step = self.growth.step(x, change, branch.rate * factor * interval);
+        // A surface that does not part goes to where it was prepared for.
+        let parts = self.separation == Separation::Free || self.retarded;
+        let step = if parts { Growth::step } else { Growth::step_by };
+        for ((found, branch), &x) in state.steps.iter_mut().zip(&self.branches).zip(&state.states) {
+            *found = step(self.growth, x, change, branch.rate * factor * interval);
         }
     }
 
