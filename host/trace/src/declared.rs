@@ -180,7 +180,7 @@ mod tests {
     #[test]
     fn beyond_the_end_of_a_file_there_is_an_error_and_not_nothing() {
         let mut file = tempfile::tempfile().unwrap();
-        io::Write::write_all(&mut file, b"PAR1").unwrap();
+        io::Write::write_all(&mut file, &[0; 4]).unwrap();
         let file = Ending(file);
         let mut room = [0; 8];
         let mut read = file.get_read(1).unwrap();
