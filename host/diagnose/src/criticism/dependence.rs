@@ -1,13 +1,11 @@
 //! How much of a residual a quantity explains, and whether that could be chance.
 
-use std::borrow::Cow;
-
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
 use super::covariate::Covariate;
-use super::residuals::Residuals;
+use super::residuals::{Residuals, Values};
 use palpate_fit::watch;
 
 /// Mean residual in one bin of a covariate.
@@ -133,7 +131,7 @@ struct Bins {
 
 impl Bins {
     /// Bins of equal width, or around each value where they are few; none of a covariate that does not vary.
-    fn of(values: &[Cow<[f64]>]) -> Option<Self> {
+    fn of(values: &Values) -> Option<Self> {
         let edges = edges(values)?;
         let (mut sums, mut counts) = (vec![0.0; edges.len() + 1], vec![0; edges.len() + 1]);
         let mut runs = Vec::new();
@@ -243,7 +241,7 @@ fn add(runs: &[(usize, usize)], before: &[f64], shift: usize, sums: &mut [f64]) 
 }
 
 /// Inner edges of bins of equal width; around each value where they are few.
-fn edges(values: &[Cow<[f64]>]) -> Option<Vec<f64>> {
+fn edges(values: &Values) -> Option<Vec<f64>> {
     // The distinct values, rising, as long as they are few.
     let mut distinct: Vec<f64> = Vec::new();
     let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
@@ -283,10 +281,15 @@ fn trend(bins: &[Bin]) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use std::borrow::Cow;
+
     use super::*;
 
+    /// A quantity with its values, trace by trace.
+    type Quantity = (Covariate, Vec<Cow<'static, [f64]>>);
+
     /// Residuals of three traces, correlated noise plus `slope` times the displacement, and their quantities.
-    fn traces(slope: f64) -> (Residual, [(Covariate, Vec<Cow<'static, [f64]>>); 3]) {
+    fn traces(slope: f64) -> (Residual, [Quantity; 3]) {
         let mut random = ChaCha8Rng::seed_from_u64(3);
         let time: Vec<f64> = (0..600).map(|k| f64::from(k) * 0.01).collect();
         let (mut displacement, mut residuals) = (Vec::new(), Vec::new());
@@ -312,9 +315,7 @@ mod tests {
     /// What they depend on.
     fn dependences(slope: f64) -> Vec<Dependence> {
         let (residual, quantities) = traces(slope);
-        let found = |(it, values): &(Covariate, Vec<Cow<[f64]>>)| {
-            Some(dependence(&residual, *it, &Bins::of(values)?))
-        };
+        let found = |(it, values): &Quantity| Some(dependence(&residual, *it, &Bins::of(values)?));
         quantities.iter().filter_map(found).collect()
     }
 

@@ -1,12 +1,10 @@
 //! What a model leaves as a curve over one quantity, each way of the motion by itself: a law to begin with
 //! where no effect of the library explains the rest.
 
-use std::borrow::Cow;
-
 use nalgebra::{DMatrix, DVector};
 
 use super::dependence::{Bin, binned};
-use super::residuals::Residuals;
+use super::residuals::{Residuals, Values};
 use palpate_model::covariate::Covariate;
 
 /// A residual over one quantity.
@@ -45,7 +43,7 @@ impl LeftoverCurve {
     fn over(
         covariate: Covariate,
         residuals: &[Vec<f64>],
-        (values, ways): (&[Cow<[f64]>], &[Cow<[f64]>]),
+        (values, ways): (&Values, &Values),
     ) -> Option<Self> {
         let scale =
             values.iter().flat_map(|v| v.iter()).fold(0.0, |most: f64, v| most.max(v.abs()));
@@ -125,6 +123,8 @@ fn expression(covariate: Covariate, scale: f64, coefficients: &[f64]) -> String 
 
 #[cfg(test)]
 mod tests {
+    use std::borrow::Cow;
+
     use super::*;
     use palpate_model::Expression;
 

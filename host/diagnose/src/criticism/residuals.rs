@@ -9,6 +9,9 @@ use palpate_fit::whole_motion::predict;
 use palpate_model::effects::{EffectError, chain_of};
 use palpate_model::{Chain, Model};
 
+/// Values of a quantity, stretch by stretch.
+pub(crate) type Values<'a> = [Cow<'a, [f64]>];
+
 /// A data set beside what a model predicts for it.
 #[derive(Clone, Debug)]
 pub struct Residuals<'a> {

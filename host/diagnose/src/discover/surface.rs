@@ -1,14 +1,12 @@
 //! What a residual depends on without any law: a free surface over two quantities, taken apart into what each does by itself and
 //! what only both together do.
 
-use std::borrow::Cow;
-
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
 use crate::criticism::covariate::Covariate;
-use crate::criticism::residuals::Residuals;
+use crate::criticism::residuals::{Residuals, Values};
 
 /// A residual over two quantities.
 #[derive(Clone, Debug, PartialEq)]
@@ -54,12 +52,12 @@ const PULL: f64 = 5.0;
 #[must_use]
 pub fn surfaces(left: &Residuals) -> Vec<Surface> {
     let classed = |it| Classed::of(it, &left.covariate(it)?);
-    let classed = Covariate::ALL.into_iter().filter_map(classed).collect();
-    surfaces_of(&left.values(), &left.traces().collect::<Vec<_>>(), classed)
+    let classed: Vec<Classed> = Covariate::ALL.into_iter().filter_map(classed).collect();
+    surfaces_of(&left.values(), &left.traces().collect::<Vec<_>>(), &classed)
 }
 
 /// The same of residuals stretch by stretch, with the trace of each and the quantities.
-fn surfaces_of(residuals: &[Vec<f64>], traces: &[usize], classed: Vec<Classed>) -> Vec<Surface> {
+fn surfaces_of(residuals: &[Vec<f64>], traces: &[usize], classed: &[Classed]) -> Vec<Surface> {
     let pairs: Vec<(&Classed, &Classed)> = classed
         .iter()
         .enumerate()
@@ -83,7 +81,7 @@ struct Classed {
 }
 
 impl Classed {
-    fn of(covariate: Covariate, values: &[Cow<[f64]>]) -> Option<Self> {
+    fn of(covariate: Covariate, values: &Values) -> Option<Self> {
         let all = || values.iter().flat_map(|values| values.iter().copied());
         let (least, most) =
             (all().fold(f64::INFINITY, f64::min), all().fold(f64::NEG_INFINITY, f64::max));
@@ -225,6 +223,8 @@ fn surface(pair: (&Classed, &Classed), held_out: f64, residuals: &[Vec<f64>]) ->
 
 #[cfg(test)]
 mod tests {
+    use std::borrow::Cow;
+
     use super::*;
 
     /// The surfaces of four traces with a residual of this law of displacement and velocity, and noise.
@@ -244,7 +244,7 @@ mod tests {
         let quantities =
             [(Covariate::Displacement, x), (Covariate::Velocity, v), (Covariate::Time, time)];
         let classed = quantities.iter().filter_map(|(it, values)| Classed::of(*it, values));
-        surfaces_of(&residuals, &[0, 1, 2, 3], classed.collect())
+        surfaces_of(&residuals, &[0, 1, 2, 3], &classed.collect::<Vec<_>>())
     }
 
     #[test]

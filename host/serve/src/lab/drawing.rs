@@ -110,9 +110,8 @@ impl Drawing {
     #[must_use]
     pub fn of_residuals(left: &Residuals, trace: usize) -> Self {
         let stretches = left.of_trace(trace);
-        let join = |value: fn(&Stretch) -> &[f64]| {
-            stretches.iter().flat_map(|stretch| value(stretch)).copied().collect()
-        };
+        let join =
+            |value: fn(&Stretch) -> &[f64]| stretches.iter().flat_map(value).copied().collect();
         let (measured, predicted): (Vec<f64>, Vec<f64>) =
             (join(|s| &s.measured), join(|s| &s.predicted));
         let residual = measured.iter().zip(&predicted).map(|(y, f)| y - f).collect();
