@@ -151,16 +151,15 @@ impl Growth {
         if self.is_none() {
             return x * (-turns).exp() + change * mean_decay(turns);
         }
-        let series = self.series(x, change, turns);
         if change == 0.0 {
-            return series.unwrap_or_else(|_| self.alone(x, turns));
+            return self.alone(x, turns);
         }
         let step = |x: f64, part: f64| {
             let change = part * change;
             let decays = self.turns(x + 0.5 * change, part * turns);
             x * (-decays).exp() + change * mean_decay(decays)
         };
-        let (mut x, mut done) = match series {
+        let (mut x, mut done) = match self.series(x, change, turns) {
             Ok(x) => return x,
             Err(reached) => reached,
         };
