@@ -121,10 +121,11 @@ impl Growth {
             return decay_and_mean(turns);
         }
         let after = self.driven(x, change, turns);
-        match change == 0.0 {
-            true if x == 0.0 => (1.0, 0.0),
-            true => (after / x, 0.0),
-            false => (1.0, (after - x) / change),
+        // Of the larger of the two, so that neither ratio is large.
+        if change.abs() > x.abs() {
+            (1.0, (after - x) / change)
+        } else {
+            (if x == 0.0 { 1.0 } else { after / x }, 0.0)
         }
     }
 
