@@ -14,7 +14,7 @@ use palpate_diagnose::criticism::residuals::Residuals;
 use palpate_fit::data::Data;
 use palpate_model::Model;
 use palpate_present::answers::{self, ComparisonAnswer};
-use palpate_present::summary::{Preparation, compare_sections};
+use palpate_present::summary::{Preparation, compare_report, compare_sections};
 use palpate_report::Section;
 use palpate_trace::{Trace, read_set};
 
@@ -90,6 +90,11 @@ impl Answer for Compared {
         let Self { model, comparison, traces, .. } = self;
         let data = Data::of_model(model, traces).map_err(Failure::input)?;
         let left = Residuals::of(model, &data).map_err(Failure::input)?;
-        Ok(self.preparation.before(compare_sections(model, comparison, &left, traces)))
+        Ok(self.preparation.before(compare_report(model, comparison, &left, traces)))
+    }
+
+    fn in_short(&self) -> Result<Vec<Section>, Failure> {
+        let sections = compare_sections(&self.model, &self.comparison, &self.traces);
+        Ok(self.preparation.before(sections))
     }
 }

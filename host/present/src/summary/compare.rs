@@ -16,17 +16,24 @@ use palpate_trace::Trace;
 /// Most traces that a report draws one by one.
 const MOST_DRAWN: usize = 12;
 
-/// Where the model fails, what the failure depends on, every trace, and the ladder.
+/// Where the model fails, what the failure depends on, and the ladder.
 #[must_use]
-pub fn compare_sections(
+pub fn compare_sections(model: &Model, comparison: &Comparison, traces: &[Trace]) -> Vec<Section> {
+    let mut sections = vec![place(comparison), dependence_section(comparison, traces)];
+    sections.extend(ladder(model));
+    sections
+}
+
+/// What a report shows of a comparison: the same, and every trace before the ladder.
+#[must_use]
+pub fn compare_report(
     model: &Model,
     comparison: &Comparison,
     left: &Residuals,
     traces: &[Trace],
 ) -> Vec<Section> {
-    let mut sections = vec![place(comparison), dependence_section(comparison, traces)];
-    sections.push(overlays(comparison, left));
-    sections.extend(ladder(model));
+    let mut sections = compare_sections(model, comparison, traces);
+    sections.insert(2, overlays(comparison, left));
     sections
 }
 

@@ -39,7 +39,7 @@ pub use afm::{FittedCurve, afm_sections, rough_sections};
 pub(crate) use afm::{curve_remarks, hold_figure};
 pub(crate) use change::declared as changed_parameters;
 pub use change::{change_report, change_sections};
-pub use compare::{compare_sections, overlays};
+pub use compare::{compare_report, compare_sections, overlays};
 pub use contract::contract_section;
 pub use creep::{Conditioning, creep_sections};
 pub use decomposition::{

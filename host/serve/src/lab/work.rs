@@ -31,7 +31,7 @@ use palpate_present::answers::{
 };
 use palpate_present::summary::{
     DiagnosisSummary, DiscoverySummary, FitSummary, NextCommand, Preparation, Refit, change_report,
-    compare_sections, motion_file, next_motion_section, no_motion, unit_of,
+    compare_report, motion_file, next_motion_section, no_motion, unit_of,
 };
 use palpate_report::{Origin, Page, Section};
 use palpate_trace::{Trace, write_to};
@@ -193,7 +193,7 @@ impl Bench {
         let data = Data::of_model(model, &self.traces)?;
         let left = compared(model, &self.traces, &data)?;
         let preparation = Preparation::of(&self.traces, &model.base.signal);
-        let sections = preparation.before(compare_sections(
+        let sections = preparation.before(compare_report(
             model,
             &left.comparison,
             &left.residuals,
