@@ -3,14 +3,19 @@
 
 use std::fs::File;
 use std::io::{self, Read};
+use std::path::Path;
 
+use super::Error;
 use super::parquet_header::{FILE, PAGE};
 use super::thrift::{Kind, look_through};
 use bytes::Bytes;
+use parquet::basic::Compression;
 use parquet::column::page::{Page, PageMetadata, PageReader};
 use parquet::column::reader::{ColumnReader, get_column_reader};
 use parquet::errors::{ParquetError, Result};
-use parquet::file::reader::{ChunkReader, Length, RowGroupReader, SerializedFileReader};
+use parquet::file::reader::{
+    ChunkReader, FileReader, Length, RowGroupReader, SerializedFileReader,
+};
 
 /// Most values that are read at once, of all columns together: 4 GiB of memory.
 const MOST_VALUES: u64 = 1 << 29;
@@ -31,9 +36,29 @@ pub(super) struct EndingRead(<File as ChunkReader>::T);
 /// Opens a file.
 ///
 /// # Errors
-/// When it is none of Parquet.
-pub(super) fn open(file: File) -> Result<SerializedFileReader<Ending>> {
-    SerializedFileReader::new(Ending(file))
+/// When it is none of Parquet, or compressed as this program cannot read it.
+pub(super) fn open(
+    path: &Path,
+    file: File,
+) -> std::result::Result<SerializedFileReader<Ending>, Error> {
+    let reader = SerializedFileReader::new(Ending(file))
+        .map_err(|error| Error::Parquet { path: path.into(), message: error.to_string() })?;
+    let mut columns = reader.metadata().row_groups().iter().flat_map(|group| group.columns());
+    match columns.find_map(|column| unbuilt(column.compression())) {
+        Some(format) => Err(Error::Unbuilt { path: path.into(), format }),
+        None => Ok(reader),
+    }
+}
+
+/// What a file compressed so is called, where this program was built without the reader of it.
+fn unbuilt(compression: Compression) -> Option<&'static str> {
+    match compression {
+        _ if cfg!(feature = "formats") => None,
+        Compression::GZIP(_) => Some("Parquet compressed with gzip"),
+        Compression::BROTLI(_) => Some("Parquet compressed with Brotli"),
+        Compression::LZ4 | Compression::LZ4_RAW => Some("Parquet compressed with LZ4"),
+        _ => None,
+    }
 }
 
 impl Length for Ending {

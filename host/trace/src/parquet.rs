@@ -96,7 +96,7 @@ pub(super) fn guarded<T>(path: &Path, read: impl FnOnce() -> Result<T, Error>) -
 
 fn decode(path: &Path, file: File) -> Result<Trace, Error> {
     let refused = |message: String| Error::Parquet { path: path.into(), message };
-    let reader = declared::open(file).map_err(|error| refused(error.to_string()))?;
+    let reader = declared::open(path, file)?;
     let head = head_of(path, &reader)?;
     let mut columns = columns_of(&reader).map_err(refused)?;
     let time_at = columns.iter().position(|column| column.name == TIME);
@@ -219,6 +219,18 @@ mod tests {
         let path = folder.path().join("press.parquet");
         std::fs::write(&path, bytes).unwrap();
         super::super::read(&path).map(|trace| Trace { path: None, ..trace })
+    }
+
+    #[test]
+    fn a_compression_is_read_or_named_with_what_reads_it() {
+        let read = through_a_file(include_bytes!("../../../tests/foreign/gzip.parquet"));
+        if cfg!(feature = "formats") {
+            assert_eq!(read.unwrap().column("force_N"), Some(&[0.0, 0.5, 1.25][..]));
+        } else {
+            let refused = read.unwrap_err().to_string();
+            assert!(refused.contains("Parquet compressed with gzip. This palpate"), "{refused}");
+            assert!(refused.contains("--features formats"), "{refused}");
+        }
     }
 
     #[test]

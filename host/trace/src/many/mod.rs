@@ -50,9 +50,7 @@ pub fn head_of(path: &Path) -> Result<Head, Error> {
 
 fn open(path: &Path) -> Result<SerializedFileReader<Ending>, Error> {
     let file = File::open(path).map_err(|source| Error::Open { path: path.into(), source })?;
-    one::guarded(path, move || {
-        declared::open(file).map_err(|error| refused(path, error.to_string()))
-    })
+    one::guarded(path, move || declared::open(path, file))
 }
 
 fn refused(path: &Path, message: String) -> Error {
