@@ -92,7 +92,7 @@ pub fn compared<'a>(
     let residuals = Residuals::new(&chain, &parameters, data);
     let seen = noise_model(data);
     let noise = told(seen.as_ref(), traces, &model.base.signal);
-    let mut cells = cells(data, &residuals, noise.as_ref());
+    let mut cells = cells(data, &residuals, noise.map_or(0.0, |noise| noise.standard_deviation));
     let only_noise = match (&seen, noise) {
         (Some(seen), Some(noise)) => {
             let problem = Problem::new(&chain, data, &seen.whitening, None);
@@ -106,12 +106,9 @@ pub fn compared<'a>(
         // There is nothing beyond the noise to share out.
         cells.iter_mut().for_each(|cell| cell.share_of_excess = 0.0);
     }
-    let of_trace = |trace| move |cell: &&Cell| trace == cell.trace;
-    let trace_rms =
-        (0..data.labels.len()).map(|trace| rms(cells.iter().filter(of_trace(trace)))).collect();
     let comparison = Comparison {
         rms: rms(cells.iter()),
-        trace_rms,
+        trace_rms: trace_rms(&cells, data.labels.len()),
         dependences: dependences(&residuals),
         labels: data.labels.clone(),
         signal: data.signal.clone(),
@@ -132,12 +129,19 @@ fn rms<'a>(cells: impl Iterator<Item = &'a Cell>) -> f64 {
     if samples > 0.0 { (square / samples).sqrt() } else { 0.0 }
 }
 
-fn cells(data: &Data, left: &Residuals, noise: Option<&Noise>) -> Vec<Cell> {
+/// The same for each trace.
+pub(super) fn trace_rms(cells: &[Cell], traces: usize) -> Vec<f64> {
+    let of_trace = |trace| cells.iter().filter(move |cell| trace == cell.trace);
+    (0..traces).map(|trace| rms(of_trace(trace))).collect()
+}
+
+/// The error in every region of every trace.
+pub(super) fn cells(data: &Data, left: &Residuals, noise: f64) -> Vec<Cell> {
     let mut sums = Sums::new(data.labels.len());
     for (piece, predicted) in data.pieces.iter().zip(&left.predicted) {
         sums.add(piece, predicted);
     }
-    sums.cells(noise.map_or(0.0, |noise| noise.standard_deviation))
+    sums.cells(noise)
 }
 
 /// The error in every region of every trace of a problem at a point, stretch by stretch.
