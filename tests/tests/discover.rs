@@ -11,13 +11,13 @@ use palpate::model::{BaseLaw, Model, Separation};
 use palpate::summary::{DiscoverySummary, NextCommand, Preparation};
 use palpate_tests::follows_schema;
 use palpate_tests::hidden::laws::{OUTSIDE, OUTSIDE_MORE};
-use palpate_tests::hidden::{DataSet, LawKind, NoiseKind, Scenario, generate};
+use palpate_tests::hidden::{DataSet, Day, LawKind, NoiseKind, Scenario, generate};
 
 const LAW: BaseLaw = BaseLaw::fung(2, Separation::Clamp);
 
 fn set(seed: u64, hidden: &[(&str, LawKind)], r: f64) -> DataSet {
     let hidden = hidden.iter().map(|(effect, kind)| ((*effect).to_owned(), *kind)).collect();
-    generate(&Scenario { seed, hidden, r, noise: NoiseKind::Correlated })
+    generate(&Scenario { seed, hidden, r, noise: NoiseKind::Correlated, day: Day::Usual })
 }
 
 /// The same with one sample in so many: nearly as clear, and searched in as small a part of the time.

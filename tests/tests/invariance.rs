@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use palpate::trace::{DISPLACEMENT, FORCE, Trace, write};
-use palpate_tests::hidden::{LawKind, NoiseKind, Scenario, generate};
+use palpate_tests::hidden::{Day, LawKind, NoiseKind, Scenario, generate};
 use palpate_tests::{answer, bundled, palpate};
 use proptest::prelude::*;
 use proptest::sample::select;
@@ -25,7 +25,8 @@ const SCALED: f64 = 2e-5;
 /// Ten traces of a specimen with one effect that the base law lacks.
 fn measured(seed: u64, effect: &str) -> Vec<Trace> {
     let hidden = vec![(effect.to_owned(), LawKind::Reference)];
-    generate(&Scenario { seed, hidden, r: 1.0, noise: NoiseKind::Correlated }).traces
+    generate(&Scenario { seed, hidden, r: 1.0, noise: NoiseKind::Correlated, day: Day::Usual })
+        .traces
 }
 
 /// Writes the traces as files of a folder `set` of its own.

@@ -14,7 +14,7 @@ use palpate::fit::whole_motion::fit;
 use palpate::model::{BaseLaw, Model, Separation};
 use palpate_tests::hidden::laws::beyond::{BEYOND, Beyond, beyond};
 use palpate_tests::hidden::laws::{CROSSTALK, EFFECTS};
-use palpate_tests::hidden::{DataSet, LawKind, NoiseKind, Scenario, generate};
+use palpate_tests::hidden::{DataSet, Day, LawKind, NoiseKind, Scenario, generate};
 use share::Share;
 
 /// Looks for formulas on simulated data sets and counts.
@@ -101,6 +101,7 @@ fn set(group: &str, index: usize, seed: u64, effect: Option<&str>) -> DataSet {
         hidden: hidden.clone(),
         r: if hidden.is_empty() { 0.0 } else { r },
         noise: NoiseKind::Correlated,
+        day: Day::Usual,
     };
     let mut sets = (0..DRAWS).map(|draw| generate(&scenario(draw)));
     sets.find(|set| set.truth.reaches(r)).unwrap_or_else(|| generate(&scenario(0)))

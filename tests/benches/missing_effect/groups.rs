@@ -5,7 +5,7 @@ use palpate_tests::hidden::laws::beyond::BEYOND;
 use palpate_tests::hidden::laws::{CROSSTALK, EFFECTS, Effect, INEXACT, OUTSIDE, OUTSIDE_MORE};
 use palpate_tests::hidden::random::{Subject, stream};
 use palpate_tests::hidden::{
-    DataSet, LawKind, NoiseKind, Scenario, generate, generate_with_fresh, one_short_trace,
+    DataSet, Day, LawKind, NoiseKind, Scenario, generate, generate_with_fresh, one_short_trace,
 };
 use rand::RngExt;
 
@@ -35,29 +35,36 @@ pub struct Group {
     pub r: &'static [f64],
     /// The noise.
     pub noise: NoiseKind,
+    /// What is measured.
+    pub day: Day,
 }
 
 /// Every group. R that the laws are asked for is spread where the goal states a range.
 #[rustfmt::skip]
 pub const GROUPS: &[Group] = &[
-    Group { name: "null-correlated", kind: Kind::Null, r: &[0.0], noise: NoiseKind::Correlated },
-    Group { name: "null-white", kind: Kind::Null, r: &[0.0], noise: NoiseKind::White },
-    Group { name: "null-flicker", kind: Kind::Null, r: &[0.0], noise: NoiseKind::Flicker },
-    Group { name: "reference-0.1", kind: Kind::One(LawKind::Reference), r: &[0.1], noise: NoiseKind::Correlated },
-    Group { name: "reference-0.2", kind: Kind::One(LawKind::Reference), r: &[0.2], noise: NoiseKind::Correlated },
-    Group { name: "reference-1", kind: Kind::One(LawKind::Reference), r: &[0.5, 1.0, 2.0], noise: NoiseKind::Correlated },
-    Group { name: "foreign-0.2", kind: Kind::One(LawKind::Foreign), r: &[0.2], noise: NoiseKind::Correlated },
-    Group { name: "foreign-1", kind: Kind::One(LawKind::Foreign), r: &[0.5, 1.0, 2.0], noise: NoiseKind::Correlated },
-    Group { name: "crosstalk", kind: Kind::Crosstalk, r: &[0.2, 0.5, 1.0], noise: NoiseKind::Correlated },
-    Group { name: "pair", kind: Kind::Pair, r: &[0.5, 1.0, 2.0], noise: NoiseKind::Correlated },
-    Group { name: "outside", kind: Kind::One(LawKind::Outside), r: &[0.5, 1.0, 2.0], noise: NoiseKind::Correlated },
-    Group { name: "short", kind: Kind::Short, r: &[0.2, 0.5, 1.0], noise: NoiseKind::Correlated },
+    Group { name: "null-correlated", kind: Kind::Null, r: &[0.0], noise: NoiseKind::Correlated, day: Day::Usual },
+    Group { name: "null-white", kind: Kind::Null, r: &[0.0], noise: NoiseKind::White, day: Day::Usual },
+    Group { name: "null-flicker", kind: Kind::Null, r: &[0.0], noise: NoiseKind::Flicker, day: Day::Usual },
+    Group { name: "reference-0.1", kind: Kind::One(LawKind::Reference), r: &[0.1], noise: NoiseKind::Correlated, day: Day::Usual },
+    Group { name: "reference-0.2", kind: Kind::One(LawKind::Reference), r: &[0.2], noise: NoiseKind::Correlated, day: Day::Usual },
+    Group { name: "reference-1", kind: Kind::One(LawKind::Reference), r: &[0.5, 1.0, 2.0], noise: NoiseKind::Correlated, day: Day::Usual },
+    Group { name: "foreign-0.2", kind: Kind::One(LawKind::Foreign), r: &[0.2], noise: NoiseKind::Correlated, day: Day::Usual },
+    Group { name: "foreign-1", kind: Kind::One(LawKind::Foreign), r: &[0.5, 1.0, 2.0], noise: NoiseKind::Correlated, day: Day::Usual },
+    Group { name: "crosstalk", kind: Kind::Crosstalk, r: &[0.2, 0.5, 1.0], noise: NoiseKind::Correlated, day: Day::Usual },
+    Group { name: "pair", kind: Kind::Pair, r: &[0.5, 1.0, 2.0], noise: NoiseKind::Correlated, day: Day::Usual },
+    Group { name: "outside", kind: Kind::One(LawKind::Outside), r: &[0.5, 1.0, 2.0], noise: NoiseKind::Correlated, day: Day::Usual },
+    Group { name: "short", kind: Kind::Short, r: &[0.2, 0.5, 1.0], noise: NoiseKind::Correlated, day: Day::Usual },
     // New groups stand at the end: the place of a group is part of its seeds.
-    Group { name: "null-flicker-through", kind: Kind::Null, r: &[0.0], noise: NoiseKind::FlickerThrough },
-    Group { name: "inexact", kind: Kind::One(LawKind::Inexact), r: &[0.5, 1.0, 2.0, 5.0], noise: NoiseKind::Correlated },
-    Group { name: "foreign-more", kind: Kind::One(LawKind::ForeignMore), r: &[0.5, 1.0, 2.0], noise: NoiseKind::Correlated },
-    Group { name: "outside-more", kind: Kind::One(LawKind::OutsideMore), r: &[0.5, 1.0, 2.0], noise: NoiseKind::Correlated },
-    Group { name: "outside-beyond", kind: Kind::One(LawKind::Beyond), r: &[0.5, 1.0, 2.0], noise: NoiseKind::Correlated },
+    Group { name: "null-flicker-through", kind: Kind::Null, r: &[0.0], noise: NoiseKind::FlickerThrough, day: Day::Usual },
+    Group { name: "inexact", kind: Kind::One(LawKind::Inexact), r: &[0.5, 1.0, 2.0, 5.0], noise: NoiseKind::Correlated, day: Day::Usual },
+    Group { name: "foreign-more", kind: Kind::One(LawKind::ForeignMore), r: &[0.5, 1.0, 2.0], noise: NoiseKind::Correlated, day: Day::Usual },
+    Group { name: "outside-more", kind: Kind::One(LawKind::OutsideMore), r: &[0.5, 1.0, 2.0], noise: NoiseKind::Correlated, day: Day::Usual },
+    Group { name: "outside-beyond", kind: Kind::One(LawKind::Beyond), r: &[0.5, 1.0, 2.0], noise: NoiseKind::Correlated, day: Day::Usual },
+    Group { name: "null-other", kind: Kind::Null, r: &[0.0], noise: NoiseKind::Correlated, day: Day::Other },
+    Group { name: "reference-other", kind: Kind::One(LawKind::Reference), r: &[0.5, 1.0, 2.0], noise: NoiseKind::Correlated, day: Day::Other },
+    Group { name: "foreign-other", kind: Kind::One(LawKind::Foreign), r: &[0.5, 1.0, 2.0], noise: NoiseKind::Correlated, day: Day::Other },
+    Group { name: "rare-other", kind: Kind::One(LawKind::OutsideMore), r: &[0.5, 1.0, 2.0], noise: NoiseKind::Correlated, day: Day::Other },
+    Group { name: "inexact-other", kind: Kind::One(LawKind::Inexact), r: &[0.5, 1.0, 2.0, 5.0], noise: NoiseKind::Correlated, day: Day::Other },
 ];
 
 /// Draws of a scenario before it is taken although its R is not reached.
@@ -78,6 +85,7 @@ impl Group {
                 hidden: self.hidden(index + (draw / DRAWS) as usize, first + draw),
                 r,
                 noise: self.noise,
+                day: self.day,
             };
             let (set, fresh) = match self.kind {
                 Kind::Short => (one_short_trace(&scenario), Vec::new()),

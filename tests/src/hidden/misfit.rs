@@ -2,7 +2,7 @@
 
 use nalgebra::{SMatrix, SVector};
 
-use super::session::{RATE_HZ, Session};
+use super::session::Session;
 use super::specimen::{Base, decay_and_gain};
 
 /// ln of the force at 12 mm, q, ln c1, ln c2, ln v1, ln v2.
@@ -15,6 +15,7 @@ const REFERENCE: f64 = 12.0;
 #[derive(Debug)]
 pub struct Refit {
     start: Point,
+    rate_hz: f64,
     /// For each trace ln(x/12 mm) of its samples, none off the specimen, and the pause before, s.
     traces: Vec<(Vec<Option<f64>>, f64)>,
     samples: usize,
@@ -29,7 +30,7 @@ impl Refit {
             let x = |time| recording.course.at(time).x;
             let depth = |time| (x(time) > 0.0).then(|| (x(time) / REFERENCE).ln());
             let pause = recording.start_s - end;
-            end = recording.start_s + (recording.samples - 1) as f64 / RATE_HZ;
+            end = recording.start_s + (recording.samples - 1) as f64 / recording.rate_hz;
             (recording.times().map(depth).collect(), pause)
         });
         let traces: Vec<(Vec<Option<f64>>, f64)> = traces.collect();
@@ -37,14 +38,14 @@ impl Refit {
         let [c1, c2] = base.shares.map(f64::ln);
         let [v1, v2] = base.rates.map(f64::ln);
         let start = Point::from([base.elastic(REFERENCE).ln(), base.q, c1, c2, v1, v2]);
-        Self { start, traces, samples }
+        Self { start, rate_hz: session.rate_hz, traces, samples }
     }
 
     /// Hands the prediction for each sample of the set to `sink`.
     fn predict(&self, point: &Point, mut sink: impl FnMut(usize, f64)) {
         let shares = [point[2].exp(), point[3].exp()];
         let rates = [point[4].exp(), point[5].exp()];
-        let within = rates.map(|rate| decay_and_gain(rate / RATE_HZ));
+        let within = rates.map(|rate| decay_and_gain(rate / self.rate_hz));
         let mut branches = [0.0; 2];
         let (mut before, mut sample) = (0.0, 0);
         for (depths, pause) in &self.traces {

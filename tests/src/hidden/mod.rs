@@ -25,3 +25,4 @@ pub use noise::NoiseKind;
 pub use scenario::{
     DataSet, Hidden, Scenario, Truth, generate, generate_with_fresh, one_short_trace,
 };
+pub use session::Day;

@@ -4,7 +4,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
 use super::random::even;
-use super::session::{RATE_HZ, Session};
+use super::session::Session;
 
 /// Kind of noise.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -73,15 +73,16 @@ fn times_between(shortest: f64, longest: f64) -> Vec<f64> {
 #[must_use]
 pub fn noise(kind: NoiseKind, session: &Session, random: &mut ChaCha8Rng) -> Vec<Vec<f64>> {
     const WHITE: f64 = 0.0;
+    let rate_hz = session.rate_hz;
     let (times, flicker): (Vec<f64>, f64) = match kind {
-        NoiseKind::Correlated => (vec![-1.0 / (RATE_HZ * even(random, 0.2, 0.8).ln())], 1.0),
+        NoiseKind::Correlated => (vec![-1.0 / (rate_hz * even(random, 0.2, 0.8).ln())], 1.0),
         NoiseKind::White => (vec![WHITE], 1.0),
         // Thrice a decade from 0.01 s to 100 s.
         NoiseKind::Flicker => {
             ((-6..=6).map(|k| 10f64.powf(f64::from(k) / 3.0)).collect(), even(random, 0.3, 0.7))
         }
         NoiseKind::FlickerThrough => {
-            (times_between(1.0 / RATE_HZ, session.lasts_s()), even(random, 0.5, 1.5).min(1.0))
+            (times_between(1.0 / rate_hz, session.lasts_s()), even(random, 0.5, 1.5).min(1.0))
         }
     };
     let mut slow = Processes::new(random, &times, flicker);
@@ -90,7 +91,7 @@ pub fn noise(kind: NoiseKind, session: &Session, random: &mut ChaCha8Rng) -> Vec
     let mut trace = |start: f64, samples: usize| {
         (0..samples)
             .map(|k| {
-                let now = start + k as f64 / RATE_HZ;
+                let now = start + k as f64 / rate_hz;
                 let value = slow.after(random, now - before) + white.after(random, 1.0);
                 before = now;
                 value
@@ -150,10 +151,10 @@ mod tests {
         for seed in 0..10 {
             let session = Session::whole(seed);
             let random = &mut stream(seed, Subject::Noise);
-            let times = times_between(1.0 / RATE_HZ, session.lasts_s());
+            let times = times_between(1.0 / session.rate_hz, session.lasts_s());
             let mut process = Processes::new(random, &times, 1.0);
             let values: Vec<f64> =
-                (0..1 << 14).map(|_| process.after(random, 1.0 / RATE_HZ)).collect();
+                (0..1 << 14).map(|_| process.after(random, 1.0 / session.rate_hz)).collect();
             for (octave, sum) in octaves.iter_mut().enumerate() {
                 let half = 4 << octave;
                 let mean = |part: &[f64]| part.iter().sum::<f64>() / half as f64;

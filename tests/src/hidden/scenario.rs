@@ -12,7 +12,7 @@ use super::laws::{CROSSTALK, LawKind, Recipe, Setting, laws};
 use super::misfit::Refit;
 use super::noise::{NoiseKind, noise};
 use super::random::{Subject, even, log_even, stream};
-use super::session::Session;
+use super::session::{Day, Session};
 use super::specimen::{Act, Base, record};
 
 /// What to generate.
@@ -27,6 +27,8 @@ pub struct Scenario {
     pub r: f64,
     /// Kind of noise.
     pub noise: NoiseKind,
+    /// What is measured.
+    pub day: Day,
 }
 
 /// A law that was hidden.
@@ -97,7 +99,7 @@ pub struct DataSet {
 /// If an effect has no law of the asked kind.
 #[must_use]
 pub fn generate(scenario: &Scenario) -> DataSet {
-    of_session(scenario, &Session::whole(scenario.seed), None).0
+    of_session(scenario, &Session::of_day(scenario.day, scenario.seed), None).0
 }
 
 /// The same set, and ten more traces of a like specimen that nothing was done to before, taken on
@@ -108,8 +110,8 @@ pub fn generate(scenario: &Scenario) -> DataSet {
 #[must_use]
 pub fn generate_with_fresh(scenario: &Scenario) -> (DataSet, Vec<Trace>) {
     // Any other seed does.
-    let another_day = Session::whole(scenario.seed ^ (1 << 63));
-    of_session(scenario, &Session::whole(scenario.seed), Some(&another_day))
+    let another_day = Session::of_day(scenario.day, scenario.seed ^ (1 << 63));
+    of_session(scenario, &Session::of_day(scenario.day, scenario.seed), Some(&another_day))
 }
 
 /// Generates a single trace, 8 mm at 20 mm/s; R is that of this trace.
@@ -364,7 +366,7 @@ mod tests {
 
     fn scenario(seed: u64, hidden: &[(&str, LawKind)], r: f64) -> Scenario {
         let hidden = hidden.iter().map(|(name, kind)| ((*name).to_owned(), *kind)).collect();
-        Scenario { seed, hidden, r, noise: NoiseKind::Correlated }
+        Scenario { seed, hidden, r, noise: NoiseKind::Correlated, day: Day::Usual }
     }
 
     /// R by the library's own fit to the signal without noise.

@@ -7,10 +7,19 @@ use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
 
 use super::motion::Course;
-use super::random::{Subject, even, sign, stream};
+use super::random::{Subject, even, log_even, sign, stream};
 
-/// Samples per second of every trace.
-pub const RATE_HZ: f64 = 200.0;
+/// Samples per second of every trace of a usual day.
+const RATE_HZ: f64 = 200.0;
+
+/// What is measured on a day.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Day {
+    /// Three amplitudes at three rates, and six cycles: [`Session::whole`].
+    Usual,
+    /// What another laboratory would do: [`Session::other`].
+    Other,
+}
 
 /// One trace as it is planned.
 #[derive(Clone, Debug)]
@@ -25,12 +34,14 @@ pub struct Recording {
     pub start_s: f64,
     /// Number of samples.
     pub samples: usize,
+    /// Samples per second.
+    pub rate_hz: f64,
 }
 
 impl Recording {
     /// Time of each sample since the trace began, s.
     pub fn times(&self) -> impl Iterator<Item = f64> {
-        (0..self.samples).map(|k| k as f64 / RATE_HZ)
+        (0..self.samples).map(|k| k as f64 / self.rate_hz)
     }
 }
 
@@ -39,6 +50,8 @@ impl Recording {
 pub struct Session {
     /// The traces.
     pub recordings: Vec<Recording>,
+    /// Samples per second of every trace.
+    pub rate_hz: f64,
     air: Air,
     /// Mean temperature of all samples, °C: the reference temperature of the laws.
     pub mean_temperature: f64,
@@ -105,7 +118,92 @@ impl Habits {
     }
 }
 
+/// The motions of a day.
+type Plan = fn(&Habits, &mut ChaCha8Rng) -> Vec<Course>;
+
+const PLANS: [Plan; 5] = [staircases, triangles, wanderings, long_holds, retreats];
+
+/// Up in four steps and down again, with a hold on each.
+fn staircases(habits: &Habits, random: &mut ChaCha8Rng) -> Vec<Course> {
+    let mut staircase = |speed: f64| {
+        let mut course = habits.begin(random);
+        for to_mm in [3.0, 6.0, 9.0, 12.0, 9.0, 6.0, 3.0, -habits.gap_mm] {
+            course.go(to_mm, speed);
+            course.stay(even(random, 2.0, 5.0));
+        }
+        course
+    };
+    [2.0, 5.0, 15.0, 40.0].map(&mut staircase).into()
+}
+
+/// Cycles without a hold, each trace to a depth and at a speed of its own.
+fn triangles(habits: &Habits, random: &mut ChaCha8Rng) -> Vec<Course> {
+    let mut cycles = |(to_mm, speed): (f64, f64)| {
+        let mut course = habits.begin(random);
+        for _ in 0..4 {
+            course.go(to_mm, speed);
+            course.go(-habits.gap_mm, speed);
+        }
+        course.stay(even(random, 2.0, 3.0));
+        course
+    };
+    [(12.0, 3.0), (12.0, 12.0), (6.0, 3.0), (6.0, 12.0), (12.0, 40.0), (9.0, 6.0)]
+        .map(&mut cycles)
+        .into()
+}
+
+/// From place to place by chance, at a speed by chance, with and without a stay.
+fn wanderings(habits: &Habits, random: &mut ChaCha8Rng) -> Vec<Course> {
+    let mut wandering = |_: usize| {
+        let mut course = habits.begin(random);
+        course.go(12.0, log_even(random, 5.0, 60.0));
+        for _ in 0..9 {
+            course.stay(even(random, 0.0, 1.5));
+            course.go(even(random, -habits.gap_mm, 12.0), log_even(random, 5.0, 60.0));
+        }
+        course.go(-habits.gap_mm - 2.5, 20.0);
+        course.stay(even(random, 2.0, 3.0));
+        course
+    };
+    (0..6).map(&mut wandering).collect()
+}
+
+/// Relaxation tests: fast to a depth, a long hold, a long rest.
+fn long_holds(habits: &Habits, random: &mut ChaCha8Rng) -> Vec<Course> {
+    let mut hold = |to_mm: f64| {
+        let mut course = habits.begin(random);
+        course.go(to_mm, 30.0);
+        course.stay(even(random, 40.0, 60.0));
+        course.go(-habits.gap_mm, 30.0);
+        course.stay(even(random, 10.0, 20.0));
+        course
+    };
+    [3.0, 6.0, 9.0, 12.0].map(&mut hold).into()
+}
+
+/// The same press, and back at many speeds, each twice.
+fn retreats(habits: &Habits, random: &mut ChaCha8Rng) -> Vec<Course> {
+    let mut retreat = |speed: f64| {
+        let mut course = habits.begin(random);
+        course.go(12.0, 10.0);
+        course.stay(1.0);
+        course.go(-habits.gap_mm, speed);
+        course.stay(even(random, 2.0, 3.0));
+        course
+    };
+    [1.5, 5.0, 20.0, 60.0, 1.5, 5.0, 20.0, 60.0].map(&mut retreat).into()
+}
+
 impl Session {
+    /// What is done on such a day.
+    #[must_use]
+    pub fn of_day(day: Day, seed: u64) -> Self {
+        match day {
+            Day::Usual => Self::whole(seed),
+            Day::Other => Self::other(seed),
+        }
+    }
+
     /// Three amplitudes at three rates, and six cycles. One set in two goes from small to large
     /// amplitudes, rates in any order; the other takes all traces in any order.
     #[must_use]
@@ -134,7 +232,25 @@ impl Session {
             planned.sort_by_key(|(amplitude, ..)| *amplitude);
         }
         let planned = planned.into_iter().map(|(_, name, file, course)| (name, file, course));
-        Self::of(random, planned)
+        Self::of(random, RATE_HZ, planned)
+    }
+
+    /// What another laboratory would do, at another rate: holds on a staircase, cycles without a hold, motions by chance,
+    /// few long holds, or retreats at many speeds. All reach 12 mm.
+    #[must_use]
+    pub fn other(seed: u64) -> Self {
+        let random = &mut stream(seed, Subject::Session);
+        let habits = Habits { gap_mm: even(random, 0.5, 0.8), corner_s: even(random, 0.03, 0.05) };
+        let plan = PLANS[random.random_range(0..PLANS.len())];
+        let rate_hz = [50.0, 100.0, 250.0][random.random_range(0..3)];
+        let mut planned = plan(&habits, random);
+        planned.shuffle(random);
+        let named = planned.into_iter().enumerate().map(|(k, course)| {
+            let name = format!("take {}", k + 1);
+            (name, format!("take-{}.csv", k + 1), course)
+        });
+        let named: Vec<(String, String, Course)> = named.collect();
+        Self::of(random, rate_hz, named)
     }
 
     /// A single trace, 8 mm at 20 mm/s.
@@ -143,23 +259,25 @@ impl Session {
         let random = &mut stream(seed, Subject::Session);
         let habits = Habits { gap_mm: even(random, 0.5, 0.8), corner_s: even(random, 0.03, 0.05) };
         let course = habits.hold(random, 8.0, 20.0);
-        Self::of(random, [("8 mm at 20 mm/s".into(), "hold-8mm-20mms.csv".into(), course)])
+        Self::of(random, RATE_HZ, [("8 mm at 20 mm/s".into(), "hold-8mm-20mms.csv".into(), course)])
     }
 
     fn of(
         random: &mut ChaCha8Rng,
+        rate_hz: f64,
         planned: impl IntoIterator<Item = (String, String, Course)>,
     ) -> Self {
         let mut start_s = 0.0;
         let mut recordings = Vec::new();
         for (name, file, course) in planned {
             let lasts_s = course.lasts_s();
-            let samples = (lasts_s * RATE_HZ) as usize;
-            recordings.push(Recording { name, file, course, start_s, samples });
+            let samples = (lasts_s * rate_hz) as usize;
+            recordings.push(Recording { name, file, course, start_s, samples, rate_hz });
             let next: f64 = start_s + lasts_s + even(random, 20.0, 120.0);
             start_s = (10.0 * next).round() / 10.0;
         }
-        let mut session = Self { recordings, air: Air::random(random), mean_temperature: 0.0 };
+        let air = Air::random(random);
+        let mut session = Self { recordings, rate_hz, air, mean_temperature: 0.0 };
         let (sum, count) = session.recordings.iter().fold((0.0, 0), |(sum, count), recording| {
             let of_all =
                 recording.times().map(|time| session.temperature(recording.start_s + time));
@@ -174,7 +292,7 @@ impl Session {
     pub fn lasts_s(&self) -> f64 {
         self.recordings
             .last()
-            .map_or(0.0, |last| last.start_s + (last.samples.max(1) - 1) as f64 / RATE_HZ)
+            .map_or(0.0, |last| last.start_s + (last.samples.max(1) - 1) as f64 / self.rate_hz)
     }
 
     /// True temperature of the air, °C, at a time since the data set began, s.

@@ -5,7 +5,7 @@
 //! reset at the beginning of a trace, so what a law remembers it remembers from trace to trace.
 
 use super::motion::Course;
-use super::session::{RATE_HZ, Recording, Session};
+use super::session::{Recording, Session};
 
 /// Fine steps between two samples.
 const STEPS: usize = 8;
@@ -133,7 +133,7 @@ struct Simulation<'a> {
 
 impl Simulation<'_> {
     fn trace(&mut self, trace: usize, recording: &Recording) -> Vec<f64> {
-        let step = 1.0 / (RATE_HZ * STEPS as f64);
+        let step = 1.0 / (recording.rate_hz * STEPS as f64);
         let mut signal = Vec::with_capacity(recording.samples);
         signal.push(self.advance(trace, recording, 0.0, step));
         for fine in 1..=(recording.samples - 1) * STEPS {
@@ -147,8 +147,8 @@ impl Simulation<'_> {
 
     /// From the last sample to one fine step before the next trace.
     fn pause(&mut self, trace: usize, recording: &Recording, until: f64) {
-        let fine = 1.0 / (RATE_HZ * STEPS as f64);
-        let mut time = (recording.samples - 1) as f64 / RATE_HZ;
+        let fine = 1.0 / (recording.rate_hz * STEPS as f64);
+        let mut time = (recording.samples - 1) as f64 / recording.rate_hz;
         let mut step = fine;
         while until - fine - time > 1e-9 {
             step = (1.1 * step).min(0.5).min(until - fine - time);
