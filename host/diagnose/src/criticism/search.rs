@@ -20,7 +20,7 @@ use palpate_fit::problem::Problem;
 use palpate_fit::watch;
 use palpate_fit::whitening::Whitening;
 use palpate_model::Chain;
-use palpate_model::effects::Candidate;
+use palpate_model::effects::{Candidate, Needs, find};
 
 /// Fall of the information criterion that decides between models.
 pub const DECISIVE: f64 = 10.0;
@@ -63,6 +63,8 @@ const BROAD: Breadth = Breadth { refits: 16, laws: 2, worth: 0.1, close: 0.2 };
 const ALONE: f64 = 0.7;
 /// A law whose search has not come to its end goes on with it where it explains this part of what the best does.
 const CONTENDS: f64 = 0.8;
+/// Other shapes that a law on a bound is fitted from.
+const ELSEWHERE: usize = 3;
 /// Effects that are always refitted.
 const FEWEST: usize = 3;
 /// Most replacements of effects already found.
@@ -380,11 +382,28 @@ impl Search<'_> {
     /// order or those that predict traces left out best one by one, whichever ends lower there.
     #[must_use]
     pub fn borne_out(&self, likeliest: &Found) -> Found {
-        let climbed = self.climb(likeliest.base.clone());
+        let climbed = self.without_idle(self.climb(likeliest.base.clone()));
         match self.reordered(likeliest) {
             Some(reordered) if reordered.held_out_rms() < climbed.held_out_rms() => reordered,
             _ => climbed,
         }
+    }
+
+    /// The steps without the first one that has nothing left to explain beside those after it, as far as they are borne out so.
+    fn without_idle(&self, found: Found) -> Found {
+        let last = found.steps.len().saturating_sub(1);
+        let fewer = (0..last).find_map(|index| {
+            let without = self.fitted_without(&found, index);
+            let idle = without.bic() - found.model().bic() < DECISIVE;
+            idle.then(|| {
+                let mut fewer = found.clone();
+                tracing::debug!("idle beside those after it: {}", found.steps[index].effect);
+                fewer.steps.remove(index);
+                fewer.models = vec![without; last];
+                fewer
+            })
+        });
+        fewer.and_then(|fewer| self.reordered(&fewer)).unwrap_or(found)
     }
 
     /// The same effects as those of another search in the order, and as many of them, in which every one
@@ -557,8 +576,9 @@ impl Search<'_> {
         let Some(winner) = rivals.first() else { return false };
         let fell = current.bic() - winner.fitted.bic();
         let explained = found.base.cost - current.cost;
-        let hardly =
-            !found.steps.is_empty() && current.cost - winner.fitted.cost < WORTH_TRYING * explained;
+        let hardly = !found.steps.is_empty()
+            && !is_line(&winner.effect)
+            && current.cost - winner.fitted.cost < WORTH_TRYING * explained;
         if hardly || fell < DECISIVE {
             return false;
         }
@@ -641,7 +661,54 @@ impl Search<'_> {
             }
             kept
         });
-        self.refitted(from, tried, Effort::QUICK)
+        let mut rivals = self.refitted(from, tried, Effort::QUICK);
+        self.begin_elsewhere(from, screen, &chosen, &mut rivals);
+        rivals
+    }
+
+    /// Fits those that may be the best and stand on a bound from the other shapes of the screen as well: what pushes them there
+    /// may be the wrong one of two minima.
+    fn begin_elsewhere(
+        &self,
+        from: &Fitted,
+        screen: &Screen,
+        begun: &[&Direction],
+        rivals: &mut [Rival],
+    ) {
+        let gain = |fitted: &Fitted| from.cost - fitted.cost;
+        let most = rivals.iter().map(|rival| gain(&rival.fitted)).fold(0.0, f64::max);
+        for rival in rivals.iter_mut() {
+            let contends = gain(&rival.fitted) > CONTENDS * most;
+            if !contends || rival.fitted.last_effect_at_bound().is_none() {
+                continue;
+            }
+            let new =
+                |direction: &&Direction| !begun.iter().any(|it| std::ptr::eq(*it, *direction));
+            let mut others: Vec<&Direction> = screen
+                .directions
+                .iter()
+                .filter(|direction| direction.candidate == rival.candidate && direction.gain > 0.0)
+                .filter(new)
+                .collect();
+            others.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+            others.truncate(ELSEWHERE);
+            let tried = others.par_iter().map(|direction| {
+                let (chain, trial) = self.try_out(from, direction);
+                (*direction, chain, trial)
+            });
+            let found = self.refitted(from, tried.collect(), Effort::LONG);
+            let inside = |other: &Rival| other.fitted.last_effect_at_bound().is_none();
+            let better = |other: &Rival| stands_better(&other.fitted, &rival.fitted, from);
+            if let Some(other) = found.into_iter().find(|other| inside(other) && better(other)) {
+                tracing::debug!(
+                    "begun elsewhere: {}, gain {:.1}",
+                    other.effect,
+                    gain(&other.fitted)
+                );
+                rival.fitted = other.fitted;
+            }
+        }
+        rivals.sort_by(by_criterion);
     }
 
     /// Fits each from where it was tried, and to its end those that may be the best; the best law of each effect, best
@@ -837,6 +904,7 @@ impl Search<'_> {
     fn drop_minor(&self, found: &mut Found) {
         let mut changed = false;
         while let [.., before, last] = &found.models[..]
+            && !found.steps.last().is_some_and(|step| is_line(&step.effect))
             && self.is_close_to_noise(before)
             && is_minor(&found.base, before, last)
         {
@@ -858,16 +926,20 @@ impl Search<'_> {
 
     /// The model without one of its effects, refitted and screened.
     fn without(&self, found: &Found, index: usize) -> (Fitted, Screen) {
+        let fitted = self.fitted_without(found, index);
+        let screen = self.screen(&fitted);
+        (fitted, screen)
+    }
+
+    /// The model without one of its effects, refitted.
+    fn fitted_without(&self, found: &Found, index: usize) -> Fitted {
         let model = found.model();
         let place = found.base.chain.effects.len() + index;
         let range = model.chain.range(place);
         let chain = model.chain.without(place);
         let mut start = model.point.clone();
         start.drain(range);
-        let problem = self.problem.with_chain(&chain);
-        let fitted = Fitted::new(&problem, &start, Effort::QUICK);
-        let screen = self.screen(&fitted);
-        (fitted, screen)
+        Fitted::new(&self.problem.with_chain(&chain), &start, Effort::QUICK)
     }
 
     /// Refits the models on the way to the last, one effect more in each.
@@ -885,6 +957,11 @@ impl Search<'_> {
             found.models[step] = Fitted::new(&problem, &start, Effort::QUICK);
         }
     }
+}
+
+/// Whether an effect is a line in the spectrum, which the form of another effect's law cannot look like.
+fn is_line(effect: &str) -> bool {
+    find(effect).is_some_and(|effect| effect.needs == Needs::FastSampling)
 }
 
 /// Whether one more effect explains next to nothing of what all explain together.

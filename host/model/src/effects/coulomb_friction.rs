@@ -20,7 +20,7 @@ pub(super) const SLIDING_SPEED: Shape = Shape {
     unit: "mm/s",
     meaning: "speed at which sliding is complete",
     grid: |scales| [0.002, 0.02].map(|part| part * scales.speed).to_vec(),
-    role: Role::Fitted(|scales| (1e-4 * scales.speed, 0.1 * scales.speed)),
+    role: Role::Fitted(|scales| (1e-4 * scales.speed, 0.3 * scales.speed)),
 };
 
 /// Way after a reversal in which sliding sets in.
