@@ -6,9 +6,11 @@ use super::evidence::{Evidence, Refused};
 use super::experiment::{deciding, repeating};
 use super::fitted::Fitted;
 use super::held_out::HeldOut;
+use super::hum::power_of_line;
 use super::noise::{NoiseModel, Seen, noise_model, residual_noise, samples_at_rest};
 use super::options::Options;
 use super::outside::Outside;
+use super::residuals::Residuals;
 use super::screen::ABSORBED;
 use super::search::{Found, Search};
 use super::verdict::{Assessed, FAR_BEYOND_NEIGHBOURS, beyond_held_out, beyond_noise};
@@ -85,6 +87,10 @@ pub enum DiagnoseError {
 
 /// Samples from which on a set is searched on means even where these do not show all: a hum, or how large the noise is.
 const LONG: usize = 20_000;
+/// Samples up to which a set with a hum is searched on all of them: no mean shows the hum.
+const LONG_WITH_HUM: usize = 300_000;
+/// Mean square of a hum, in variances of the noise, from which on it is worth that.
+const LOUD: f64 = 0.1;
 
 /// Says what a model lacks on the traces of a data set, in order of recording, by the effects of the library.
 ///
@@ -121,8 +127,14 @@ pub fn diagnose_with(
     let known = noise_model(&all).or_else(|| (!long).then(|| noise_left(&all, false)));
     let at_rest = if known.is_none() { block_means(traces) } else { None };
     let thinned = at_rest.as_deref().map(|traces| options.data(model, traces)).transpose()?;
-    let hums = setting.scales.mains.is_some() && !long;
-    let stays = thinned.is_some() || hums || known.as_ref().is_some_and(dwarfs);
+    let loud = |lines: [f64; 2]| {
+        let left = Residuals::new(&chain, &values, &all);
+        let least = known.as_ref().map_or(f64::INFINITY, |noise| LOUD * noise.level.powi(2));
+        lines.iter().any(|line| power_of_line(&left, &all, *line) > least)
+    };
+    let hums = setting.scales.mains.is_some_and(|lines| !long || loud(lines));
+    let stays_for_hum = hums && all.samples() <= LONG_WITH_HUM;
+    let stays = thinned.is_some() || stays_for_hum || known.as_ref().is_some_and(dwarfs);
     let level = known.as_ref().map(|noise| noise.level);
     let means = if stays { None } else { Means::of(&all, level) };
     let stand_in = |means: &Means| {
@@ -157,6 +169,9 @@ pub fn diagnose_with(
     course.name_nothing_alone_without_noise();
     if few.is_some() {
         course.score_all_rows(&rows, all.samples());
+    }
+    if hums && few.is_some() {
+        course.say_that_no_mean_shows_the_line();
     }
     course.say_what_hardly_shows();
     let given_rms = rows.rms(&rows.point(&values));
@@ -287,6 +302,14 @@ impl<'a> Course<'a> {
         self.notes.push(format!(
             "searched on {} means of the {count} rows, each over a time in which nothing that a model can follow bends; the errors are those of all rows",
             self.search.data.samples(),
+        ));
+    }
+
+    /// Says that a line of the mains was seen, and could not be named.
+    fn say_that_no_mean_shows_the_line(&mut self) {
+        self.notes.push(format!(
+            "a line of the mains stands out in these recordings; the means that are searched do not show it: where the rest off the \
+             specimen shows the noise, up to {LONG_WITH_HUM} rows are searched as they are, which can name mains-hum"
         ));
     }
 

@@ -6,6 +6,8 @@
 use std::f64::consts::TAU;
 use std::ops::Range;
 
+use super::residuals::Residuals;
+use palpate_fit::data::Data;
 use palpate_fit::fourier::Planner;
 
 /// Frequencies of the mains, Hz.
@@ -34,6 +36,31 @@ pub(super) fn without_hum(stretches: Vec<Vec<f64>>, interval: f64) -> Vec<Vec<f6
         }
     }
     centred
+}
+
+/// Slowest line, Hz, as the samples show it, that is taken for one: a slower one is what a law leaves of the motion.
+const SLOWEST: f64 = 1.0;
+
+/// Mean square of a line of this frequency, Hz, in what a model leaves of a data set; stretches in which it looks slow have none.
+pub(super) fn power_of_line(left: &Residuals, data: &Data, frequency: f64) -> f64 {
+    let values = left.values();
+    let squares = values.iter().zip(&data.pieces).map(|(left, piece)| {
+        let (time, samples) = (&piece.motion.time, left.len());
+        let turns = frequency * (time[samples - 1] - time[0]) / (samples as f64 - 1.0);
+        let shown = (turns - turns.round()).abs() / turns * frequency;
+        if shown.is_nan() || shown < SLOWEST {
+            return 0.0;
+        }
+        let (mut cosine, mut sine) = (0.0, 0.0);
+        for (time, left) in time.iter().zip(left) {
+            let phase = TAU * frequency * time;
+            cosine += left * phase.cos();
+            sine += left * phase.sin();
+        }
+        // An amplitude has a mean square of half its own.
+        2.0 * (cosine * cosine + sine * sine) / samples as f64
+    });
+    squares.sum::<f64>() / data.samples() as f64
 }
 
 /// The values about their mean.
