@@ -13,6 +13,7 @@ use parquet::basic::Compression;
 use parquet::column::page::{Page, PageMetadata, PageReader};
 use parquet::column::reader::{ColumnReader, get_column_reader};
 use parquet::errors::{ParquetError, Result};
+use parquet::file::metadata::RowGroupMetaData;
 use parquet::file::reader::{
     ChunkReader, FileReader, Length, RowGroupReader, SerializedFileReader,
 };
@@ -43,7 +44,7 @@ pub(super) fn open(
 ) -> std::result::Result<SerializedFileReader<Ending>, Error> {
     let reader = SerializedFileReader::new(Ending(file))
         .map_err(|error| Error::Parquet { path: path.into(), message: error.to_string() })?;
-    let mut columns = reader.metadata().row_groups().iter().flat_map(|group| group.columns());
+    let mut columns = reader.metadata().row_groups().iter().flat_map(RowGroupMetaData::columns);
     match columns.find_map(|column| unbuilt(column.compression())) {
         Some(format) => Err(Error::Unbuilt { path: path.into(), format }),
         None => Ok(reader),
