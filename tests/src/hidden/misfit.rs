@@ -30,7 +30,7 @@ impl Refit {
             let x = |time| recording.course.at(time).x;
             let depth = |time| (x(time) > 0.0).then(|| (x(time) / REFERENCE).ln());
             let pause = recording.start_s - end;
-            end = recording.start_s + (recording.samples - 1) as f64 / recording.rate_hz;
+            end = recording.start_s + recording.last_s();
             (recording.times().map(depth).collect(), pause)
         });
         let traces: Vec<(Vec<Option<f64>>, f64)> = traces.collect();
@@ -38,7 +38,7 @@ impl Refit {
         let [c1, c2] = base.shares.map(f64::ln);
         let [v1, v2] = base.rates.map(f64::ln);
         let start = Point::from([base.elastic(REFERENCE).ln(), base.q, c1, c2, v1, v2]);
-        Self { start, rate_hz: session.rate_hz, traces, samples }
+        Self { start, rate_hz: session.rate_hz(), traces, samples }
     }
 
     /// Hands the prediction for each sample of the set to `sink`.

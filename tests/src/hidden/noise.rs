@@ -73,7 +73,7 @@ fn times_between(shortest: f64, longest: f64) -> Vec<f64> {
 #[must_use]
 pub fn noise(kind: NoiseKind, session: &Session, random: &mut ChaCha8Rng) -> Vec<Vec<f64>> {
     const WHITE: f64 = 0.0;
-    let rate_hz = session.rate_hz;
+    let rate_hz = session.rate_hz();
     let (times, flicker): (Vec<f64>, f64) = match kind {
         NoiseKind::Correlated => (vec![-1.0 / (rate_hz * even(random, 0.2, 0.8).ln())], 1.0),
         NoiseKind::White => (vec![WHITE], 1.0),
@@ -151,10 +151,10 @@ mod tests {
         for seed in 0..10 {
             let session = Session::whole(seed);
             let random = &mut stream(seed, Subject::Noise);
-            let times = times_between(1.0 / session.rate_hz, session.lasts_s());
+            let times = times_between(1.0 / session.rate_hz(), session.lasts_s());
             let mut process = Processes::new(random, &times, 1.0);
             let values: Vec<f64> =
-                (0..1 << 14).map(|_| process.after(random, 1.0 / session.rate_hz)).collect();
+                (0..1 << 14).map(|_| process.after(random, 1.0 / session.rate_hz())).collect();
             for (octave, sum) in octaves.iter_mut().enumerate() {
                 let half = 4 << octave;
                 let mean = |part: &[f64]| part.iter().sum::<f64>() / half as f64;

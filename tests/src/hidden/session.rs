@@ -43,6 +43,12 @@ impl Recording {
     pub fn times(&self) -> impl Iterator<Item = f64> {
         (0..self.samples).map(|k| k as f64 / self.rate_hz)
     }
+
+    /// Time of the last sample since the trace began, s.
+    #[must_use]
+    pub fn last_s(&self) -> f64 {
+        (self.samples.max(1) - 1) as f64 / self.rate_hz
+    }
 }
 
 /// The traces of a data set in order of recording, and the air around them.
@@ -50,8 +56,6 @@ impl Recording {
 pub struct Session {
     /// The traces.
     pub recordings: Vec<Recording>,
-    /// Samples per second of every trace.
-    pub rate_hz: f64,
     air: Air,
     /// Mean temperature of all samples, °C: the reference temperature of the laws.
     pub mean_temperature: f64,
@@ -91,6 +95,10 @@ struct Habits {
 }
 
 impl Habits {
+    fn random(random: &mut ChaCha8Rng) -> Self {
+        Self { gap_mm: even(random, 0.5, 0.8), corner_s: even(random, 0.03, 0.05) }
+    }
+
     fn begin(&self, random: &mut ChaCha8Rng) -> Course {
         Course::at_rest(-self.gap_mm, even(random, 0.5, 1.0), self.corner_s)
     }
@@ -209,7 +217,7 @@ impl Session {
     #[must_use]
     pub fn whole(seed: u64) -> Self {
         let random = &mut stream(seed, Subject::Session);
-        let habits = Habits { gap_mm: even(random, 0.5, 0.8), corner_s: even(random, 0.03, 0.05) };
+        let habits = Habits::random(random);
         let mut planned = Vec::new();
         for to_mm in [4, 8, 12] {
             for speed in [5, 20, 60] {
@@ -240,7 +248,7 @@ impl Session {
     #[must_use]
     pub fn other(seed: u64) -> Self {
         let random = &mut stream(seed, Subject::Session);
-        let habits = Habits { gap_mm: even(random, 0.5, 0.8), corner_s: even(random, 0.03, 0.05) };
+        let habits = Habits::random(random);
         let plan = PLANS[random.random_range(0..PLANS.len())];
         let rate_hz = [50.0, 100.0, 250.0][random.random_range(0..3)];
         let mut planned = plan(&habits, random);
@@ -249,7 +257,6 @@ impl Session {
             let name = format!("take {}", k + 1);
             (name, format!("take-{}.csv", k + 1), course)
         });
-        let named: Vec<(String, String, Course)> = named.collect();
         Self::of(random, rate_hz, named)
     }
 
@@ -257,7 +264,7 @@ impl Session {
     #[must_use]
     pub fn short(seed: u64) -> Self {
         let random = &mut stream(seed, Subject::Session);
-        let habits = Habits { gap_mm: even(random, 0.5, 0.8), corner_s: even(random, 0.03, 0.05) };
+        let habits = Habits::random(random);
         let course = habits.hold(random, 8.0, 20.0);
         Self::of(random, RATE_HZ, [("8 mm at 20 mm/s".into(), "hold-8mm-20mms.csv".into(), course)])
     }
@@ -276,8 +283,7 @@ impl Session {
             let next: f64 = start_s + lasts_s + even(random, 20.0, 120.0);
             start_s = (10.0 * next).round() / 10.0;
         }
-        let air = Air::random(random);
-        let mut session = Self { recordings, rate_hz, air, mean_temperature: 0.0 };
+        let mut session = Self { recordings, air: Air::random(random), mean_temperature: 0.0 };
         let (sum, count) = session.recordings.iter().fold((0.0, 0), |(sum, count), recording| {
             let of_all =
                 recording.times().map(|time| session.temperature(recording.start_s + time));
@@ -290,9 +296,13 @@ impl Session {
     /// Time from the first sample to the last, pauses included, s.
     #[must_use]
     pub fn lasts_s(&self) -> f64 {
-        self.recordings
-            .last()
-            .map_or(0.0, |last| last.start_s + (last.samples.max(1) - 1) as f64 / self.rate_hz)
+        self.recordings.last().map_or(0.0, |last| last.start_s + last.last_s())
+    }
+
+    /// Samples per second of every trace.
+    #[must_use]
+    pub fn rate_hz(&self) -> f64 {
+        self.recordings.first().map_or(RATE_HZ, |first| first.rate_hz)
     }
 
     /// True temperature of the air, °C, at a time since the data set began, s.

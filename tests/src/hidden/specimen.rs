@@ -148,7 +148,7 @@ impl Simulation<'_> {
     /// From the last sample to one fine step before the next trace.
     fn pause(&mut self, trace: usize, recording: &Recording, until: f64) {
         let fine = 1.0 / (recording.rate_hz * STEPS as f64);
-        let mut time = (recording.samples - 1) as f64 / recording.rate_hz;
+        let mut time = recording.last_s();
         let mut step = fine;
         while until - fine - time > 1e-9 {
             step = (1.1 * step).min(0.5).min(until - fine - time);

@@ -128,7 +128,7 @@ pub fn diagnose_with(
     let at_rest = if known.is_none() { block_means(traces) } else { None };
     let thinned = at_rest.as_deref().map(|traces| options.data(model, traces)).transpose()?;
     let loud = |lines: [f64; 2]| {
-        let left = Residuals::new(&chain, &values, &all);
+        let left = Residuals::new(&chain, &values, &all).values();
         let least = known.as_ref().map_or(f64::INFINITY, |noise| LOUD * noise.level.powi(2));
         lines.iter().any(|line| power_of_line(&left, &all, *line) > least)
     };

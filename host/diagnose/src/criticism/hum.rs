@@ -6,7 +6,6 @@
 use std::f64::consts::TAU;
 use std::ops::Range;
 
-use super::residuals::Residuals;
 use palpate_fit::data::Data;
 use palpate_fit::fourier::Planner;
 
@@ -18,6 +17,8 @@ const WITHIN: f64 = 3.0;
 const STEPS: usize = 4;
 /// Longest block, in samples, over which a line keeps its phase: the mains wander, and memory is bounded.
 const BLOCK: usize = 1 << 16;
+/// Slowest line, Hz, as the samples show it, whose power is taken: a slower one is what a law leaves of the motion.
+const SLOWEST: f64 = 1.0;
 /// Power of a line over the median of its surroundings above which it is one.
 const LINE: f64 = 4.0;
 
@@ -38,25 +39,16 @@ pub(super) fn without_hum(stretches: Vec<Vec<f64>>, interval: f64) -> Vec<Vec<f6
     centred
 }
 
-/// Slowest line, Hz, as the samples show it, that is taken for one: a slower one is what a law leaves of the motion.
-const SLOWEST: f64 = 1.0;
-
 /// Mean square of a line of this frequency, Hz, in what a model leaves of a data set; stretches in which it looks slow have none.
-pub(super) fn power_of_line(left: &Residuals, data: &Data, frequency: f64) -> f64 {
-    let values = left.values();
-    let squares = values.iter().zip(&data.pieces).map(|(left, piece)| {
+pub(super) fn power_of_line(left: &[Vec<f64>], data: &Data, frequency: f64) -> f64 {
+    let squares = left.iter().zip(&data.pieces).map(|(left, piece)| {
         let (time, samples) = (&piece.motion.time, left.len());
         let turns = frequency * (time[samples - 1] - time[0]) / (samples as f64 - 1.0);
         let shown = (turns - turns.round()).abs() / turns * frequency;
         if shown.is_nan() || shown < SLOWEST {
             return 0.0;
         }
-        let (mut cosine, mut sine) = (0.0, 0.0);
-        for (time, left) in time.iter().zip(left) {
-            let phase = TAU * frequency * time;
-            cosine += left * phase.cos();
-            sine += left * phase.sin();
-        }
+        let (cosine, sine) = components(left, |k| TAU * frequency * time[k]);
         // An amplitude has a mean square of half its own.
         2.0 * (cosine * cosine + sine * sine) / samples as f64
     });
@@ -145,14 +137,17 @@ fn autocorrelation(parts: &[&[f64]], longest: usize, planner: &mut Planner) -> V
     sums
 }
 
+/// Sums of the values times the cosine and the sine of the phase at each.
+fn components(values: &[f64], phase: impl Fn(usize) -> f64) -> (f64, f64) {
+    values.iter().enumerate().fold((0.0, 0.0), |(cosine, sine), (k, value)| {
+        let phase = phase(k);
+        (cosine + value * phase.cos(), sine + value * phase.sin())
+    })
+}
+
 /// Takes off the line that turns by `turn` from sample to sample.
 fn clean(values: &mut [f64], turn: f64) {
-    let (mut cosine, mut sine) = (0.0, 0.0);
-    for (k, value) in values.iter().enumerate() {
-        let phase = turn * k as f64;
-        cosine += value * phase.cos();
-        sine += value * phase.sin();
-    }
+    let (cosine, sine) = components(values, |k| turn * k as f64);
     let part = 2.0 / values.len() as f64;
     for (k, value) in values.iter_mut().enumerate() {
         let phase = turn * k as f64;

@@ -19,9 +19,7 @@ const MOST_DRAWN: usize = 12;
 /// Where the model fails, what the failure depends on, and the ladder.
 #[must_use]
 pub fn compare_sections(model: &Model, comparison: &Comparison, traces: &[Trace]) -> Vec<Section> {
-    let mut sections = vec![place(comparison), dependence_section(comparison, traces)];
-    sections.extend(ladder(model));
-    sections
+    failures(comparison, traces).into_iter().chain(ladder(model)).collect()
 }
 
 /// What a report shows of a comparison: the same, and every trace before the ladder.
@@ -32,9 +30,12 @@ pub fn compare_report(
     left: &Residuals,
     traces: &[Trace],
 ) -> Vec<Section> {
-    let mut sections = compare_sections(model, comparison, traces);
-    sections.insert(2, overlays(comparison, left));
-    sections
+    let drawn = std::iter::once(overlays(comparison, left));
+    failures(comparison, traces).into_iter().chain(drawn).chain(ladder(model)).collect()
+}
+
+fn failures(comparison: &Comparison, traces: &[Trace]) -> [Section; 2] {
+    [place(comparison), dependence_section(comparison, traces)]
 }
 
 fn place(comparison: &Comparison) -> Section {
