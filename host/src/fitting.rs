@@ -59,6 +59,7 @@ impl Question for Fitting {
     fn of(self, set: &DataSet) -> Result<Fit, Error> {
         self.law.check()?;
         let data = Data::of(set.traces(), &self.signal)?;
+        let data = data.with_separation(self.law.separation);
         let fitted = whole_motion::fit(self.law, &data)?;
         if fitted.stop == Stop::NoBetter {
             return Err(Error::NoBetter { r_squared: fitted.r_squared });
@@ -120,6 +121,7 @@ impl Fit {
     pub fn answer(&self) -> FitAnswer {
         let signal = &self.model.base.signal;
         let data = Data::of(self.set.traces(), signal).expect("this signal was fitted");
+        let data = data.with_separation(self.fitted.chain.base.separation);
         FitAnswer::from(&FitSummary {
             fit: &self.fitted,
             data: &data,

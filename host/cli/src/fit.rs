@@ -271,6 +271,7 @@ fn whole(
 ) -> Result<Box<dyn Answer>, Failure> {
     let signal = &options.signal;
     let data = Data::of(&traces, signal).map_err(Failure::input)?;
+    let data = data.with_separation(options.separation());
     let mut candidates = candidates(laws, &data)?;
     let (index, best) = candidates
         .iter()
@@ -319,6 +320,7 @@ impl Fitted {
 
     fn with<T>(&self, tell: impl FnOnce(&FitSummary) -> T) -> T {
         let data = Data::of(&self.traces, &self.signal).expect("these traces were fitted");
+        let data = data.with_separation(self.fit().chain.base.separation);
         tell(&FitSummary {
             fit: self.fit(),
             data: &data,
@@ -400,7 +402,7 @@ fn ranked(options: &Options, (traces, preparation): Prepared) -> Result<Box<dyn 
     })?;
     let mut ranking = ranking.map_err(Failure::input)?;
     if let Ok(data) = Data::of(&traces, &signal) {
-        ranking.noise = noise_of(&data, &traces);
+        ranking.noise = noise_of(&data.with_separation(options.separation()), &traces);
     }
     Ok(Box::new(Ranked { traces, preparation, signal, ranking }))
 }

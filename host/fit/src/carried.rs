@@ -60,7 +60,7 @@ pub struct Stretch<'a> {
     pub time: &'a [f64],
     /// Compression, mm.
     pub x: &'a [f64],
-    /// ln(x/X) where x > 0.
+    /// ln(|x|/X) where x is not 0.
     pub logarithm: &'a [f64],
     /// Rest since the stretch before, s; none where the specimen has forgotten all.
     pub rest: Option<f64>,
@@ -87,10 +87,10 @@ const GAIN: [f64; 10] = [
 /// Most coordinates of a law.
 const MOST: usize = 2 * MAX_TERMS + 3;
 
-/// ln(x/X) at every compression x > 0, mm; 0 off the specimen.
+/// ln(|x|/X) at every displacement x, mm; 0 where it is 0.
 pub fn logarithms(x: &[f64], reference: f64, into: &mut Vec<f64>) {
     into.clear();
-    into.extend(x.iter().map(|&x| if x > 0.0 { (x / reference).ln() } else { 0.0 }));
+    into.extend(x.iter().map(|&x| if x == 0.0 { 0.0 } else { (x.abs() / reference).ln() }));
 }
 
 /// What was measured over a stretch.
@@ -340,18 +340,19 @@ impl Carried {
     /// What the samples of a block drive the memory by, and what its answer is multiplied by.
     fn drives(&self, x: &[f64], logarithm: &[f64], drives: &mut Drives) {
         let mut u = Column::ZERO;
+        let loads = |x: f64| x > 0.0 || (self.bonded && x < 0.0);
         // Off the specimen there is nothing to do.
-        if x.iter().any(|&x| x > 0.0) {
+        if x.iter().any(|&x| loads(x)) {
             for (u, (&x, &logarithm)) in u.0.iter_mut().zip(x.iter().zip(logarithm)) {
-                let power = exp(self.exponent * logarithm);
-                *u = if x > 0.0 { power } else { 0.0 };
+                let power = exp(self.exponent * logarithm).copysign(x);
+                *u = if loads(x) { power } else { 0.0 };
             }
         }
         match self.form {
             Form::Strain => {
                 for (k, (&x, &logarithm)) in x.iter().zip(logarithm).enumerate() {
                     drives.drive.0[k] = if self.bonded { x } else { x.max(0.0) };
-                    drives.factor.0[k] = if x > TOUCHING { u.0[k] / x } else { 0.0 };
+                    drives.factor.0[k] = if x.abs() > TOUCHING { u.0[k] / x } else { 0.0 };
                     drives.factor_q.0[k] = logarithm;
                 }
             }

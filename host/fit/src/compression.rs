@@ -112,6 +112,7 @@ impl Compressed {
             channels: Vec::new(),
             effects: data.effects.clone(),
             laws: data.laws.clone(),
+            below: data.below,
             keeps: data.keeps,
         }
     }

@@ -5,7 +5,9 @@ use std::sync::OnceLock;
 
 use palpate_model::Laws;
 use palpate_model::effects::{Effects, Scales, Setting};
-use palpate_model::{Channel, Gauge, GaugeError, Model, Motion, MotionError, Past, Scene, Span};
+use palpate_model::{
+    Channel, Gauge, GaugeError, Model, Motion, MotionError, Past, Scene, Separation, Span,
+};
 use palpate_trace::{FORCE, GAUGES, SignalError, TANGENTIAL, TEMPERATURE, Trace, elapsed, runs};
 
 use super::line::line_near;
@@ -137,6 +139,8 @@ pub struct Data<'a> {
     pub effects: Effects,
     /// The base laws that a model of it may name.
     pub laws: Laws,
+    /// Displacement, mm, below which the specimen is loaded too: where it is bonded and moved to either side.
+    pub(super) below: Option<f64>,
     pub(super) keeps: bool,
 }
 
@@ -144,6 +148,10 @@ pub struct Data<'a> {
 const KEPT: usize = 1_500_000;
 /// A value this many times what nine of ten are below stands far out.
 const FAR_OUT: f64 = 100.0;
+
+/// Parts of the largest displacement to the positive side: a motion to the negative side that is no scatter, and what still is rest.
+const ON_PURPOSE: f64 = 0.05;
+const AT_REST: f64 = 1e-3;
 
 /// Samples in which a hum is looked for.
 const HEARD: usize = 200_000;
@@ -221,6 +229,7 @@ impl<'a> Data<'a> {
             channels: others(traces, signal),
             effects: Effects::library(),
             laws: Laws::library(),
+            below: None,
             keeps: true,
         };
         let mut past = Past::default();
@@ -310,7 +319,35 @@ impl<'a> Data<'a> {
         {
             Gauge { length_mm, deformation }.check("the model", traces)?;
         }
-        Ok(Self::of(traces, &model.base.signal)?.with_reference(model.reference_temperature))
+        let data = Self::of(traces, &model.base.signal)?;
+        let data = data.with_separation(model.base.separation);
+        Ok(data.with_reference(model.reference_temperature))
+    }
+
+    /// This data set of a specimen that is bonded or not: a bonded one is loaded also to the negative side, where it is moved there on
+    /// purpose.
+    #[must_use]
+    pub fn with_separation(mut self, separation: Separation) -> Self {
+        let lowest = |piece: &Piece| {
+            piece.motion.displacement.iter().copied().fold(f64::INFINITY, f64::min)
+        };
+        let lowest = self.pieces.iter().map(lowest).fold(0.0, f64::min);
+        let largest = self.largest_compression();
+        let either = separation == Separation::Bonded && -lowest > ON_PURPOSE * largest;
+        self.below = either.then_some(-AT_REST * largest.max(-lowest));
+        self
+    }
+
+    /// Whether a displacement, mm, loads the specimen.
+    #[must_use]
+    pub fn loads(&self, x: f64) -> bool {
+        x > 0.0 || self.below.is_some_and(|below| x < below)
+    }
+
+    /// The first sample of a stretch in which the specimen is loaded.
+    #[must_use]
+    pub fn touch(&self, piece: &Piece) -> Option<usize> {
+        piece.motion.displacement.iter().position(|&x| self.loads(x))
     }
 
     /// This data set with these effects to be tried, which a model of it may name.

@@ -117,6 +117,7 @@ impl Means {
             channels: data.channels.clone(),
             effects: data.effects.clone(),
             laws: data.laws.clone(),
+            below: data.below,
             keeps: true,
         }
     }

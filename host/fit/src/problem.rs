@@ -260,7 +260,7 @@ impl<'a> Problem<'a> {
             let scatter: f64 = self.scatter(index).iter().sum();
             apart.square += scatter + weighted.iter().map(|r| r * r).sum::<f64>();
             apart.samples += self.rows_of(index, 0..usize::MAX);
-            let touch = piece.motion.displacement.iter().position(|&x| x > 0.0);
+            let touch = self.data.touch(piece);
             apart.before.extend_from_slice(&weighted[..touch.unwrap_or(0)]);
             stretches[place].push((index, residual.to_vec()));
         });

@@ -115,7 +115,7 @@ pub fn rank(
     terms: usize,
     separation: Separation,
 ) -> Result<Ranking, DataError> {
-    let data = Data::of(traces, signal)?;
+    let data = Data::of(traces, signal)?.with_separation(separation);
     let setups = setups(traces);
     let apart = apart(traces, &setups);
     let places = |laws: Vec<BaseLaw>| {
@@ -196,7 +196,10 @@ fn between(
     }
     let fits = setups
         .iter()
-        .map(|own| refit(&all.chain, &all.values, &Data::of(own, signal)?))
+        .map(|own| {
+            let data = Data::of(own, signal)?.with_separation(all.chain.base.separation);
+            refit(&all.chain, &all.values, &data)
+        })
         .collect::<Result<Vec<_>, _>>()?;
     let spread = |(k, parameter): (usize, palpate_model::Parameter)| ParameterSpread {
         name: parameter.name.into(),

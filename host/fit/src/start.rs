@@ -70,7 +70,7 @@ fn linear_starts(law: &BaseLaw, set: Set, reference: f64) -> Vec<Start> {
     let rates = rate_grid(set.0);
     let has_shapes = law.family.takes(LawOption::Elastic);
     let shapes = if has_shapes { law.elastic.shapes(reference) } else { vec![law.family.shape] };
-    let of = |shapes: &[f64]| grams(set, (law.elastic, shapes), &rates, reference);
+    let of = |shapes: &[f64]| grams(set, law, shapes, (&rates, reference));
     let grid = Grid { grams: of(&shapes), terms: law.terms, rates };
     let mut found: Vec<Start> = match law.kernel.memory {
         MemoryOf::Exponentials => {
@@ -272,10 +272,11 @@ struct Shape {
 /// The products of every shape of the elastic response, all in one run over the motions.
 fn grams(
     (data, roots): Set,
-    (elastic, shapes): (Elastic, &[f64]),
-    rates: &[f64; RATES],
-    reference: f64,
+    law: &BaseLaw,
+    shapes: &[f64],
+    (rates, reference): (&[f64; RATES], f64),
 ) -> Vec<Gram> {
+    let elastic = law.elastic;
     let mut sums: Vec<(f64, Shape)> =
         shapes.iter().map(|&shape| (shape, Shape::new(elastic.unit(shape, reference)))).collect();
     let mut filled = 0;
@@ -285,7 +286,8 @@ fn grams(
         let mut steps = [(1.0, 1.0); RATES];
         let (mut before, mut interval) = (f64::NAN, f64::NAN);
         let motion = &piece.motion;
-        let samples = motion.time.iter().zip(&*motion.displacement).zip(piece.measured);
+        let felt = law.separation.felt(&motion.displacement);
+        let samples = motion.time.iter().zip(&*felt).zip(piece.measured);
         for (k, ((&time, &x), &y)) in samples.enumerate() {
             let now = time - before;
             before = time;
@@ -296,11 +298,11 @@ fn grams(
             }
             for (shape, sums) in &mut sums {
                 sums.drive(sums.p * elastic.unit(*shape, x), &steps);
-                if x > 0.0 {
+                if x != 0.0 {
                     sums.keep(y, roots.get(k).copied().unwrap_or(1.0), filled);
                 }
             }
-            filled += usize::from(x > 0.0);
+            filled += usize::from(x != 0.0);
             if filled == BLOCK {
                 sums.iter_mut().for_each(|(_, sums)| sums.add(BLOCK));
                 filled = 0;

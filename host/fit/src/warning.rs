@@ -142,7 +142,7 @@ fn resting(data: &Data) -> Option<f64> {
     let (mut sum, mut count) = (0.0, 0.0);
     let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
     for piece in &data.pieces {
-        let touch = piece.motion.displacement.iter().position(|&x| x > 0.0).unwrap_or(0);
+        let touch = data.touch(piece).unwrap_or(0);
         sum += piece.measured[..touch].iter().sum::<f64>();
         count += touch as f64;
         for &value in piece.measured {

@@ -261,7 +261,7 @@ fn error_on(problem: &Problem, data: &Data, point: &[f64], trace: usize, tare: b
         if piece.trace == trace {
             let first = residual.len();
             residual.extend(predicted.iter().zip(piece.measured).map(|(f, y)| f - y));
-            let touch = piece.motion.displacement.iter().position(|&x| x > 0.0);
+            let touch = data.touch(piece);
             before.extend_from_slice(&residual[first..first + touch.unwrap_or(0)]);
         }
     }
@@ -404,7 +404,7 @@ fn sort_branches(fit: &mut MotionFit) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use palpate_model::{Motion, Separation};
+    use palpate_model::{Family, Motion, Separation};
     use palpate_trace::{DISPLACEMENT, FORCE, Trace};
     use rand::{RngExt, SeedableRng};
     use rand_chacha::ChaCha8Rng;
@@ -534,5 +534,42 @@ mod tests {
         };
         let searches = searches(40);
         assert!(searches <= 4, "{searches} searches");
+    }
+
+    #[test]
+    fn a_bonded_specimen_answers_a_motion_to_either_side() {
+        // Two springs, one with a damper, and a motion that begins to the negative side.
+        let (alone, spring, rate, interval): (f64, f64, f64, f64) = (0.8, 0.5, 1.5, 0.02);
+        let mut random = ChaCha8Rng::seed_from_u64(3);
+        let decay = (-rate * interval).exp();
+        let gain = (1.0 - decay) / (rate * interval);
+        let (mut before, mut branch) = (0.0, 0.0);
+        let mut trace = Trace::default();
+        let (mut x, mut force) = (Vec::new(), Vec::new());
+        for k in 0..1000 {
+            let time = interval * f64::from(k);
+            let now = -2.0 * (3.0 * (time - 1.0).max(0.0)).sin();
+            branch = branch * decay + spring * gain * (now - before);
+            before = now;
+            trace.time.push(time);
+            x.push(now);
+            force.push(alone * now + branch + random.random_range(-0.01..0.01));
+        }
+        trace.set_column(DISPLACEMENT, x);
+        trace.set_column(FORCE, force);
+        let data = Data::of(std::slice::from_ref(&trace), FORCE).unwrap();
+        let data = data.with_separation(Separation::Bonded);
+        assert_eq!(data.touch(&data.pieces[0]), Some(51));
+        let springs = BaseLaw::new(Family::GENERALIZED_MAXWELL, 1, Separation::Bonded);
+        for (law, wanted) in [
+            (springs, [alone, spring, spring / rate]),
+            (BaseLaw::fung(1, Separation::Bonded), [alone + spring, 0.0, spring / (alone + spring)]),
+        ] {
+            let found = fit(law, &data).unwrap();
+            assert!(found.rms() < 0.006, "{}: {}", law.in_words(), found.rms());
+            for (value, wanted) in found.values.iter().zip(wanted) {
+                assert!((value - wanted).abs() < 0.01, "{}: {:?}", law.in_words(), found.values);
+            }
+        }
     }
 }

@@ -319,8 +319,9 @@ impl Chain {
         force: &mut Vec<f64>,
     ) {
         let mut response = self.base.response(parameters);
+        let felt = self.base.separation.felt(x);
         self.each(parameters, history, |act, own, remembered, stage| match act {
-            Act::Relaxation(law) => law(scene, own, remembered, x, &mut response.hereditary),
+            Act::Relaxation(law) => law(scene, own, remembered, &felt, &mut response.hereditary),
             Act::Own(expression) if stage == Stage::Relaxation => {
                 expression.change_rates(scene, own, x, &mut response.hereditary);
             }
@@ -333,7 +334,9 @@ impl Chain {
             (&mut relaxation, elasticity),
             |x, elastic| {
                 self.each(parameters, history, |act, own, remembered, stage| match act {
-                    Act::Elastic(law) => law(scene, own, remembered, x, elastic),
+                    Act::Elastic(law) => {
+                        law(scene, own, remembered, &self.base.separation.felt(x), elastic);
+                    }
                     Act::Own(expression) if stage == Stage::Elasticity => {
                         expression.add_to_elastic(scene, own, x, elastic);
                     }

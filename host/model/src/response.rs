@@ -1,7 +1,5 @@
 //! From the compression to the force: an elastic response and a memory, in the order of the law's form.
 
-use std::borrow::Cow;
-
 use super::hereditary::{Hereditary, HereditaryState};
 use super::yielding::Yielding;
 use super::{Elastic, Elasticity, Separation};
@@ -128,32 +126,26 @@ impl Response {
         mut change: impl FnMut(&[f64], &mut [f64]),
         force: &mut Vec<f64>,
     ) {
-        // What is not bonded carries nothing off the specimen; the power law does not there anyway.
-        let bonded = self.hereditary.separation == Separation::Bonded;
-        let x: Cow<[f64]> = if bonded || (self.form, self.elastic) == (Form::Force, Elastic::POWER)
-        {
-            x.into()
-        } else {
-            x.iter().map(|x| x.max(0.0)).collect()
-        };
+        let felt = self.hereditary.separation.felt(x);
         let mut respond = |x: &[f64]| elasticity.response(self.elastic, (self.p, self.shape), x);
         match self.form {
             Form::Force => {
-                let mut elastic = respond(&x);
-                change(&x, &mut elastic);
+                let mut elastic = respond(&felt);
+                // A law of one's own may act on a displacement off the specimen.
+                change(if self.elastic == Elastic::POWER { x } else { &felt }, &mut elastic);
                 self.hereditary.run(time, &elastic, rest, state, force);
             }
             Form::Strain => {
-                let mut elastic = respond(&x);
-                change(&x, &mut elastic);
-                self.hereditary.run(time, &x, rest, state, force);
-                for ((strain, elastic), x) in force.iter_mut().zip(&elastic).zip(&*x) {
+                let mut elastic = respond(&felt);
+                change(&felt, &mut elastic);
+                self.hereditary.run(time, &felt, rest, state, force);
+                for ((strain, elastic), x) in force.iter_mut().zip(&elastic).zip(&*felt) {
                     *strain *= if x.abs() > TOUCHING { elastic / x } else { 0.0 };
                 }
             }
             Form::Compression => {
                 let mut settled = Vec::new();
-                self.hereditary.run(time, &x, rest, state, &mut settled);
+                self.hereditary.run(time, &felt, rest, state, &mut settled);
                 *force = respond(&settled);
                 change(&settled, force);
             }

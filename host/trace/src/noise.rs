@@ -90,7 +90,12 @@ fn before_touch(trace: &Trace) -> Option<Range<usize>> {
         scatter::second_differences(&trace.time[approach.clone()], &x[approach.clone()]).collect();
     let band = 6.0 * scatter::deviation(&differences);
     let still = approach.clone().take_while(|&i| (x[i] - x[0]).abs() <= band).count();
-    if still >= MIN_REST_SAMPLES { Some(0..still) } else { Some(approach) }
+    if still >= MIN_REST_SAMPLES {
+        return Some(0..still);
+    }
+    // What is pulled away first may be bonded, and pulls back.
+    let pulled = approach.clone().any(|i| x[i] < x[0] - band);
+    (!pulled).then_some(approach)
 }
 
 /// Noise of a signal at rest; none for fewer than 50 samples or if nothing moves in it.

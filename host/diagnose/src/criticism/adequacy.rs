@@ -65,13 +65,14 @@ pub fn adequacy(problem: &Problem, point: &[f64], whitening: &Whitening) -> Adeq
         let x = &piece.motion.displacement;
         for (place, &length) in LENGTHS.iter().enumerate() {
             for (block, x) in residual.chunks_exact(length).zip(x.chunks_exact(length)) {
-                let sums = if x.iter().all(|&x| x <= 0.0) { &mut quiet } else { &mut touched };
+                let loaded = x.iter().any(|&x| problem.data().loads(x));
+                let sums = if loaded { &mut touched } else { &mut quiet };
                 sums[place].squares += block.iter().sum::<f64>().powi(2) / length as f64;
                 sums[place].count += 1.0;
             }
         }
         counts.add(&residual);
-        strongest.add(&residual, x);
+        strongest.add(&residual, x, |x| problem.data().loads(x));
     });
     let mut p_value: f64 = 1.0;
     let mut excess: f64 = 0.0;
@@ -110,7 +111,7 @@ struct Strongest {
 }
 
 impl Strongest {
-    fn add(&mut self, whitened: &[f64], x: &[f64]) {
+    fn add(&mut self, whitened: &[f64], x: &[f64], loads: impl Fn(f64) -> bool) {
         for (place, &length) in WINDOWS.iter().enumerate() {
             if whitened.len() < length {
                 continue;
@@ -121,8 +122,8 @@ impl Strongest {
                     sum += whitened[begin + length - 1] - whitened[begin - 1];
                 }
                 let square = sum * sum / length as f64;
-                let off = x[begin..begin + length].iter().all(|&x| x <= 0.0);
-                let largest = if off { &mut self.quiet } else { &mut self.largest };
+                let loaded = x[begin..begin + length].iter().any(|&x| loads(x));
+                let largest = if loaded { &mut self.largest } else { &mut self.quiet };
                 largest[place] = largest[place].max(square);
             }
             self.windows[place] += (whitened.len() / length) as f64;

@@ -106,7 +106,7 @@ impl Changed {
             })
         };
         let time = piece.recorded_time();
-        let instants = instants(problem, stretch.index, &piece.motion.displacement);
+        let instants = instants(problem, stretch.index, piece);
         Self {
             trace: piece.trace,
             whole: from(0),
@@ -116,10 +116,10 @@ impl Changed {
 }
 
 /// The samples of a stretch at which something could happen: after its first touch, away from its ends.
-fn instants(problem: &Problem, index: usize, x: &[f64]) -> Vec<usize> {
+fn instants(problem: &Problem, index: usize, piece: &Piece) -> Vec<usize> {
     let parts = problem.parts(index, INSTANTS);
     let aside = ((ASIDE * parts.len() as f64).ceil() as usize).max(1);
-    let touch = x.iter().position(|&x| x > 0.0).unwrap_or(x.len());
+    let touch = problem.data().touch(piece).unwrap_or(piece.measured.len());
     let inner = parts.get(aside..(parts.len() + 1).saturating_sub(aside)).unwrap_or_default();
     inner.iter().map(|part| part.start).filter(|&instant| instant >= touch).collect()
 }

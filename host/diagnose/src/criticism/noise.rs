@@ -150,10 +150,10 @@ fn quiet(data: &Data) -> [Vec<Vec<f64>>; 2] {
         let mut released = f64::NEG_INFINITY;
         let mut stretch = Vec::new();
         for k in 0..time.len() {
-            if x[k] > 0.0 {
+            if data.loads(x[k]) {
                 released = time[k];
             }
-            let rests = x[k] <= 0.0 && scene.velocity[k].abs() <= 1e-3 * fastest;
+            let rests = !data.loads(x[k]) && scene.velocity[k].abs() <= 1e-3 * fastest;
             if rests && time[k] >= released + RECOVERY {
                 stretch.push(piece.measured[k]);
             } else if !stretch.is_empty() {

@@ -31,7 +31,7 @@ impl Rest {
             let x = &piece.motion.displacement;
             let mut residual: Vec<f64> =
                 forces[0].iter().zip(piece.measured).map(|(f, y)| f - y).collect();
-            let off = off_the_specimen(x);
+            let off = off_the_specimen(x, |x| problem.data().loads(x));
             let square = |residual: &[f64]| -> f64 {
                 residual.iter().zip(&off).filter(|(_, off)| **off).map(|(r, _)| r * r).sum()
             };
@@ -64,12 +64,12 @@ impl Rest {
 
 /// Whether nothing can touch at each sample: before the first touch, and on the way in after a
 /// parting. While the surfaces part they may still hold each other.
-fn off_the_specimen(x: &[f64]) -> Vec<bool> {
+fn off_the_specimen(x: &[f64], loads: impl Fn(f64) -> bool) -> Vec<bool> {
     let mut farthest = f64::NEG_INFINITY;
     let mut touched = false;
     x.iter()
         .map(|&x| {
-            if x > 0.0 {
+            if loads(x) {
                 (touched, farthest) = (true, f64::NEG_INFINITY);
                 return false;
             }
@@ -87,6 +87,6 @@ mod tests {
     fn surfaces_that_part_are_not_yet_apart() {
         let x = [-1.0, 0.0, 0.5, 0.0, -0.5, -1.0, -0.9, -0.2, 0.3];
         let off = [true, true, false, false, false, false, true, true, false];
-        assert_eq!(off_the_specimen(&x), off);
+        assert_eq!(off_the_specimen(&x, |x| x > 0.0), off);
     }
 }

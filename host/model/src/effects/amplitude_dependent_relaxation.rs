@@ -31,7 +31,7 @@ pub const EFFECT: Effect = Effect {
             strength: GROWTH,
             shapes: &[],
             act: Act::Relaxation(|_, parameters, _, x, relaxation| {
-                let factor = |&x: &f64| (1.0 + parameters[0] * x.max(0.0)).max(0.0);
+                let factor = |&x: &f64| (1.0 + parameters[0] * x.abs()).max(0.0);
                 multiply(&mut relaxation.share_factor, x, factor);
             }),
         },
@@ -41,7 +41,7 @@ pub const EFFECT: Effect = Effect {
             strength: GROWTH,
             shapes: &[],
             act: Act::Relaxation(|_, parameters, _, x, relaxation| {
-                let factor = |&x: &f64| (1.0 + parameters[0] * x.max(0.0)).max(0.0);
+                let factor = |&x: &f64| (1.0 + parameters[0] * x.abs()).max(0.0);
                 multiply(&mut relaxation.drive_factor, x, factor);
             }),
         },
@@ -60,7 +60,7 @@ pub const EFFECT: Effect = Effect {
             shapes: &[FULL_COMPRESSION],
             act: Act::Relaxation(|_, parameters, _, x, relaxation| {
                 let (exponent, full) = (parameters[0], parameters[1]);
-                let factor = |x: &f64| (x / full).max(MIN_COMPRESSION).powf(exponent);
+                let factor = |x: &f64| (x.abs() / full).max(MIN_COMPRESSION).powf(exponent);
                 multiply(&mut relaxation.drive_factor, x, factor);
             }),
         },
@@ -74,7 +74,7 @@ pub const EFFECT: Effect = Effect {
             shapes: &[],
             act: Act::Relaxation(|_, parameters, _, x, relaxation| {
                 if parameters[0] != 0.0 {
-                    let factor = |x: &f64| (parameters[0] * x.max(0.0)).min(20.0).exp();
+                    let factor = |x: &f64| (parameters[0] * x.abs()).min(20.0).exp();
                     multiply(&mut relaxation.rate_factor, x, factor);
                 }
             }),

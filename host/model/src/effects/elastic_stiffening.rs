@@ -42,7 +42,7 @@ pub const EFFECT: Effect = Effect {
             act: Act::Elastic(|_, parameters, _, x, elastic| {
                 let (force, exponent, full) = (parameters[0], parameters[1], parameters[2]);
                 for (x, elastic) in x.iter().zip(elastic) {
-                    *elastic += force * (x.max(0.0) / full).powf(exponent);
+                    *elastic += (force * (x.abs() / full).powf(exponent)).copysign(*x);
                 }
             }),
         },
@@ -99,7 +99,8 @@ pub const EFFECT: Effect = Effect {
             act: Act::Elastic(|_, parameters, _, x, elastic| {
                 let (force, onset, full) = (parameters[0], parameters[1], parameters[2]);
                 for (x, elastic) in x.iter().zip(elastic) {
-                    *elastic += force * ((x - onset).max(0.0) / (full - onset)).powi(2);
+                    let beyond = (x.abs() - onset).max(0.0);
+                    *elastic += (force * (beyond / (full - onset)).powi(2)).copysign(*x);
                 }
             }),
         },
@@ -110,7 +111,7 @@ fn exponential(_: &Scene, parameters: &[f64], _: &mut Remembered, x: &[f64], ela
     let (force, length, full) = (parameters[0], parameters[1], parameters[2]);
     let growth = |x: f64| (x / length).exp_m1() - x / length;
     for (x, elastic) in x.iter().zip(elastic) {
-        *elastic += force * growth(x.max(0.0)) / growth(full);
+        *elastic += (force * growth(x.abs()) / growth(full)).copysign(*x);
     }
 }
 
@@ -124,7 +125,7 @@ fn densification(
     let (force, limit, full) = (parameters[0], parameters[1], parameters[2]);
     for (&x, elastic) in x.iter().zip(elastic) {
         // Beyond the data, where x can pass the limit, the law goes on without its pole.
-        let left = (limit - x).max(0.01 * full);
-        *elastic += force * (x.max(0.0) / full).powi(2) * (limit - full) / left;
+        let left = (limit - x.abs()).max(0.01 * full);
+        *elastic += (force * (x / full).powi(2) * (limit - full) / left).copysign(x);
     }
 }

@@ -76,6 +76,7 @@ fn by_distance(
 ) {
     let (depth, width) = (parameters[0], parameters[1]);
     for (&x, elastic) in x.iter().zip(elastic) {
+        let x = x.abs();
         *elastic *= 1.0 - depth * ((largest(remembered, x) - x) / width).tanh();
     }
 }
@@ -90,7 +91,7 @@ fn by_energy(
 ) {
     let (depth, width) = (parameters[0], parameters[1]);
     for (x, elastic) in x.iter().zip(elastic) {
-        let energy = *elastic * x.max(0.0);
+        let energy = *elastic * x;
         let most = largest(remembered, energy);
         if most > 0.0 {
             let below = (most - energy) / (width * most);
@@ -108,9 +109,10 @@ fn by_part(
 ) {
     let (depth, exponent) = (parameters[0], parameters[1]);
     for (&x, elastic) in x.iter().zip(elastic) {
+        let x = x.abs();
         let most = largest(remembered, x);
         if most > 0.0 {
-            *elastic *= 1.0 - depth * (1.0 - x.max(0.0) / most).powf(exponent);
+            *elastic *= 1.0 - depth * (1.0 - x / most).powf(exponent);
         }
     }
 }

@@ -171,10 +171,10 @@ mod tests {
     }
 
     #[test]
-    fn follows_the_power_law_and_is_zero_off_the_specimen() {
+    fn follows_the_power_law_to_either_side() {
         assert!((elastic_response(0.3, 1.0, 2.0) - 0.3 / 2.0 * 4.0).abs() < 1e-15);
         assert_eq!(elastic_response(0.3, 1.0, 0.0), 0.0);
-        assert_eq!(elastic_response(0.3, 1.0, -1.0), 0.0);
+        assert_eq!(elastic_response(0.3, 1.0, -2.0), -elastic_response(0.3, 1.0, 2.0));
     }
 
     #[test]

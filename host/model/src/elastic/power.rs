@@ -7,7 +7,7 @@ use crate::laws::{LawParameter, POSITIVE};
 /// Exponents q that it may have.
 pub const EXPONENTS_Q: (f64, f64) = (-0.9, 6.0);
 
-/// N(x) = p/(q+1) x^(q+1) (eq. 3.2).
+/// N(x) = p/(q+1) x^(q+1) (eq. 3.2), and −N(−x) to the other side, where a bonded specimen can be moved.
 pub(super) static LAW: ElasticLaw = ElasticLaw {
     name: "power",
     meaning: "a power of the compression",
@@ -27,14 +27,14 @@ pub(super) static LAW: ElasticLaw = ElasticLaw {
     starts: |_| vec![0.0, 0.3, 0.6, 1.0, 1.5, 2.2, 3.0],
 };
 
-/// Elastic response N(x) = p/(q+1) x^(q+1) for x > 0, else 0, in N (eq. 3.2).
+/// Elastic response N(x) = p/(q+1) x^(q+1), in N (eq. 3.2); −N(−x) for x < 0, to which only what is bonded is moved.
 ///
-/// `compression` in mm, `p` in N/mm^(q+1).
+/// `displacement` in mm, `p` in N/mm^(q+1).
 #[must_use]
-pub fn elastic_response(p: f64, q: f64, compression: f64) -> f64 {
-    if compression <= 0.0 {
+pub fn elastic_response(p: f64, q: f64, displacement: f64) -> f64 {
+    if displacement == 0.0 {
         return 0.0;
     }
     let exponent = q + 1.0;
-    p / exponent * compression.powf(exponent)
+    (p / exponent * displacement.abs().powf(exponent)).copysign(displacement)
 }

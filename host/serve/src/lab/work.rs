@@ -149,8 +149,9 @@ pub fn run(task: &Task, bench: &Bench) -> Result<Outcome, LabError> {
 
 impl Bench {
     fn fit(&self, task: &FitTask) -> Result<Outcome, LabError> {
-        let data = Data::of(&self.traces, &self.signal)?;
         let laws = task.choice()?.laws()?;
+        let separation = laws.first().map(|law| law.separation).unwrap_or_default();
+        let data = Data::of(&self.traces, &self.signal)?.with_separation(separation);
         let fits =
             laws.iter().map(|&law| whole_motion::fit(law, &data)).collect::<Result<Vec<_>, _>>()?;
         let best =
