@@ -130,7 +130,7 @@ enum SeparationArg {
     Clamp,
     /// The parted surface recovers by itself until the indenter meets it
     Free,
-    /// The specimen is glued or clamped: the force may turn to tension
+    /// The specimen is glued or clamped: it may be moved to either side, and the force may turn to tension
     Bonded,
 }
 

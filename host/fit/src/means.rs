@@ -68,6 +68,7 @@ impl Means {
             rates: (0.5 / data.shortest_interval(), 1.0 / data.longest()),
             noise,
             longest: data.longest() / fewest,
+            either: data.below.is_some(),
         };
         let stretch = |piece: &Piece| Blocks::of(data, piece, reach);
         let found = Self { stretches: data.pieces.iter().map(stretch).collect() };

@@ -43,6 +43,8 @@ pub(super) struct Reach {
     pub noise: f64,
     /// Longest block, s.
     pub longest: f64,
+    /// Whether the specimen is loaded to either side.
+    pub either: bool,
 }
 
 /// A quantity along a stretch.
@@ -68,7 +70,9 @@ pub(super) fn begins(
     let speed = |k: usize| if at_rest > 0.0 { (velocity[k] / at_rest).asinh() } else { 0.0 };
     let count = time.len();
     // The first and the last sample of a contact stand alone, and those beside them: what depends on the speed jumps there.
-    let touches = |k: usize| k > 0 && k < count && (x[k] > 0.0) != (x[k - 1] > 0.0);
+    let side = |k: usize| (x[k] > 0.0, reach.either && x[k] < 0.0);
+    let touches = |k: usize| k > 0 && k < count && side(k) != side(k - 1);
+    let off = |x: f64| if reach.either { 0.0 } else { OFF * (-x).max(0.0) };
     let mut begins = vec![0];
     let mut begin = 0;
     for k in 1..count {
@@ -77,7 +81,7 @@ pub(super) fn begins(
             || touches(k)
             || touches(k - 1)
             || touches(k + 1)
-            || (x[k] - x[begin]).abs() > MOVES * (reach.compression + OFF * (-x[k]).max(0.0))
+            || (x[k] - x[begin]).abs() > MOVES * (reach.compression + off(x[k]))
             || (speed(k) - speed(begin)).abs() > TURNS
             || time[k] - time[begin] > reach.longest;
         if apart || !straight(time, &probes, begin, k, reach.noise) {
@@ -106,15 +110,15 @@ fn straight(time: &[f64], probes: &[Probe], from: usize, to: usize, noise: f64) 
 fn probes(time: &[f64], x: &[f64], recorded: &[&[f64]], reach: Reach) -> Vec<Probe> {
     let most = reach.compression.max(f64::MIN_POSITIVE);
     let scattered = SCATTERS * scatter(time, x);
-    let pressed: Vec<f64> = x.iter().map(|x| x.max(0.0)).collect();
-    let squares = pressed.iter().map(|x| x * x).collect();
+    let felt: Vec<f64> = x.iter().map(|x| if reach.either { *x } else { x.max(0.0) }).collect();
+    let squares = felt.iter().map(|x| x * x.abs()).collect();
     let mut probes = vec![
         Probe { values: squares, range: most * most, scatter: 2.0 * most * scattered },
         remembered(time, x, reach.rates.0, most, scattered),
     ];
     let rates = std::iter::successors(Some(reach.rates.0), |rate| Some(rate / APART));
     let rates = rates.take_while(|rate| *rate > reach.rates.1 / APART);
-    probes.extend(rates.map(|rate| remembered(time, &pressed, rate, most, scattered)));
+    probes.extend(rates.map(|rate| remembered(time, &felt, rate, most, scattered)));
     probes.extend(recorded.iter().map(|values| {
         let (least, most) = values
             .iter()
@@ -159,6 +163,7 @@ mod tests {
         rates: (100.0, 1e-4),
         noise: USUAL_NOISE,
         longest: f64::INFINITY,
+        either: false,
     };
 
     /// A rest of a second, a press at 4 mm/s, a hold, a release, and a rest.
@@ -228,5 +233,17 @@ mod tests {
         }
         let found = blocks(&time, &x);
         assert!(10 * found.len() < time.len(), "{}", found.len());
+    }
+
+    #[test]
+    fn what_is_loaded_to_either_side_bends_to_either_side() {
+        let time: Vec<f64> = (0..20_000).map(|k| 1e-3 * f64::from(k)).collect();
+        let x: Vec<f64> = time.iter().map(|t| 4.0 * (1.5 * t).sin()).collect();
+        let velocity: Vec<f64> = time.iter().map(|t| 6.0 * (1.5 * t).cos()).collect();
+        let turned: Vec<f64> = x.iter().map(|x| -x).collect();
+        let backwards: Vec<f64> = velocity.iter().map(|v| -v).collect();
+        let reach = Reach { speed: 6.0, either: true, ..REACH };
+        let begins_of = |x: &[f64], velocity: &[f64]| begins(&time, (x, velocity), &[], reach);
+        assert!(begins_of(&x, &velocity) == begins_of(&turned, &backwards));
     }
 }

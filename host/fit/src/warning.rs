@@ -5,7 +5,7 @@ use std::fmt;
 use super::data::Data;
 use super::least_squares::Stop;
 use super::whole_motion::{Basis, MotionFit};
-use palpate_model::Parameter;
+use palpate_model::{Parameter, Separation};
 use palpate_trace::{Noise, units};
 
 /// A reason to be careful with a fit.
@@ -34,6 +34,8 @@ pub enum Warning {
     Misfit { rms: f64, noise: f64, basis: Basis },
     /// The signal does not begin at 0.
     Resting { value: f64, unit: String },
+    /// The specimen pulls where the law says that the set-up has left it; means of the signal to either side.
+    PullsBelow { below: f64, above: f64, unit: String },
     /// Samples that were left out.
     LeftOut { what: String },
 }
@@ -98,6 +100,10 @@ impl fmt::Display for Warning {
                     format!("{value:.decimals$} {unit}").trim_end()
                 )
             }
+            Self::PullsBelow { below, above, unit } => write!(
+                f,
+                "the signal is {below:.3e} {unit} at displacements below 0, where the law is 0, and {above:.3e} {unit} above: a specimen that is glued or clamped, and moved to either side, is fitted with `--separation bonded`"
+            ),
             Self::LeftOut { what } => f.write_str(what),
         }
     }
@@ -110,6 +116,11 @@ const MERGED: f64 = 0.01;
 
 /// A resting value beyond this part of the whole range of the signal is told.
 const RESTING: f64 = 0.1;
+
+/// Part of the largest displacement that is surely on one side.
+const ASIDE: f64 = 0.1;
+/// Mean of the signal below 0, over that above, beyond which the specimen is pulled there all the time.
+const PULLS: f64 = 0.25;
 
 /// Everything to be careful about, most serious first.
 #[must_use]
@@ -125,6 +136,9 @@ pub fn warnings(fit: &MotionFit, data: &Data, noise: Option<&Noise>) -> Vec<Warn
     if let Some(value) = resting(data).filter(|_| fit.chain.effects.is_empty()) {
         let unit = units::printed(&data.signal).into();
         found.push(Warning::Resting { value, unit });
+    }
+    if fit.chain.base.separation != Separation::Bonded {
+        found.extend(pulls_below(data));
     }
     if let Some(noise) = noise {
         let (rms, noise) = (fit.rms(), noise.standard_deviation);
@@ -151,6 +165,21 @@ fn resting(data: &Data) -> Option<f64> {
     }
     let value = sum / count;
     (count > 0.0 && value.abs() > RESTING * (most - least)).then_some(value)
+}
+
+/// A signal that is as negative below 0 as no parting surface makes it.
+fn pulls_below(data: &Data) -> Option<Warning> {
+    let aside = ASIDE * data.largest_compression();
+    let mean = |side: &dyn Fn(f64) -> bool| {
+        let samples = data.pieces.iter().flat_map(|piece| {
+            piece.motion.displacement.iter().zip(piece.measured).filter(|(x, _)| side(**x))
+        });
+        let (sum, count) = samples.fold((0.0, 0.0), |(sum, count), (_, y)| (sum + y, count + 1.0));
+        (count > 0.0).then(|| sum / count)
+    };
+    let (below, above) = (mean(&|x| x < -aside)?, mean(&|x| x > aside)?);
+    let unit = units::printed(&data.signal).into();
+    (below < -PULLS * above).then_some(Warning::PullsBelow { below, above, unit })
 }
 
 fn each_parameter(fit: &MotionFit, data: &Data, found: &mut Vec<Warning>) {

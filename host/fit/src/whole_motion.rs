@@ -404,6 +404,7 @@ fn sort_branches(fit: &mut MotionFit) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::warning::{Warning, warnings};
     use palpate_model::{Family, Motion, Separation};
     use palpate_trace::{DISPLACEMENT, FORCE, Trace};
     use rand::{RngExt, SeedableRng};
@@ -563,7 +564,10 @@ mod tests {
         let springs = BaseLaw::new(Family::GENERALIZED_MAXWELL, 1, Separation::Bonded);
         for (law, wanted) in [
             (springs, [alone, spring, spring / rate]),
-            (BaseLaw::fung(1, Separation::Bonded), [alone + spring, 0.0, spring / (alone + spring)]),
+            (
+                BaseLaw::fung(1, Separation::Bonded),
+                [alone + spring, 0.0, spring / (alone + spring)],
+            ),
         ] {
             let found = fit(law, &data).unwrap();
             assert!(found.rms() < 0.006, "{}: {}", law.in_words(), found.rms());
@@ -571,5 +575,13 @@ mod tests {
                 assert!((value - wanted).abs() < 0.01, "{}: {:?}", law.in_words(), found.values);
             }
         }
+        // One who does not say that it is bonded is told.
+        let told = |separation: Separation| {
+            let law = BaseLaw::new(Family::GENERALIZED_MAXWELL, 1, separation);
+            let data = data.clone().with_separation(separation);
+            let found = warnings(&fit(law, &data).unwrap(), &data, None);
+            found.iter().any(|warning| matches!(warning, Warning::PullsBelow { .. }))
+        };
+        assert!(told(Separation::Clamp) && !told(Separation::Bonded));
     }
 }
