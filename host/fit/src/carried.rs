@@ -114,7 +114,7 @@ impl Carried {
         }
         let response = law.response(&coordinates.declared(&point[..coordinates.count()]));
         let linear = Hereditary {
-            viscosity: response.hereditary.viscosity,
+            damper: response.hereditary.damper,
             ..Hereditary::linear(response.hereditary.branches.clone(), law.separation)
         };
         if response.hereditary != linear || response.form == Form::Compression {
@@ -253,11 +253,14 @@ impl Carried {
         let mut steps = [Step { decay: 1.0, gain: 1.0, ..Step::default() }; N];
         let (mut before, mut interval) = (f64::NAN, f64::NAN);
         let mut rows = Rows::ZERO;
-        let mut drives = Drives::ZERO;
+        let (mut drives, mut ahead) = (Drives::ZERO, Drives::ZERO);
         for begin in (0..count).step_by(BLOCK) {
             let end = (begin + BLOCK).min(count);
             rows.len = end - begin;
             self.drives(&stretch.x[begin..end], &stretch.logarithm[begin..end], &mut drives);
+            if self.damping.is_some() && end < count {
+                self.drives(&stretch.x[end..=end], &stretch.logarithm[end..=end], &mut ahead);
+            }
             for (k, &time) in stretch.time[begin..end].iter().enumerate() {
                 let now = time - before;
                 before = time;
@@ -285,10 +288,17 @@ impl Carried {
                     sum += self.forces[branch + 1] * state.y;
                     rows.y[branch].0[k] = state.y;
                 }
-                // A damper beside the spring follows the speed at which the contact is pressed.
+                // A damper beside the spring follows the speed at which the contact is pressed, as in a run of the model.
                 let mut speed = 0.0;
                 if let Some(damping) = self.damping.filter(|_| !first) {
-                    speed = self.reference * change / now;
+                    let came = change / now;
+                    speed = self.reference
+                        * stretch.time.get(begin + k + 1).map_or(came, |after| {
+                            let within = drives.drive.0[..rows.len].get(k + 1);
+                            let next = after - time;
+                            let goes = (within.unwrap_or(&ahead.drive.0[0]) - drive) / next;
+                            (came * next + goes * now) / (now + next)
+                        });
                     sum += damping * speed;
                 }
                 // Contact breaks at zero force, and what does not touch has no derivative.

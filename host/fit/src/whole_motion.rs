@@ -584,4 +584,28 @@ mod tests {
         };
         assert!(told(Separation::Clamp) && !told(Separation::Bonded));
     }
+
+    #[test]
+    fn a_damper_follows_the_speed_at_each_sample() {
+        // Sampled 25 times a cycle; the speed over the last interval is half an interval late.
+        let mut random = ChaCha8Rng::seed_from_u64(9);
+        let (stiffness, damping, turns) = (0.9, 0.12, 4.0 * std::f64::consts::PI);
+        let time: Vec<f64> = (0..600).map(|k| 0.02 * f64::from(k)).collect();
+        let x: Vec<f64> = time.iter().map(|t| 1.5 * (1.0 - (turns * t).cos())).collect();
+        let mut noise = || random.random_range(-0.01..0.01);
+        let force = time
+            .iter()
+            .zip(&x)
+            .map(|(t, x)| stiffness * x + damping * 1.5 * turns * (turns * t).sin() + noise());
+        let mut trace = Trace { time: time.clone(), ..Trace::default() };
+        let force = force.collect();
+        trace.set_column(DISPLACEMENT, x);
+        trace.set_column(FORCE, force);
+        let data = Data::of(std::slice::from_ref(&trace), FORCE).unwrap();
+        let law = BaseLaw::new(Family::KELVIN_VOIGT, 1, Separation::Bonded);
+        let found = fit(law, &data.clone().with_separation(Separation::Bonded)).unwrap();
+        assert!(found.rms() < 0.02, "{}", found.rms());
+        assert!((found.values[0] / stiffness - 1.0).abs() < 0.002, "{:?}", found.values);
+        assert!((found.values[1] / damping - 1.0).abs() < 0.02, "{:?}", found.values);
+    }
 }

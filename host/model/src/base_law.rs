@@ -161,7 +161,7 @@ impl BaseLaw {
     pub fn response(&self, parameters: &[f64]) -> Response {
         let constants = self.constants(parameters);
         let mut hereditary = Hereditary::linear(Vec::new(), self.separation);
-        hereditary.viscosity = constants.viscosity;
+        hereditary.damper = constants.viscosity;
         if let MemoryOf::Spectrum { of, .. } = self.kernel.memory {
             let share = constants.shares[0];
             let rate = constants.rates.first().copied().unwrap_or(1.0);

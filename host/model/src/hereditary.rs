@@ -27,8 +27,11 @@ pub struct Hereditary {
     pub rate_factor: Option<Vec<f64>>,
     /// How the rate of a branch grows with its state.
     pub growth: Growth,
-    /// Viscosity over stiffness τ of a damper beside the spring, s.
+    /// Viscosity over stiffness of what relaxes within less than an interval, s: it follows the mean speed over the last one.
     pub viscosity: f64,
+    /// Viscosity over stiffness τ of a damper beside the spring, s: it follows the speed at each sample, or over the last interval where
+    /// what comes next is not known.
+    pub damper: f64,
     /// Whether the response settles late to its input (creep) instead of relaxing from it.
     pub retarded: bool,
     /// What happens when contact breaks.
@@ -119,6 +122,21 @@ impl KnownSteps {
 const SMALLEST_IMMEDIATE: f64 = 1e-6;
 /// Two intervals closer than this, relatively, are the same: times are printed with few digits.
 const SAME_INTERVAL: f64 = 1e-7;
+/// Speed of a quantity at sample `k` > 0: that of the parabola through it and its neighbours, and at the end that over the last interval.
+#[must_use]
+pub fn speed(time: &[f64], values: &[f64], k: usize) -> f64 {
+    let over = |k: usize| {
+        let interval = time[k] - time[k - 1];
+        (interval, (values[k] - values[k - 1]) / interval)
+    };
+    let (last, came) = over(k);
+    if k + 1 == time.len() {
+        return came;
+    }
+    let (next, goes) = over(k + 1);
+    (came * next + goes * last) / (last + next)
+}
+
 impl Hereditary {
     /// The linear law of these branches.
     #[must_use]
@@ -131,6 +149,7 @@ impl Hereditary {
             rate_factor: None,
             growth: Growth::None,
             viscosity: 0.0,
+            damper: 0.0,
             retarded: false,
             separation,
         }
@@ -186,8 +205,9 @@ impl Hereditary {
         let held = |value: f64| if bonded { value } else { value.max(0.0) };
         let (Some(&first), Some(&begin)) = (elastic.first(), time.first()) else { return };
         force.push(held(self.jump(state, first)));
+        let (times, responses) = (time, elastic);
         let mut before = begin;
-        for (&time, &elastic) in time.iter().zip(elastic).skip(1) {
+        for (k, (&time, &elastic)) in time.iter().zip(elastic).enumerate().skip(1) {
             let interval = time - before;
             before = time;
             self.prepare_steady(state, interval);
@@ -199,7 +219,10 @@ impl Hereditary {
                 *x = *x * decay + gain * change;
                 latent += branch.share * (*x - elastic);
             }
-            let viscous = self.viscosity * change / interval;
+            let mut viscous = self.viscosity * change / interval;
+            if self.damper > 0.0 {
+                viscous += self.damper * speed(times, responses, k);
+            }
             force.push(held(elastic + (latent + self.on_top * elastic) + viscous));
         }
         state.input = state.driven;
@@ -294,7 +317,7 @@ impl Hereditary {
 
     fn step(&self, state: &mut HereditaryState, k: usize, interval: f64, elastic: f64) -> f64 {
         let driven = at(&self.drive_factor, k) * elastic;
-        let viscous = self.viscosity * (elastic - state.input) / interval;
+        let viscous = (self.viscosity + self.damper) * (elastic - state.input) / interval;
         self.drive(state, driven);
         state.input = elastic;
         self.force(state, k, elastic) + viscous
@@ -329,7 +352,7 @@ impl Hereditary {
     /// adds to it for each newton.
     fn held(&self, state: &HereditaryState, k: usize, interval: f64) -> (f64, f64) {
         let (share, drive) = (at(&self.share_factor, k), at(&self.drive_factor, k));
-        let viscous = self.viscosity / interval;
+        let viscous = (self.viscosity + self.damper) / interval;
         let mut held = -viscous * state.input;
         let mut immediate = 1.0 + viscous + self.on_top * share * drive;
         for ((branch, x), &(decay, gain)) in
