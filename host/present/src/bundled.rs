@@ -74,7 +74,7 @@ fn grasp(table: u32, row: &RelaxationRow, acceleration: f64) -> Trace {
     // A response of one newton at full compression, branch by branch.
     let unit = (EXPONENT + 1.0) / row.compression.powf(EXPONENT + 1.0);
     let elastic: Vec<f64> =
-        motion.displacement.iter().map(|&x| elastic_response(unit, EXPONENT, x)).collect();
+        motion.displacement.iter().map(|x| elastic_response(unit, EXPONENT, x.max(0.0))).collect();
     let fast = branch(row.rates[0], &motion, &elastic);
     let slow = branch(row.rates[1], &motion, &elastic);
     let first = motion.time.iter().position(|&t| t >= REST + closing).unwrap_or(0);
@@ -151,7 +151,7 @@ pub fn press() -> Trace {
     for (&time, &x) in motion.time.iter().zip(motion.displacement.iter()) {
         let interval = time - before;
         before = time;
-        let pressed = elastic_response(p, q, x);
+        let pressed = elastic_response(p, q, x.max(0.0));
         let reached = pressed.max(memory.free(&relaxation, interval));
         force.push(memory.step(&relaxation, reached, interval));
         dent.push(reached - pressed);
