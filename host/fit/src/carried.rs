@@ -14,7 +14,7 @@ use palpate_model::{Chain, Coordinate, Elastic, Form, Hereditary, MAX_TERMS, Sep
 #[derive(Clone, Debug)]
 pub struct Carried {
     form: Form,
-    bonded: bool,
+    separation: Separation,
     reference: f64,
     /// q + 1.
     exponent: f64,
@@ -122,7 +122,7 @@ impl Carried {
         }
         let mut carried = Self {
             form: response.form,
-            bonded: law.separation == Separation::Bonded,
+            separation: law.separation,
             reference: coordinates.reference(),
             exponent: law.family.shape + 1.0,
             forces: [0.0; MAX_TERMS + 1],
@@ -291,18 +291,16 @@ impl Carried {
                 // A damper beside the spring follows the speed at which the contact is pressed, as in a run of the model.
                 let mut speed = 0.0;
                 if let Some(damping) = self.damping.filter(|_| !first) {
-                    let came = change / now;
-                    speed = self.reference
-                        * stretch.time.get(begin + k + 1).map_or(came, |after| {
-                            let within = drives.drive.0[..rows.len].get(k + 1);
-                            let next = after - time;
-                            let goes = (within.unwrap_or(&ahead.drive.0[0]) - drive) / next;
-                            (came * next + goes * now) / (now + next)
-                        });
+                    let within = drives.drive.0[..rows.len].get(k + 1);
+                    let ahead = within.unwrap_or(&ahead.drive.0[0]);
+                    let next = stretch.time.get(begin + k + 1);
+                    let next = next.map(|next| (next - time, ahead - drive));
+                    speed = self.reference * palpate_model::speed((now, change), next);
                     sum += damping * speed;
                 }
                 // Contact breaks at zero force, and what does not touch has no derivative.
-                let held = if self.bonded || sum > 0.0 { 1.0 } else { 0.0 };
+                let held =
+                    if sum > 0.0 || self.separation == Separation::Bonded { 1.0 } else { 0.0 };
                 let factor = held * drives.factor.0[k];
                 rows.factor.0[k] = factor;
                 rows.force.0[k] = factor * sum;
@@ -350,18 +348,18 @@ impl Carried {
     /// What the samples of a block drive the memory by, and what its answer is multiplied by.
     fn drives(&self, x: &[f64], logarithm: &[f64], drives: &mut Drives) {
         let mut u = Column::ZERO;
-        let loads = |x: f64| x > 0.0 || (self.bonded && x < 0.0);
+        let felt = |x: f64| self.separation.felt(x);
         // Off the specimen there is nothing to do.
-        if x.iter().any(|&x| loads(x)) {
+        if x.iter().any(|&x| felt(x) != 0.0) {
             for (u, (&x, &logarithm)) in u.0.iter_mut().zip(x.iter().zip(logarithm)) {
                 let power = exp(self.exponent * logarithm).copysign(x);
-                *u = if loads(x) { power } else { 0.0 };
+                *u = if felt(x) != 0.0 { power } else { 0.0 };
             }
         }
         match self.form {
             Form::Strain => {
                 for (k, (&x, &logarithm)) in x.iter().zip(logarithm).enumerate() {
-                    drives.drive.0[k] = if self.bonded { x } else { x.max(0.0) };
+                    drives.drive.0[k] = felt(x);
                     drives.factor.0[k] = if x.abs() > TOUCHING { u.0[k] / x } else { 0.0 };
                     drives.factor_q.0[k] = logarithm;
                 }

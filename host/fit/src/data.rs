@@ -328,12 +328,14 @@ impl<'a> Data<'a> {
     /// purpose.
     #[must_use]
     pub fn with_separation(mut self, separation: Separation) -> Self {
-        let lowest =
-            |piece: &Piece| piece.motion.displacement.iter().copied().fold(f64::INFINITY, f64::min);
-        let lowest = self.pieces.iter().map(lowest).fold(0.0, f64::min);
-        let largest = self.largest_compression();
-        let either = separation == Separation::Bonded && -lowest > ON_PURPOSE * largest;
-        self.below = either.then_some(-AT_REST * largest.max(-lowest));
+        self.below = None;
+        if separation == Separation::Bonded {
+            let all = self.pieces.iter().flat_map(|piece| piece.motion.displacement.iter());
+            let lowest = all.copied().fold(0.0, f64::min);
+            let largest = self.largest_compression();
+            let either = -lowest > ON_PURPOSE * largest;
+            self.below = either.then_some(-AT_REST * largest.max(-lowest));
+        }
         self
     }
 

@@ -286,7 +286,7 @@ fn grams(
         let mut steps = [(1.0, 1.0); RATES];
         let (mut before, mut interval) = (f64::NAN, f64::NAN);
         let motion = &piece.motion;
-        let felt = law.separation.felt(&motion.displacement);
+        let felt = law.separation.all_felt(&motion.displacement);
         let samples = motion.time.iter().zip(&*felt).zip(piece.measured);
         for (k, ((&time, &x), &y)) in samples.enumerate() {
             let now = time - before;

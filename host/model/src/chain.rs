@@ -7,7 +7,7 @@ use std::sync::Arc;
 use super::act::{Act, Remembered, Stage};
 use super::hereditary::HereditaryState;
 use super::yielding::StretchYielding;
-use super::{BaseLaw, Elastic, Parameter, Response, Scene};
+use super::{BaseLaw, Elastic, Parameter, Response, Scene, Separation};
 
 /// An effect in a model: its name, the law chosen for it, its parameters and how it acts.
 #[derive(Clone, Debug)]
@@ -65,18 +65,19 @@ pub struct Elasticity {
 
 #[derive(Debug, Default)]
 struct Unit {
-    elastic: Elastic,
+    law: (Elastic, Separation),
     shape: f64,
     x: Vec<f64>,
     response: Vec<f64>,
 }
 
 impl Elasticity {
-    /// That of this shape at these displacements x, mm.
+    /// That of this shape at these displacements x, mm, so far as the specimen feels them.
     #[must_use]
-    pub fn at(elastic: Elastic, shape: f64, x: &[f64]) -> Self {
-        let response = x.iter().map(|&x| elastic.unit(shape, x)).collect();
-        Self { unit: Arc::new(Unit { elastic, shape, x: x.to_vec(), response }), ..Self::default() }
+    pub fn at(law: (Elastic, Separation), shape: f64, x: &[f64]) -> Self {
+        let (elastic, separation) = law;
+        let response = x.iter().map(|&x| elastic.unit(shape, separation.felt(x))).collect();
+        Self { unit: Arc::new(Unit { law, shape, x: x.to_vec(), response }), ..Self::default() }
     }
 
     /// The same for a run whose parameters differ a little from those of the last one: where a set-up yields, what is nearby is
@@ -86,16 +87,16 @@ impl Elasticity {
         Self { unit: Arc::clone(&self.unit), yielding: self.yielding.nearby() }
     }
 
-    /// Elastic response N, N, of this stiffness and shape at each displacement x, mm.
+    /// Elastic response N, N, of this stiffness and shape at each displacement x, mm, so far as the specimen feels it.
     pub(super) fn response(
         &mut self,
-        elastic: Elastic,
+        law: (Elastic, Separation),
         (p, shape): (f64, f64),
         x: &[f64],
     ) -> Vec<f64> {
-        let same = self.unit.shape.to_bits() == shape.to_bits() && self.unit.elastic == elastic;
+        let same = self.unit.shape.to_bits() == shape.to_bits() && self.unit.law == law;
         if !same || self.unit.x != x {
-            self.unit = Self::at(elastic, shape, x).unit;
+            self.unit = Self::at(law, shape, x).unit;
         }
         self.unit.response.iter().map(|unit| p * unit).collect()
     }
@@ -319,9 +320,11 @@ impl Chain {
         force: &mut Vec<f64>,
     ) {
         let mut response = self.base.response(parameters);
-        let felt = self.base.separation.felt(x);
+        let separation = self.base.separation;
         self.each(parameters, history, |act, own, remembered, stage| match act {
-            Act::Relaxation(law) => law(scene, own, remembered, &felt, &mut response.hereditary),
+            Act::Relaxation(law) => {
+                law(scene, own, remembered, &separation.all_felt(x), &mut response.hereditary);
+            }
             Act::Own(expression) if stage == Stage::Relaxation => {
                 expression.change_rates(scene, own, x, &mut response.hereditary);
             }
@@ -335,7 +338,7 @@ impl Chain {
             |x, elastic| {
                 self.each(parameters, history, |act, own, remembered, stage| match act {
                     Act::Elastic(law) => {
-                        law(scene, own, remembered, &self.base.separation.felt(x), elastic);
+                        law(scene, own, remembered, &separation.all_felt(x), elastic);
                     }
                     Act::Own(expression) if stage == Stage::Elasticity => {
                         expression.add_to_elastic(scene, own, x, elastic);

@@ -122,19 +122,15 @@ impl KnownSteps {
 const SMALLEST_IMMEDIATE: f64 = 1e-6;
 /// Two intervals closer than this, relatively, are the same: times are printed with few digits.
 const SAME_INTERVAL: f64 = 1e-7;
-/// Speed of a quantity at sample `k` > 0: that of the parabola through it and its neighbours, and at the end that over the last interval.
+
+/// Speed, 1/s, of a quantity at a sample from its changes since the `last` sample and until the `next`, each with the interval, s,
+/// within which: that of the parabola through the three, and where none comes next that over the last interval.
 #[must_use]
-pub fn speed(time: &[f64], values: &[f64], k: usize) -> f64 {
-    let over = |k: usize| {
-        let interval = time[k] - time[k - 1];
-        (interval, (values[k] - values[k - 1]) / interval)
-    };
-    let (last, came) = over(k);
-    if k + 1 == time.len() {
-        return came;
+pub fn speed((last, came): (f64, f64), next: Option<(f64, f64)>) -> f64 {
+    match next {
+        Some((next, goes)) => (came / last * next + goes / next * last) / (last + next),
+        None => came / last,
     }
-    let (next, goes) = over(k + 1);
-    (came * next + goes * last) / (last + next)
 }
 
 impl Hereditary {
@@ -181,7 +177,7 @@ impl Hereditary {
             } else {
                 self.advance(state, k, interval, elastic)
             };
-            force.push(if self.separation == Separation::Bonded { value } else { value.max(0.0) });
+            force.push(self.separation.carried(value));
         }
     }
 
@@ -201,13 +197,11 @@ impl Hereditary {
         state: &mut HereditaryState,
         force: &mut Vec<f64>,
     ) {
-        let bonded = self.separation == Separation::Bonded;
-        let held = |value: f64| if bonded { value } else { value.max(0.0) };
         let (Some(&first), Some(&begin)) = (elastic.first(), time.first()) else { return };
-        force.push(held(self.jump(state, first)));
-        let (times, responses) = (time, elastic);
+        force.push(self.separation.carried(self.jump(state, first)));
         let mut before = begin;
-        for (k, (&time, &elastic)) in time.iter().zip(elastic).enumerate().skip(1) {
+        let mut samples = time.iter().zip(elastic).skip(1).peekable();
+        while let Some((&time, &elastic)) = samples.next() {
             let interval = time - before;
             before = time;
             self.prepare_steady(state, interval);
@@ -221,9 +215,12 @@ impl Hereditary {
             }
             let mut viscous = self.viscosity * change / interval;
             if self.damper > 0.0 {
-                viscous += self.damper * speed(times, responses, k);
+                let next = samples.peek().map(|&(next, ahead)| (next - time, ahead - elastic));
+                viscous += self.damper * speed((interval, change), next);
             }
-            force.push(held(elastic + (latent + self.on_top * elastic) + viscous));
+            force.push(
+                self.separation.carried(elastic + (latent + self.on_top * elastic) + viscous),
+            );
         }
         state.input = state.driven;
     }

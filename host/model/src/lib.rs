@@ -57,7 +57,7 @@ pub use file::{Base, FileError, FitRecord, Model, Rung, StoredEffect, StoredPara
 pub use force_control::{Controlled, ForceProfile, ForceProfileError, ForceStep, Loading};
 pub use gauge::{Deformation, Gauge, GaugeError};
 pub use growth::Growth;
-pub use hereditary::{Hereditary, HereditaryState};
+pub use hereditary::{Hereditary, HereditaryState, speed};
 pub use kernel::{Kernel, Span};
 pub use laws::{EXPONENTS_N, Family, LawOption, Laws};
 pub use motion::{Motion, MotionError};

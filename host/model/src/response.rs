@@ -2,7 +2,7 @@
 
 use super::hereditary::{Hereditary, HereditaryState};
 use super::yielding::Yielding;
-use super::{Elastic, Elasticity, Separation};
+use super::{Elastic, Elasticity};
 
 /// What the memory of a law acts on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,8 +48,8 @@ impl Response {
 
     /// One sample: what goes into the memory, and what its answer means.
     fn sample(&self, x: f64, memory: impl FnOnce(f64) -> f64) -> f64 {
-        let bonded = self.hereditary.separation == Separation::Bonded;
-        let x = if bonded { x } else { x.max(0.0) };
+        let separation = self.hereditary.separation;
+        let x = separation.felt(x);
         let elastic = |x| self.p * self.elastic.unit(self.shape, x);
         let force = match self.form {
             Form::Force => memory(elastic(x)),
@@ -59,7 +59,7 @@ impl Response {
             }
             Form::Compression => elastic(memory(x)),
         };
-        if bonded { force } else { force.max(0.0) }
+        separation.carried(force)
     }
 
     /// Compression, mm, at which a sudden press of a specimen at rest gives this force, N.
@@ -126,13 +126,18 @@ impl Response {
         mut change: impl FnMut(&[f64], &mut [f64]),
         force: &mut Vec<f64>,
     ) {
-        let felt = self.hereditary.separation.felt(x);
-        let mut respond = |x: &[f64]| elasticity.response(self.elastic, (self.p, self.shape), x);
+        let separation = self.hereditary.separation;
+        let law = (self.elastic, separation);
+        let mut respond = |x: &[f64]| elasticity.response(law, (self.p, self.shape), x);
+        // A law of one's own may act on a displacement off the specimen.
+        let felt = match self.form {
+            Form::Force if self.elastic == Elastic::POWER => x.into(),
+            _ => separation.all_felt(x),
+        };
         match self.form {
             Form::Force => {
                 let mut elastic = respond(&felt);
-                // A law of one's own may act on a displacement off the specimen.
-                change(if self.elastic == Elastic::POWER { x } else { &felt }, &mut elastic);
+                change(&felt, &mut elastic);
                 self.hereditary.run(time, &elastic, rest, state, force);
             }
             Form::Strain => {

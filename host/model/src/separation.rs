@@ -28,13 +28,25 @@ impl Separation {
         }
     }
 
-    /// The displacements x, mm, that the specimen feels: off it none, unless it is bonded.
+    /// The displacement, mm, that the specimen feels at a displacement x, mm: off it none, unless it is bonded.
     #[must_use]
-    pub fn felt(self, x: &[f64]) -> Cow<'_, [f64]> {
+    pub const fn felt(self, x: f64) -> f64 {
+        if matches!(self, Self::Bonded) { x } else { x.max(0.0) }
+    }
+
+    /// The force, N, that the contact carries of this one: no pull, unless it is bonded.
+    #[must_use]
+    pub const fn carried(self, force: f64) -> f64 {
+        if matches!(self, Self::Bonded) { force } else { force.max(0.0) }
+    }
+
+    /// What the specimen [feels](Self::felt) at each of these displacements, mm.
+    #[must_use]
+    pub fn all_felt(self, x: &[f64]) -> Cow<'_, [f64]> {
         if self == Self::Bonded || x.iter().all(|&x| x >= 0.0) {
             x.into()
         } else {
-            x.iter().map(|x| x.max(0.0)).collect()
+            x.iter().map(|&x| self.felt(x)).collect()
         }
     }
 }

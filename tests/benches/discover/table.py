@@ -26,22 +26,12 @@ PACKAGES = ["numpy", "scipy", "pysindy==2.1.0"]
 NOISE = 0.02
 
 
-def environment():
-    """The Python of the rival, set up at the first run."""
-    python = speed.WORK / "discover-python" / "bin" / "python"
-    if not python.exists():
-        speed.WORK.mkdir(parents=True, exist_ok=True)
-        subprocess.run([sys.executable, "-m", "venv", python.parents[1]], check=True)
-        subprocess.run([python, "-m", "pip", "install", "--quiet", *PACKAGES], check=True)
-    return python
-
-
 def main():
     options = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     options.add_argument("--palpate", default=speed.TARGET / "release" / "palpate")
     palpate = options.parse_args().palpate
     speed.PATIENCE = 1_000
-    python = environment()
+    python = speed.environment(speed.WORK / "discover-python", PACKAGES)
 
     def call(*words):
         done = subprocess.run([palpate, *map(str, words)], capture_output=True, text=True)

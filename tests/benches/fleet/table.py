@@ -23,16 +23,6 @@ import table as speed
 PACKAGES = ["numpy", "scipy", "pandas", "pyarrow", "joblib"]
 
 
-def environment():
-    """The Python of the rival, set up at the first run."""
-    python = speed.WORK / "fleet-python" / "bin" / "python"
-    if not python.exists():
-        folder = python.parents[1]
-        subprocess.run([sys.executable, "-m", "venv", folder], check=True)
-        subprocess.run([python, "-m", "pip", "install", "--quiet", *PACKAGES], check=True)
-    return python
-
-
 def main():
     options = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     options.add_argument("--palpate", default=speed.TARGET / "release" / "palpate")
@@ -44,7 +34,7 @@ def main():
     work.mkdir(parents=True, exist_ok=True)
     speed.WORK.mkdir(parents=True, exist_ok=True)
     speed.PATIENCE = 100_000
-    python = environment()
+    python = speed.environment(speed.WORK / "fleet-python", PACKAGES)
 
     def data(grasps):
         path = work / f"{grasps}.parquet"

@@ -18,17 +18,9 @@ HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent / "speed"))
 
 import table as speed
+from cases import EFFECTS, LAWS, MOTIONS
 
 WORK = speed.TARGET / "other-laws"
-
-
-def environment():
-    """The Python that makes the recordings, set up at the first run."""
-    python = WORK / "python" / "bin" / "python"
-    if not python.exists():
-        subprocess.run([sys.executable, "-m", "venv", python.parents[1]], check=True)
-        subprocess.run([python, "-m", "pip", "install", "--quiet", "numpy", "scipy"], check=True)
-    return python
 
 
 def diagnosed(palpate, law, folder, model):
@@ -60,18 +52,15 @@ def main():
     options.add_argument("--seed", type=int, default=1)
     options.add_argument("--only", default="", help="a specimen or a motion")
     given = options.parse_args()
-    python = environment()
-    listed = "import specimens, json; print(json.dumps([specimens.LAWS, specimens.MOTIONS, specimens.EFFECTS]))"
-    told = subprocess.run([python, "-c", listed], check=True, capture_output=True, cwd=HERE)
-    laws, motions, effects = json.loads(told.stdout)
+    python = speed.environment(WORK / "python", ["numpy", "scipy"])
     print(f"seed {given.seed}\n\n| specimen | motion | {' | '.join(COLUMNS)} |\n|-|-|{'-|' * len(COLUMNS)}")
     others = []
-    for kind, law in laws.items():
-        for motion in motions[kind]:
+    for kind, law in LAWS.items():
+        for motion in MOTIONS[kind]:
             if given.only not in f"{kind} {motion}":
                 continue
             counts = dict.fromkeys(COLUMNS, 0)
-            for effect in effects:
+            for effect in EFFECTS:
                 folder = WORK / f"{kind}-{motion}-{effect}-{given.seed}"
                 shutil.rmtree(folder, ignore_errors=True)
                 make = [python, HERE / "specimens.py", kind, motion, effect, str(given.seed), folder]

@@ -122,12 +122,12 @@ def cpu(command):
     return float(seconds), float(memory), output
 
 
-def environment():
-    """The Python of the rivals, set up at the first run."""
-    python = WORK / "python" / "bin" / "python"
+def environment(folder=WORK / "python", packages=PACKAGES):
+    """A Python with these packages, set up at the first run."""
+    python = folder / "bin" / "python"
     if not python.exists():
-        subprocess.run([sys.executable, "-m", "venv", WORK / "python"], check=True)
-        subprocess.run([python, "-m", "pip", "install", "--quiet", *PACKAGES], check=True)
+        subprocess.run([sys.executable, "-m", "venv", folder], check=True)
+        subprocess.run([python, "-m", "pip", "install", "--quiet", *packages], check=True)
     return python
 
 

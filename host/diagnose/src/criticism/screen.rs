@@ -196,7 +196,8 @@ fn gram(
         let mut columns: Vec<(usize, Vec<f64>)> = derivatives;
         let law = problem.chain.base;
         let shape = law.constants(&parameters).shape;
-        let mut elasticity = Elasticity::at(law.elastic, shape, &piece.motion.displacement);
+        let law = (law.elastic, law.separation);
+        let mut elasticity = Elasticity::at(law, shape, &piece.motion.displacement);
         if problem.chain.yields() {
             // Where the set-up comes to, a term changes little.
             problem.chain.run(&parameters, &scene, &mut history, &mut elasticity, &mut force);

@@ -150,8 +150,7 @@ pub fn run(task: &Task, bench: &Bench) -> Result<Outcome, LabError> {
 impl Bench {
     fn fit(&self, task: &FitTask) -> Result<Outcome, LabError> {
         let laws = task.choice()?.laws()?;
-        let separation = laws.first().map(|law| law.separation).unwrap_or_default();
-        let data = Data::of(&self.traces, &self.signal)?.with_separation(separation);
+        let data = Data::of(&self.traces, &self.signal)?.with_separation(task.separation);
         let fits =
             laws.iter().map(|&law| whole_motion::fit(law, &data)).collect::<Result<Vec<_>, _>>()?;
         let best =
