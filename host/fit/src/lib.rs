@@ -56,6 +56,7 @@ pub mod slope;
 mod spare;
 mod start;
 mod straight;
+pub mod touch;
 mod uncertainty;
 pub mod warning;
 pub mod watch;

@@ -4,6 +4,7 @@ use std::fmt;
 
 use super::data::Data;
 use super::least_squares::Stop;
+use super::touch::touched_at;
 use super::whole_motion::{Basis, MotionFit};
 use palpate_model::{Parameter, Separation};
 use palpate_trace::{Noise, units};
@@ -34,6 +35,8 @@ pub enum Warning {
     Misfit { rms: f64, noise: f64, basis: Basis },
     /// The signal does not begin at 0.
     Resting { value: f64, unit: String },
+    /// Nothing is felt up to a large part of the largest displacement, both in mm: it does not count from the touch.
+    TouchedLater { at: f64, largest: f64 },
     /// The specimen pulls where the law says that the set-up has left it; means of the signal to either side.
     PullsBelow { below: f64, above: f64, unit: String },
     /// Samples that were left out.
@@ -100,6 +103,10 @@ impl fmt::Display for Warning {
                     format!("{value:.decimals$} {unit}").trim_end()
                 )
             }
+            Self::TouchedLater { at, largest } => write!(
+                f,
+                "nothing is felt before a displacement of {at:.4} mm, of {largest:.4} mm at most, but the law counts displacement from the touch: bring the traces in with `reference = \"contact\"` (`palpate import`), or add the effect `contact-offset`"
+            ),
             Self::PullsBelow { below, above, unit } => write!(
                 f,
                 "the signal is {below:.3e} {unit} at displacements below 0, where the law is 0, and {above:.3e} {unit} above: a specimen that is glued or clamped, and moved to either side, is fitted with `--separation bonded`"
@@ -139,6 +146,9 @@ pub fn warnings(fit: &MotionFit, data: &Data, noise: Option<&Noise>) -> Vec<Warn
     }
     if fit.chain.base.separation != Separation::Bonded {
         found.extend(pulls_below(data));
+        let late = touched_at(data).filter(|_| fit.chain.effects.is_empty());
+        let largest = data.largest_compression();
+        found.extend(late.map(|at| Warning::TouchedLater { at, largest }));
     }
     if let Some(noise) = noise {
         let (rms, noise) = (fit.rms(), noise.standard_deviation);

@@ -7,6 +7,7 @@ use super::noise::{noise_model, noise_of};
 use super::options::Options;
 use super::screen::{ABSORBED, Direction, screen};
 use super::search::Search;
+use super::touch::begun_at_touch;
 use palpate_fit::data::{Data, DataError};
 use palpate_fit::least_squares::Effort;
 use palpate_fit::problem::Problem;
@@ -280,6 +281,7 @@ fn try_laws(chain: &Chain, values: &[f64], data: &Data, candidate: &Candidate) -
         fitted
     };
     let mut fits: Vec<Fitted> = directions.par_iter().map(fitted).collect();
+    fits.extend(begun_at_touch(&problem, data, &from, candidates).map(|(_, fitted)| fitted));
     fits.sort_by(|a, b| a.bic().total_cmp(&b.bic()));
     let law = |fitted: &Fitted| fitted.chain.effects.last().map(|effect| effect.law.clone());
     let least = fits.first().map_or(0.0, Fitted::bic);

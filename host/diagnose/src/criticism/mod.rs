@@ -43,6 +43,7 @@ pub mod separation;
 pub mod signature;
 pub mod swing;
 mod tail;
+mod touch;
 mod verdict;
 
 pub use palpate_model::covariate;

@@ -14,6 +14,7 @@ use super::fitted::Fitted;
 use super::held_out::{held_out_in_one_step, held_out_on, over_sections};
 use super::options::Options;
 use super::screen::{Direction, Screen, screen};
+use super::touch::begun_at_touch;
 use palpate_fit::data::Data;
 use palpate_fit::least_squares::{Effort, LeastSquares, Solution, minimise_with};
 use palpate_fit::problem::Problem;
@@ -586,7 +587,9 @@ impl Search<'_> {
             step.fresh = false;
         }
         let (model, effect) = (winner.fitted.clone(), winner.effect.clone());
-        let p_value = found.last.chance[winner.candidate];
+        // An effect far from zero strength shows in no score: its step rests on the misfit that the others show.
+        let own = found.last.chance[winner.candidate];
+        let p_value = if own > budget { least } else { own };
         found.models.push(model);
         found.steps.push(Step { effect, p_value, rivals, credible: Vec::new(), fresh: true });
         found.last = self.screen(found.model());
@@ -663,7 +666,25 @@ impl Search<'_> {
         });
         let mut rivals = self.refitted(from, tried, Effort::QUICK);
         self.begin_elsewhere(from, screen, &chosen, &mut rivals);
+        self.begin_at_touch(from, &mut rivals);
         rivals
+    }
+
+    /// Begins the offset of the contact where the touch shows as well.
+    fn begin_at_touch(&self, from: &Fitted, rivals: &mut Vec<Rival>) {
+        let begun = begun_at_touch(self.problem, self.data, from, self.candidates);
+        let Some((candidate, fitted)) = begun else { return };
+        let gain = from.cost - fitted.cost;
+        tracing::debug!("begun at the touch: {}, gain {gain:.1}", self.candidates[candidate].name);
+        match rivals.iter_mut().find(|rival| rival.candidate == candidate) {
+            Some(rival) if stands_better(&fitted, &rival.fitted, from) => rival.fitted = fitted,
+            Some(_) => {}
+            None => {
+                let effect = self.candidates[candidate].name.clone();
+                rivals.push(Rival { candidate, effect, fitted, won: 0.0 });
+            }
+        }
+        rivals.sort_by(by_criterion);
     }
 
     /// Fits those that may be the best and stand on a bound from the other shapes of the screen as well: what pushes them there

@@ -9,7 +9,8 @@ const OFFSET: Strength = Strength {
     meaning: "displacement at which the surfaces meet",
     sign: Sign::Either,
     typical: |scales| 0.01 * scales.compression,
-    most: |scales| 0.5 * scales.compression,
+    // A recording may have the coordinates of its rig: the touch is anywhere before the deepest press.
+    most: |scales| 0.95 * scales.compression,
     count: Count::Fixed(&[]),
 };
 
@@ -41,6 +42,7 @@ pub const EFFECT: Effect = Effect {
             strength: Strength {
                 meaning: "how far an uneven surface is flattened before all of it is met",
                 sign: Sign::Positive,
+                most: |scales| 0.5 * scales.compression,
                 ..OFFSET
             },
             shapes: &[Shape {
