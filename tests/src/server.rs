@@ -55,7 +55,11 @@ impl Server {
             .unwrap();
         let mut url = String::new();
         BufReader::new(process.stdout.take().unwrap()).read_line(&mut url).unwrap();
-        let (at, token) = url.trim().split_once("/#token=").expect("the address is printed");
+        let Some((at, token)) = url.trim().split_once("/#token=") else {
+            let mut said = String::new();
+            process.stderr.take().unwrap().read_to_string(&mut said).unwrap();
+            panic!("instead of its address the server says {url:?}, and {said:?}");
+        };
         let port = at.rsplit_once(':').unwrap().1.parse().unwrap();
         Self { process, folder, port, token: token.into() }
     }
