@@ -676,14 +676,7 @@ impl Search<'_> {
         let Some((candidate, fitted)) = begun else { return };
         let gain = from.cost - fitted.cost;
         tracing::debug!("begun at the touch: {}, gain {gain:.1}", self.candidates[candidate].name);
-        match rivals.iter_mut().find(|rival| rival.candidate == candidate) {
-            Some(rival) if stands_better(&fitted, &rival.fitted, from) => rival.fitted = fitted,
-            Some(_) => {}
-            None => {
-                let effect = self.candidates[candidate].name.clone();
-                rivals.push(Rival { candidate, effect, fitted, won: 0.0 });
-            }
-        }
+        self.enter(rivals, candidate, fitted, from);
         rivals.sort_by(by_criterion);
     }
 
@@ -765,22 +758,25 @@ impl Search<'_> {
     fn by_effect(&self, fits: Vec<(usize, Fitted)>, from: &Fitted) -> Vec<Rival> {
         let mut rivals: Vec<Rival> = Vec::new();
         for (candidate, fitted) in fits {
-            if !fitted.bic().is_finite() || !fitted.rms().is_finite() {
-                continue;
-            }
-            match rivals.iter_mut().find(|rival| rival.candidate == candidate) {
-                Some(rival) if stands_better(&fitted, &rival.fitted, from) => {
-                    rival.fitted = fitted;
-                }
-                Some(_) => {}
-                None => {
-                    let effect = self.candidates[candidate].name.clone();
-                    rivals.push(Rival { candidate, effect, fitted, won: 0.0 });
-                }
-            }
+            self.enter(&mut rivals, candidate, fitted, from);
         }
         rivals.sort_by(by_criterion);
         rivals
+    }
+
+    /// Lets a fit stand for its effect where none does yet, or a worse one.
+    fn enter(&self, rivals: &mut Vec<Rival>, candidate: usize, fitted: Fitted, from: &Fitted) {
+        if !fitted.bic().is_finite() || !fitted.rms().is_finite() {
+            return;
+        }
+        match rivals.iter_mut().find(|rival| rival.candidate == candidate) {
+            Some(rival) if stands_better(&fitted, &rival.fitted, from) => rival.fitted = fitted,
+            Some(_) => {}
+            None => {
+                let effect = self.candidates[candidate].name.clone();
+                rivals.push(Rival { candidate, effect, fitted, won: 0.0 });
+            }
+        }
     }
 
     /// A few steps with one more law, from what the screen foretells.
