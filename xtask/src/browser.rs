@@ -17,7 +17,11 @@ pub fn pictures() -> miette::Result<()> {
 
 /// Installs the browser, then does everything that its user is promised; the Live room runs for so many seconds.
 pub fn run(steady_s: u32) -> miette::Result<()> {
-    let axe = set_up()?;
+    check(set_up()?.as_ref(), steady_s)
+}
+
+/// The same with what was [set up](set_up).
+pub fn check(axe: Option<&(&'static str, String)>, steady_s: u32) -> miette::Result<()> {
     let environment: Vec<_> = axe.iter().map(|(name, file)| (*name, file.as_str())).collect();
     set_up_tests("page in a browser", "browser", AT_ONCE, steady_s, &environment)?;
     set_up_tests("hostile page", "hostile_page", AT_ONCE, steady_s, &environment)

@@ -20,27 +20,69 @@ pub fn workspace() -> &'static Path {
     manifest.parent().unwrap_or(manifest)
 }
 
-/// Sets up what is missing, then runs every check; stops at the first that fails.
+/// Sets up what is missing, then runs every check; ends after the first that fails. Tests often wait, for a device or a page: what only
+/// computes goes on beside them.
 pub fn run() -> miette::Result<()> {
     component("rustfmt", "to check the format")?;
     component("clippy", "to check the lints")?;
     step("format", &["fmt", "--all", "--check"], &[])?;
     step("lints", &["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"], &[])?;
-    // The program as it is installed, without what the tests turn on.
+    step("build of the tests", &["test", "--workspace", "--no-run"], &SEED)?;
+    let tests = || beside(tests_of_the_product, tests_of_the_crates);
+    beside(tests, || {
+        installed_lints().and_then(|()| documentation()).and_then(|()| supply::run())
+    })?;
+    step("tests of the documentation", &["test", "--workspace", "--doc"], &SEED)?;
+    // Before what goes on side by side: packages are installed one after the other.
+    let axe = browser::set_up()?;
+    emulate::install()?;
+    let pages = || formats::run().and_then(|()| browser::check(axe.as_ref(), STEADY_S));
+    beside(pages, boards)?;
+    emulate::check(STEADY_S)?;
+    modelled::run(modelled::KILLS)
+}
+
+/// The same random cases on every machine; `cargo test` alone draws new ones each time.
+const SEED: [(&str, &str); 1] = [("PROPTEST_RNG_SEED", "1")];
+
+/// Runs two checks side by side.
+fn beside(
+    one: impl FnOnce() -> miette::Result<()>,
+    other: impl FnOnce() -> miette::Result<()> + Send,
+) -> miette::Result<()> {
+    std::thread::scope(|scope| {
+        let other = scope.spawn(other);
+        let one = one();
+        let other = other.join().unwrap_or_else(|_| Err(miette!("a check ended early")));
+        one.and(other)
+    })
+}
+
+fn tests_of_the_product() -> miette::Result<()> {
+    step("tests of the product", &["test", "--workspace", "--test", "*"], &SEED)
+}
+
+fn tests_of_the_crates() -> miette::Result<()> {
+    let crates = ["test", "--workspace", "--lib", "--bins", "--examples"];
+    step("tests of the crates", &crates, &SEED)
+}
+
+/// Lints of the program as it is installed and of one that depends on the library alone: without what the rest of the workspace
+/// turns on.
+fn installed_lints() -> miette::Result<()> {
     step("lints of the program", &["clippy", "--package", "palpate", "--", "-D", "warnings"], &[])?;
-    // A program that depends on the library alone, without what the rest of the workspace turns on.
     let consumer =
         ["clippy", "--package", "palpate-consumer", "--all-targets", "--", "-D", "warnings"];
-    step("lints of a program that links it", &consumer, &[])?;
-    tests()?;
-    step(
-        "documentation",
-        &["doc", "--workspace", "--no-deps"],
-        &[("RUSTDOCFLAGS", "-D warnings")],
-    )?;
-    supply::run()?;
-    formats::run()?;
-    browser::run(STEADY_S)?;
+    step("lints of a program that links it", &consumer, &[])
+}
+
+fn documentation() -> miette::Result<()> {
+    let strict = [("RUSTDOCFLAGS", "-D warnings")];
+    step("documentation", &["doc", "--workspace", "--no-deps"], &strict)
+}
+
+/// Format, lints and builds of what runs on a board or models one.
+fn boards() -> miette::Result<()> {
     firmware::set_up()?;
     firmware::cargo("format of the firmware", &["fmt", "--all", "--check"])?;
     for features in ["", "rtt"] {
@@ -49,25 +91,8 @@ pub fn run() -> miette::Result<()> {
         firmware::cargo("lints of the firmware", &strict)?;
     }
     firmware::check_pico2()?;
-    emulate::run(STEADY_S, false)?;
-    modelled::check()?;
-    modelled::run(modelled::KILLS)
-}
-
-/// Every test that needs no set-up. Those of the crates run beside those of the product, many of which wait for a device.
-fn tests() -> miette::Result<()> {
-    // The same random cases on every machine; `cargo test` alone draws new ones each time.
-    let seed = [("PROPTEST_RNG_SEED", "1")];
-    step("build of the tests", &["test", "--workspace", "--no-run"], &seed)?;
-    let crates = ["test", "--workspace", "--lib", "--bins", "--examples"];
-    let product = ["test", "--workspace", "--test", "*"];
-    std::thread::scope(|scope| {
-        let beside = scope.spawn(|| step("tests of the crates", &crates, &seed));
-        let product = step("tests of the product", &product, &seed);
-        beside.join().unwrap_or_else(|_| Err(miette!("the tests of the crates ended early")))?;
-        product
-    })?;
-    step("tests of the documentation", &["test", "--workspace", "--doc"], &seed)
+    emulate::measure(false)?;
+    modelled::check()
 }
 
 /// Installs a component of the toolchain where it is missing.

@@ -16,14 +16,25 @@ pub const AT_ONCE: u32 = 2;
 /// Sets up, builds and runs everything that the firmware promises, with a steady stream of so many seconds.
 pub fn run(steady_s: u32, update: bool) -> miette::Result<()> {
     install()?;
+    measure(update)?;
+    check(steady_s)
+}
+
+/// Builds the firmware and holds its sizes and counts of instructions to the golden file, or with `update` writes that anew.
+pub fn measure(update: bool) -> miette::Result<()> {
     let mut golden = Golden::open("firmware.txt", update)?;
     firmware::check(&mut golden)?;
     cost(&mut golden)?;
-    golden.close()?;
+    golden.close()
+}
+
+/// Runs what was built, with a steady stream of so many seconds.
+pub fn check(steady_s: u32) -> miette::Result<()> {
     set_up_tests("emulated device", "emulated", AT_ONCE, steady_s, &[])
 }
 
-fn install() -> miette::Result<()> {
+/// Installs the emulator where it is missing.
+pub fn install() -> miette::Result<()> {
     packages::set_up(QEMU, &[QEMU], "to run the firmware")
 }
 

@@ -26,12 +26,13 @@ pub fn run(kills: u32) -> miette::Result<()> {
     cargo("modelled board", &["test", "--", "--nocapture"], &[("PALPATE_KILLS", &kills)])
 }
 
-/// Format and lints.
+/// Format, lints and the build of the tests.
 pub fn check() -> miette::Result<()> {
     fetch()?;
     cargo("format of the modelled board", &["fmt", "--check"], &[])?;
     let lints = ["clippy", "--all-targets", "--", "-D", "warnings"];
-    cargo("lints of the modelled board", &lints, &[])
+    cargo("lints of the modelled board", &lints, &[])?;
+    cargo("build of the modelled board", &["test", "--no-run"], &[])
 }
 
 /// The workspace of the modelled board.
