@@ -87,3 +87,53 @@ fn what_is_no_recording_is_named_and_does_not_stop_the_others() {
     assert_eq!(call(folder, &["import", "lab"]).0, Some(2));
     assert!(folder.join("lab.traces/a.trace.csv").exists());
 }
+
+/// Tests that one program appended to one file: each begins its own clock.
+fn appended(between: &str) -> String {
+    let test = |force: usize| -> String {
+        (0..9).map(|row| format!("{force},{},{row},{}\n", 0.5 * row as f64, force * row)).collect()
+    };
+    let names = "Test No,Time (s),Displacement (mm),Force (N)\n";
+    let tests: Vec<String> = [1, 2, 3].into_iter().map(test).collect();
+    names.to_owned() + &tests.join(between)
+}
+
+#[test]
+fn tests_that_follow_one_another_in_a_file_become_a_trace_each() {
+    let names = "Test No,Time (s),Displacement (mm),Force (N)\n";
+    for between in ["", "\n", names] {
+        let folder = lab(&[]);
+        let folder = folder.path();
+        fs::write(folder.join("lab/all.csv"), appended(between)).unwrap();
+        let check = |folder: &Path| {
+            for number in 1..=3 {
+                let trace = read(&folder.join(format!("all-{number}.trace.csv"))).unwrap();
+                assert_eq!((trace.len(), trace.time[0]), (9, 0.0), "{between:?}");
+                assert_eq!(trace.force().unwrap()[8], 8.0 * f64::from(number), "{between:?}");
+            }
+        };
+        let (status, _, said) = call(folder, &["import", "lab/all.csv"]);
+        assert_eq!(status, Some(0), "{said}");
+        check(folder);
+        let (status, told, said) = call(folder, &["import", "lab", "-o", "traces"]);
+        assert_eq!((status, told.trim()), (Some(0), "3 traces in traces"), "{said}");
+        check(&folder.join("traces"));
+        // The head says which test of the file it is, and the same call again finds all in place.
+        let text = fs::read_to_string(folder.join("traces/all-2.trace.csv")).unwrap();
+        assert!(text.contains("test = 2"), "{text}");
+        assert_eq!(call(folder, &["import", "lab", "-o", "traces"]).0, Some(0));
+    }
+}
+
+#[test]
+fn a_clock_that_falls_a_little_is_a_fault_and_begins_no_test() {
+    let folder = lab(&[]);
+    let folder = folder.path();
+    let rows = "0,0,0\n1,1,1\n2,2,2\n3,3,3\n2.9,4,4\n4,5,5\n";
+    let text = format!("Time (s),Displacement (mm),Force (N)\n{rows}");
+    fs::write(folder.join("lab/back.csv"), text).unwrap();
+    let (status, _, said) = call(folder, &["import", "lab/back.csv"]);
+    assert_eq!(status, Some(2), "{said}");
+    assert!(said.contains("time 2.9 s goes backwards after 3 s"), "{said}");
+    assert!(fs::read_dir(folder).unwrap().count() == 1, "nothing is written");
+}

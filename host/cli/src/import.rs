@@ -82,20 +82,41 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         None => proposed(first(args), args.part.as_deref())?,
     });
     let output = args.output.clone().unwrap_or_else(|| default_output(first(args)));
-    if !args.preview {
-        let read = args.map.iter().chain(&args.files);
-        Plan::reading(read, args.over.into()).writes(&output, &TRACE)?;
-    }
-    let imported = trace::import_parts(&args.files, &mapping).map_err(|error| input(&error))?;
+    let tests = tests(&args.files, &mapping).map_err(|error| input(&error))?;
     if args.preview {
-        return print(&preview(&imported));
+        return tests.iter().try_for_each(|test| print(&preview(test)));
     }
-    trace::write(&output, &imported.trace).map_err(|error| Failure::Work(report(&error)))?;
-    eprintln!("{}", summary(&imported, &output));
-    if args.map.is_none() {
-        eprint!("{}", taken(&imported));
+    let outputs = outputs(&output, tests.len());
+    let read = args.map.iter().chain(&args.files);
+    let mut plan = Plan::reading(read, args.over.into());
+    outputs.iter().try_for_each(|output| plan.writes(output, &TRACE))?;
+    for (test, output) in tests.iter().zip(&outputs) {
+        trace::write(output, &test.trace).map_err(|error| Failure::Work(report(&error)))?;
+        eprintln!("{}", summary(test, output));
+    }
+    if let Some(test) = tests.first().filter(|_| args.map.is_none()) {
+        eprint!("{}", taken(test));
     }
     Ok(())
+}
+
+/// The recording in these files, or every test of a single one.
+fn tests(files: &[PathBuf], mapping: &Mapping) -> Result<Vec<Imported>, ImportError> {
+    match files {
+        [file] => trace::import_tests(file, mapping),
+        parts => Ok(vec![trace::import_parts(parts, mapping)?]),
+    }
+}
+
+/// Where the traces of so many tests go: `pull.trace.csv`, or `pull-1.trace.csv` and so on.
+fn outputs(output: &Path, tests: usize) -> Vec<PathBuf> {
+    if tests == 1 {
+        return vec![output.into()];
+    }
+    let name = output.file_name().unwrap_or_default().to_string_lossy();
+    let stem = name.strip_suffix(".trace.csv").or_else(|| name.strip_suffix(".csv"));
+    let (stem, ending) = name.split_at(stem.map_or(name.len(), str::len));
+    (1..=tests).map(|test| output.with_file_name(format!("{stem}-{test}{ending}"))).collect()
 }
 
 impl Args {

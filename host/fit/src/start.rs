@@ -122,17 +122,38 @@ struct Cell {
 impl Grid {
     /// The lowest of a shape.
     fn lowest(&self, shape: usize) -> Option<Cell> {
-        let mut best: Option<Cell> = None;
-        let mut chosen: Vec<usize> = (0..=self.terms).collect();
-        loop {
-            if let Some(Forces { cost, .. }) = self.grams[shape].solve(&chosen)
-                && best.as_ref().is_none_or(|best| cost < best.cost)
-            {
-                best = Some(Cell { shape, chosen: chosen.clone(), cost });
+        let mut best = None;
+        self.descend(shape, &mut Elimination::default(), &mut vec![0], &mut best);
+        best
+    }
+
+    /// Takes the lowest of those that begin with these branches, of which all but the last are eliminated.
+    fn descend(
+        &self,
+        shape: usize,
+        so_far: &mut Elimination,
+        chosen: &mut Vec<usize>,
+        best: &mut Option<Cell>,
+    ) {
+        let gram = &self.grams[shape];
+        let place = chosen.len() - 1;
+        if !gram.eliminate(so_far, chosen, place) {
+            return;
+        }
+        if place < self.terms {
+            for next in chosen[place] + 1..=RATES {
+                chosen.push(next);
+                self.descend(shape, so_far, chosen, best);
+                chosen.pop();
             }
-            if !next_combination(&mut chosen[1..], RATES) {
-                return best;
-            }
+            return;
+        }
+        let least = best.as_ref().map_or(f64::INFINITY, |best| best.cost);
+        if gram.total - so_far.explained[place + 1] < least
+            && let Some(Forces { cost, .. }) = gram.solve(chosen)
+            && cost < least
+        {
+            *best = Some(Cell { shape, chosen: chosen.clone(), cost });
         }
     }
 
@@ -367,6 +388,17 @@ struct Forces {
     cost: f64,
 }
 
+/// Branches eliminated one after the other from the products of all.
+#[derive(Clone, Copy, Default)]
+struct Elimination {
+    /// The triangular factor of the products, row by row.
+    lower: [[f64; MAX_TERMS + 1]; MAX_TERMS + 1],
+    /// The right-hand side behind it.
+    values: [f64; MAX_TERMS + 1],
+    /// What the first so many branches explain, whatever the sign of their forces.
+    explained: [f64; MAX_TERMS + 2],
+}
+
 impl Gram {
     fn of(products: &Products) -> Self {
         let size = RATES + 1;
@@ -391,68 +423,54 @@ impl Gram {
 
     /// Nonnegative forces of at most `MAX_TERMS + 1` branches `chosen`, and the sum of squares they leave.
     fn solve(&self, chosen: &[usize]) -> Option<Forces> {
-        let mut active = [true; MAX_TERMS + 1];
-        loop {
-            let mut places = (0..chosen.len()).filter(|&place| active[place]);
-            places.clone().next()?;
-            let (values, explained) = self.solve_free(chosen, &active)?;
-            let least = places.by_ref().min_by(|&a, &b| values[a].total_cmp(&values[b]))?;
+        let mut kept = chosen.to_vec();
+        while !kept.is_empty() {
+            let Forces { values, cost } = self.solve_free(&kept)?;
+            let least = (0..kept.len()).min_by(|&a, &b| values[a].total_cmp(&values[b]))?;
             if values[least] >= 0.0 {
-                return Some(Forces { values, cost: self.total - explained });
+                let mut forces = [0.0; MAX_TERMS + 1];
+                for (force, branch) in forces.iter_mut().zip(chosen) {
+                    let place = kept.iter().position(|kept| kept == branch);
+                    *force = place.map_or(0.0, |place| values[place]);
+                }
+                return Some(Forces { values: forces, cost });
             }
-            active[least] = false;
+            kept.remove(least);
         }
+        None
     }
 
-    /// Forces of the branches that are active, and what they explain; none where they cannot be told apart.
-    fn solve_free(
-        &self,
-        chosen: &[usize],
-        active: &[bool; MAX_TERMS + 1],
-    ) -> Option<([f64; MAX_TERMS + 1], f64)> {
-        let mut lower = [[0.0; MAX_TERMS + 1]; MAX_TERMS + 1];
-        let mut values = [0.0; MAX_TERMS + 1];
-        let mut explained = 0.0;
-        let free = |place: &usize| active[*place];
-        for a in (0..chosen.len()).filter(free) {
-            for b in (0..=a).filter(free) {
-                let mut entry = self.products[(chosen[a], chosen[b])];
-                if a == b {
-                    entry *= 1.0 + 1e-12;
-                }
-                let sum: f64 = (0..b).map(|k| lower[a][k] * lower[b][k]).sum();
-                let rest = entry - sum;
-                if a != b {
-                    lower[a][b] = rest / lower[b][b];
-                } else if rest > 0.0 {
-                    lower[a][a] = rest.sqrt();
-                } else {
-                    return None;
-                }
-            }
-            let before: f64 = (0..a).map(|k| lower[a][k] * values[k]).sum();
-            values[a] = (self.measured[chosen[a]] - before) / lower[a][a];
-            explained += values[a] * values[a];
-        }
-        for a in (0..chosen.len()).rev().filter(free) {
+    /// Forces of branches, whatever their sign, and what they leave; none where they cannot be told apart.
+    fn solve_free(&self, chosen: &[usize]) -> Option<Forces> {
+        let mut all = Elimination::default();
+        let told_apart = (0..chosen.len()).all(|place| self.eliminate(&mut all, chosen, place));
+        let Elimination { lower, mut values, explained } = all;
+        for a in (0..chosen.len()).rev() {
             let after: f64 = (a + 1..chosen.len()).map(|k| lower[k][a] * values[k]).sum();
             values[a] = (values[a] - after) / lower[a][a];
         }
-        Some((values, explained))
+        let cost = self.total - explained[chosen.len()];
+        told_apart.then_some(Forces { values, cost })
     }
-}
 
-/// The next choice of distinct numbers 1…`count` in rising order; false after the last.
-fn next_combination(chosen: &mut [usize], count: usize) -> bool {
-    let size = chosen.len();
-    let Some(place) = (0..size).rev().find(|&k| chosen[k] < count - (size - 1 - k)) else {
-        return false;
-    };
-    chosen[place] += 1;
-    for k in place + 1..size {
-        chosen[k] = chosen[k - 1] + 1;
+    /// Eliminates the branch at a place of `chosen` after those before it; false where it cannot be told from them.
+    fn eliminate(&self, so_far: &mut Elimination, chosen: &[usize], a: usize) -> bool {
+        let Elimination { lower, values, explained } = so_far;
+        for b in 0..a {
+            let sum: f64 = (0..b).map(|k| lower[a][k] * lower[b][k]).sum();
+            lower[a][b] = (self.products[(chosen[a], chosen[b])] - sum) / lower[b][b];
+        }
+        let own = self.products[(chosen[a], chosen[a])] * (1.0 + 1e-12);
+        let rest = own - lower[a][..a].iter().map(|below| below * below).sum::<f64>();
+        if rest <= 0.0 || rest.is_nan() {
+            return false;
+        }
+        lower[a][a] = rest.sqrt();
+        let before: f64 = (0..a).map(|k| lower[a][k] * values[k]).sum();
+        values[a] = (self.measured[chosen[a]] - before) / lower[a][a];
+        explained[a + 1] = explained[a] + values[a] * values[a];
+        true
     }
-    true
 }
 
 #[cfg(test)]
@@ -460,13 +478,28 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_choice_comes_once() {
-        let mut chosen = [1, 2, 3];
-        let mut count = 1;
-        while next_combination(&mut chosen, 6) {
-            assert!(chosen.windows(2).all(|pair| pair[0] < pair[1]) && chosen[2] <= 6);
-            count += 1;
+    fn the_lowest_of_a_shape_is_that_of_all_choices() {
+        // Answers that overlap, and a signal that some branches explain with a negative force alone.
+        let answer = |a: usize, k: usize| (-(k as f64) / (1.5 * a as f64 + 1.0)).exp();
+        let signal = |k: usize| answer(2, k) + 0.6 * answer(9, k) - 0.2 * answer(12, k);
+        let value = |a: usize, k: usize| if a <= RATES { answer(a, k) } else { signal(k) };
+        let product = |a: usize, b: usize| (0..60).map(|k| value(a, k) * value(b, k)).sum::<f64>();
+        let size = RATES + 1;
+        let gram = Gram {
+            products: DMatrix::from_fn(size, size, product),
+            measured: DVector::from_fn(size, |a, _| product(a, size)),
+            total: product(size, size),
+        };
+        let mut costs = Vec::new();
+        for a in 1..=RATES {
+            for b in a + 1..=RATES {
+                let chosen = vec![0, a, b];
+                costs.extend(gram.solve(&chosen).map(|Forces { cost, .. }| (cost, chosen)));
+            }
         }
-        assert_eq!(count, 20);
+        let least = costs.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).unwrap();
+        let grid = Grid { grams: vec![gram], terms: 2, rates: [0.0; RATES] };
+        let found = grid.lowest(0).unwrap();
+        assert_eq!((found.cost, found.chosen), least);
     }
 }

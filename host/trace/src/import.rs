@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use super::error::Place;
 use super::first_force::first_force;
 use super::import_error::ImportError;
-use super::mapping::{Change, Mapping, Others, Reference, Repeated, Time, Word};
+use super::mapping::{Change, Mapping, Others, Reference, Repeated, Restarts, Time, Word};
 use super::names::{self, Fault};
 use super::stamp::{Instant, Stamp};
 use super::table::Rows;
@@ -33,7 +33,35 @@ pub struct Imported {
 /// # Errors
 /// See [`ImportError`]; each names the file and, where there is one, line and column.
 pub fn import(path: &Path, mapping: &Mapping) -> Result<Imported, ImportError> {
-    Recording::read(path, mapping, &mut None)?.finish(&[path], mapping)
+    alone(path, Recording::read(path, mapping, &mut None)?)?.finish(&[path], mapping)
+}
+
+/// Brings in every test of a foreign recording: several where the mapping splits them and the clock begins anew.
+///
+/// # Errors
+/// Those of [`import`].
+pub fn import_tests(path: &Path, mapping: &Mapping) -> Result<Vec<Imported>, ImportError> {
+    let tests = Recording::read(path, mapping, &mut None)?;
+    let several = tests.len() > 1;
+    let finished = tests.into_iter().zip(1..).map(|(test, number)| {
+        let mut imported = test.finish(&[path], mapping)?;
+        if several && let Some(origin) = imported.trace.head.other.get_mut("import") {
+            origin.as_table_mut().map(|origin| origin.insert("test".into(), number.into()));
+        }
+        Ok(imported)
+    });
+    finished.collect()
+}
+
+/// The only test of a file.
+fn alone(path: &Path, mut tests: Vec<Recording>) -> Result<Recording, ImportError> {
+    match tests.pop() {
+        Some(test) if tests.is_empty() => Ok(test),
+        last => Err(ImportError::SeveralTests {
+            path: path.into(),
+            tests: tests.len() + usize::from(last.is_some()),
+        }),
+    }
 }
 
 /// Brings in one recording that its machine wrote into several files, one for each interval or step.
@@ -54,7 +82,7 @@ pub fn import_parts(paths: &[PathBuf], mapping: &Mapping) -> Result<Imported, Im
     let mut parts = Vec::with_capacity(paths.len());
     let mut origin = None;
     for path in paths {
-        parts.push((path.as_path(), Recording::read(path, mapping, &mut origin)?));
+        parts.push((path.as_path(), alone(path, Recording::read(path, mapping, &mut origin)?)?));
     }
     parts.sort_by(|(_, a), (_, b)| a.start().total_cmp(&b.start()));
     let ordered: Vec<&Path> = parts.iter().map(|(path, _)| *path).collect();
@@ -123,29 +151,56 @@ struct Recording {
     last: Option<Instant>,
 }
 
+/// Whether a clock that has counted from `first` to `last` begins anew at a time.
+pub(super) fn begins_anew(time: f64, last: f64, first: f64) -> bool {
+    time < last && last - time >= RESTART * (last - first)
+}
+
+/// Part of what a clock has counted by which it falls at least where it begins anew.
+const RESTART: f64 = 0.5;
 /// Seconds in a day.
 const DAY: i64 = 86_400;
 
 impl Recording {
-    /// Takes every row of a file. Times are counted from `origin`, which the first file of a recording sets.
-    fn read(path: &Path, mapping: &Mapping, origin: &mut Option<i64>) -> Result<Self, ImportError> {
+    /// Takes every row of a file: a recording, or one for each test. Times are counted from `origin`, which the first file of a
+    /// recording sets.
+    fn read(
+        path: &Path,
+        mapping: &Mapping,
+        origin: &mut Option<i64>,
+    ) -> Result<Vec<Self>, ImportError> {
         let mut rows = Rows::open(path, mapping)?;
-        let mut recording = None;
+        let mut tests: Vec<Self> = Vec::new();
         while rows.next()? {
-            let recording = match &mut recording {
-                Some(recording) => recording,
-                none => {
-                    let mut plan = Self::plan(&rows, mapping)?;
-                    plan.origin = *origin.get_or_insert(plan.first_count(&rows)?);
-                    none.insert(plan)
-                }
+            let goes_on = match tests.last_mut() {
+                Some(test) => !test.is_over(&rows)?,
+                None => false,
             };
-            recording.take(&rows)?;
+            if !goes_on {
+                let mut plan = Self::plan(&rows, mapping)?;
+                plan.origin = *origin.get_or_insert(plan.first_count(&rows)?);
+                tests.push(plan);
+            }
+            if let Some(test) = tests.last_mut() {
+                test.take(&rows)?;
+            }
         }
-        let mut recording =
-            recording.ok_or_else(|| ImportError::TooShort { path: path.into(), samples: 0 })?;
-        recording.close();
-        Ok(recording)
+        tests.iter_mut().for_each(Self::close);
+        if tests.is_empty() {
+            return Err(ImportError::TooShort { path: path.into(), samples: 0 });
+        }
+        Ok(tests)
+    }
+
+    /// Whether the clock begins anew with this row, and another test with it.
+    fn is_over(&self, rows: &Rows) -> Result<bool, ImportError> {
+        let splits = self.plan.restarts == Restarts::Split;
+        let Some((index, open)) = self.time_from.filter(|_| splits).zip(self.open.as_ref()) else {
+            return Ok(false);
+        };
+        let time = counted(rows, index, self.origin as f64, &self.time_change)?;
+        let first = self.time.first().copied().unwrap_or(open.time);
+        Ok(begins_anew(time, open.time, first))
     }
 
     /// Time of the first sample, s.

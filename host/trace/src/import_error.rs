@@ -165,7 +165,7 @@ pub enum ImportError {
     #[error(
         "{place}: time {time} s {} after {previous} s. {}",
         if time < previous { "goes backwards" } else { "is repeated" },
-        if time < previous { "Take part of the rows (`first_row`, `last_row`), or give an even clock (`start_s`, `step_s`) if the rate is known." }
+        if time < previous { "Take part of the rows (`first_row`, `last_row`), give an even clock (`start_s`, `step_s`) if the rate is known, or where another test begins there, say `restarts = \"split\"` in `[time]`." }
         else { "Say in `[time]` what to do: `repeated = \"keep-first\"`, `\"keep-last\"` or `\"mean\"`." }
     )]
     TimeOrder {
@@ -175,6 +175,17 @@ pub enum ImportError {
         time: f64,
         /// Time before, s.
         previous: f64,
+    },
+    /// A file of several tests where one is wanted.
+    #[error(
+        "{}: {tests} tests follow one another, the clock begins anew at each. `palpate import` makes a trace of each.",
+        path.display()
+    )]
+    SeveralTests {
+        /// The recording.
+        path: PathBuf,
+        /// How many.
+        tests: usize,
     },
     /// A name that no trace may have.
     #[error("{}: column `{name}` {fault}. Name or drop it in the mapping.", path.display())]

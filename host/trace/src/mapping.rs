@@ -180,6 +180,17 @@ pub enum Repeated {
     Mean,
 }
 
+/// What to do where the clock begins anew: it falls by at least half of what it has counted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Restarts {
+    /// Stop and name the line.
+    #[default]
+    Error,
+    /// What follows is another test: a trace of its own.
+    Split,
+}
+
 /// The clock of the recording: a column, or a first time and a step.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -199,6 +210,9 @@ pub struct Time {
     /// What to do with repeated time stamps.
     #[serde(default)]
     pub repeated: Repeated,
+    /// What to do where the clock begins anew.
+    #[serde(default)]
+    pub restarts: Restarts,
 }
 
 /// One column of the trace.
@@ -440,6 +454,13 @@ impl Mapping {
         }
         if time.stamp.is_some() && (even || time.unit.is_some()) {
             return fault("[time", "`stamp` is of a time in a column, and has no `unit`");
+        }
+        let splits = time.restarts == Restarts::Split;
+        if splits && (time.from.is_none() || time.stamp.is_some()) {
+            return fault("restarts", "`restarts` is of a time in a column that counts");
+        }
+        if splits && self.column.iter().any(|column| column.clock.is_some()) {
+            return fault("restarts", "`restarts` is of a recording with one clock");
         }
         if time.reference == Some(Reference::Word(Word::Contact)) {
             return fault("[time", "`reference = \"contact\"` is of other columns than time");

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use miette::miette;
 
-use super::{Args, Failure, input, preview, report, stem, summary};
+use super::{Args, Failure, input, outputs, preview, report, stem, summary};
 use crate::output::print;
 use palpate_trace::files::plan::{Plan, TRACE};
 use palpate_trace::files::write_whole;
@@ -21,8 +21,8 @@ struct Table {
 
 /// What became of it.
 enum Outcome {
-    /// A trace, and what is to be said of it.
-    Made(String),
+    /// Traces, and what is to be said of each.
+    Made(Vec<String>),
     /// The file is a trace, or several, as it stands.
     Own,
     /// The mapping lacks what the file does not say.
@@ -42,8 +42,8 @@ pub(super) fn import(folder: &Path, args: &Args) -> Result<(), Failure> {
     for table in &tables {
         match table.outcome(&into, args) {
             Ok(Outcome::Made(said)) => {
-                made += 1;
-                eprintln!("{said}");
+                made += said.len();
+                said.iter().for_each(|said| eprintln!("{said}"));
             }
             Ok(Outcome::Own) => eprintln!("{}: is a trace as it is", table.file.display()),
             Ok(Outcome::Open(said)) => {
@@ -135,16 +135,19 @@ impl Table {
             Err(open) => return Ok(Outcome::Open(open)),
         };
         mapping.table.part = self.part.clone().or(mapping.table.part);
-        let found = trace::import(&self.file, &mapping).map_err(|error| input(&error))?;
-        let output = into.join(format!("{}.trace.csv", self.name));
-        let said = format!("{}: {}", self.shown(), summary(&found, &output));
-        if args.preview {
-            print(&format!("{}: {}", self.shown(), preview(&found)))?;
-        } else if !is_there(&found, &output) {
-            let read = [Some(&*self.file), self.file.parent()].into_iter().flatten();
-            Plan::reading(read, args.over.into()).writes(&output, &TRACE)?;
-            folder_for(&output)?;
-            trace::write(&output, &found.trace).map_err(|error| Failure::Work(report(&error)))?;
+        let tests = trace::import_tests(&self.file, &mapping).map_err(|error| input(&error))?;
+        let outputs = outputs(&into.join(format!("{}.trace.csv", self.name)), tests.len());
+        let mut said = Vec::new();
+        for (test, output) in tests.iter().zip(&outputs) {
+            if args.preview {
+                print(&format!("{}: {}", self.shown(), preview(test)))?;
+            } else if !is_there(test, output) {
+                let read = [Some(&*self.file), self.file.parent()].into_iter().flatten();
+                Plan::reading(read, args.over.into()).writes(output, &TRACE)?;
+                folder_for(output)?;
+                trace::write(output, &test.trace).map_err(|error| Failure::Work(report(&error)))?;
+            }
+            said.push(format!("{}: {}", self.shown(), summary(test, output)));
         }
         Ok(Outcome::Made(said))
     }

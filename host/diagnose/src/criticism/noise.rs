@@ -57,6 +57,13 @@ const ORDER: usize = 3;
 /// Logarithm of the size of each process of the flicker, over the rest of the noise, below which a million samples could not tell it by
 /// the difference that counts.
 const FAINT: f64 = -5.6;
+/// Fall of the deviance by which flicker must be likelier than none.
+const LIKELIER: f64 = 10.0;
+/// Logarithms of sizes of the flicker at which a fall that large shows, at least by [`SHOWS`]: where the likeliest size lies between
+/// two of them, the better of the two has a third of its fall.
+const SIZES: [f64; 5] = [-5.3, -4.2, -3.1, -2.0, -0.9];
+/// Part of that fall that must be seen at one of those sizes for the likeliest to be searched.
+const SHOWS: f64 = 2.0;
 /// Time after the touch that still counts as recovery, s.
 const RECOVERY: f64 = 0.3;
 /// The noise, from rest off the specimen; none where the recordings have too little of it.
@@ -171,14 +178,14 @@ fn quiet(data: &Data) -> [Vec<Vec<f64>>; 2] {
 
 fn estimate(stretches: Vec<Vec<f64>>, longest: usize) -> Whitening {
     let stretches: Vec<Stretch> = stretches.into_iter().map(Stretch::new).collect();
-    let plain = autoregression(&stretches);
-    with_flicker(&stretches, &plain, longest).unwrap_or(plain)
+    let (plain, point) = autoregression(&stretches);
+    with_flicker(&stretches, (&plain, &point), longest).unwrap_or(plain)
 }
 
-/// The autoregression of up to third order with the least Bayesian information criterion.
-fn autoregression(stretches: &[Stretch]) -> Whitening {
+/// The autoregression of up to third order with the least Bayesian information criterion, and where it lies as [`partial`] reads it.
+fn autoregression(stretches: &[Stretch]) -> (Whitening, Vec<f64>) {
     let samples: usize = stretches.iter().map(Stretch::len).sum();
-    let mut best: Option<(f64, Whitening)> = None;
+    let mut best: Option<(f64, Whitening, Vec<f64>)> = None;
     let mut point: Vec<f64> = Vec::new();
     for order in 0..=ORDER {
         if order > 0 {
@@ -190,28 +197,40 @@ fn autoregression(stretches: &[Stretch]) -> Whitening {
         }
         let (deviance, size) = deviance(stretches, |s| Whitening::new(s, &partial(&point), 0.0, 0));
         let criterion = deviance + order as f64 * (samples as f64).ln();
-        if best.as_ref().is_none_or(|(least, _)| criterion < *least) {
-            best = Some((criterion, Whitening::new(size, &partial(&point), 0.0, 0)));
+        if best.as_ref().is_none_or(|(least, ..)| criterion < *least) {
+            best = Some((criterion, Whitening::new(size, &partial(&point), 0.0, 0), point.clone()));
         }
     }
-    best.map_or_else(Whitening::none, |(_, noise)| noise)
+    best.map_or_else(|| (Whitening::none(), Vec::new()), |(_, noise, point)| (noise, point))
 }
 
-/// Noise with flicker where that is likelier by far than the plain autoregression.
-fn with_flicker(stretches: &[Stretch], plain: &Whitening, longest: usize) -> Option<Whitening> {
+/// Noise with flicker where that is likelier by far than the plain autoregression, which lies at its point.
+fn with_flicker(
+    stretches: &[Stretch],
+    (plain, at): (&Whitening, &[f64]),
+    longest: usize,
+) -> Option<Whitening> {
     let here = stretches.iter().map(Stretch::len).max().unwrap_or(0);
     let make = |s: f64, point: &[f64], length| {
         let (flicker, rest) = (point[0].exp(), &point[1..]);
         Whitening::new(s, &partial(rest), s * flicker, length)
     };
-    let cost = |point: &[f64]| {
-        let parts = || decays::likelihoods(point[1].tanh(), point[0].exp(), stretches);
-        (point[0] > FAINT).then(|| likeliest(stretches, parts()).0)
+    let deviance_at = |point: &[f64]| {
+        let parts = decays::likelihoods(point[1].tanh(), point[0].exp(), stretches);
+        likeliest(stretches, parts).0
     };
+    let plain = deviance(stretches, |s| plain.scaled(s / plain.standard_deviation())).0;
+    let own = at.first().copied().unwrap_or(0.0);
+    let shows = |flicker: f64| {
+        [own, 0.5 * own].iter().any(|&own| deviance_at(&[flicker, own]) + SHOWS < plain)
+    };
+    if !SIZES.iter().any(|&flicker| shows(flicker)) {
+        return None;
+    }
+    let cost = |point: &[f64]| (point[0] > FAINT).then(|| deviance_at(point));
     let point = search(&[-1.0, 0.3], cost)?;
     let (with, size) = deviance(stretches, |s| make(s, &point, here));
-    let plain = deviance(stretches, |s| plain.scaled(s / plain.standard_deviation()));
-    (with + 10.0 < plain.0).then(|| make(size, &point, longest))
+    (with + LIKELIER < plain).then(|| make(size, &point, longest))
 }
 
 /// Partial correlations from coordinates without bounds.

@@ -88,6 +88,13 @@ pub(super) fn cells(line: &str, delimiter: Delimiter) -> Vec<String> {
 }
 
 impl Guess {
+    /// The number in a cell of a line that has as many cells as the first row.
+    pub(super) fn number_at(&self, line: &str, column: usize) -> Option<f64> {
+        let cells = cells(line, self.delimiter);
+        let cell = cells.get(column).filter(|_| cells.len() == self.kinds.len())?;
+        number(cell, self.decimal)
+    }
+
     /// The numbers of every column in the rows that look like the first; a written time counts as its seconds.
     pub(super) fn columns(&self, lines: &[String]) -> Vec<Vec<f64>> {
         let mut columns = vec![Vec::new(); self.kinds.len()];

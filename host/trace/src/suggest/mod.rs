@@ -78,8 +78,12 @@ pub fn propose(path: &Path, part: Option<&str>) -> Result<Proposal, ImportError>
         what: format!("three rows of at least two numbers in the first {LOOKED_AT} lines"),
     })?;
     let header = header(&beginning.lines, &guess);
-    let rest = Rest::of(&guess, header, &beginning.lines, &mut beginning.more);
-    Ok(text(path, &beginning, &guess, header, &rest))
+    let columns = seen(&beginning.lines, &guess, header);
+    let time = time_of(&columns);
+    let clock = columns.get(time).filter(|column| column.kind == Kind::Number);
+    let clock = clock.map(|column| column.index);
+    let rest = Rest::of(&guess, (header, clock), &beginning.lines, &mut beginning.more);
+    Ok(text(path, &beginning, &guess, header, (&rest, &columns)))
 }
 
 fn beginning(path: &Path, part: Option<&str>) -> Result<Beginning, ImportError> {
@@ -118,7 +122,7 @@ fn text(
     beginning: &Beginning,
     guess: &Guess,
     header: Option<usize>,
-    rest: &Rest,
+    (rest, columns): (&Rest, &[Seen]),
 ) -> Proposal {
     let lines = &beginning.lines;
     let mut out = String::new();
@@ -169,7 +173,7 @@ fn text(
         }
         None => {}
     }
-    let open = write_columns(&mut out, &seen(lines, guess, header));
+    let open = write_columns(&mut out, columns, rest.restarts);
     Proposal { text: out, open }
 }
 
@@ -202,7 +206,7 @@ fn seen(lines: &[String], guess: &Guess, header: Option<usize>) -> Vec<Seen> {
 }
 
 /// The sections of the columns: time first, the rest under names with the unit that is wanted. Gives what is left open.
-fn write_columns(out: &mut String, columns: &[Seen]) -> Vec<String> {
+fn write_columns(out: &mut String, columns: &[Seen], restarts: bool) -> Vec<String> {
     let from = |column: &Seen| {
         let same = columns.iter().filter(|other| other.name == column.name).count();
         match column.name.as_str() {
@@ -226,6 +230,9 @@ fn write_columns(out: &mut String, columns: &[Seen]) -> Vec<String> {
     let counted_from_afar = time.values.first().is_some_and(|first| first.abs() > AFAR_S);
     if counted_from_afar || matches!(time.kind, Kind::Time(_)) {
         let _ = writeln!(out, "reference = \"first\"");
+    }
+    if restarts {
+        let _ = writeln!(out, "restarts = \"split\"   # another test begins where the clock does");
     }
     let others = columns.iter().filter(|column| column.index != time.index);
     let others: Vec<&Seen> = others.filter(|column| column.kind == Kind::Number).collect();

@@ -1,5 +1,6 @@
 //! How a file goes on below the first row of numbers: where the table ends, and whether it begins again.
 
+use super::super::import::begins_anew;
 use super::super::lines::Lines;
 use super::guess::{Guess, Kind, cells, kinds};
 
@@ -13,13 +14,16 @@ pub(super) struct Rest {
     pub(super) block: Option<String>,
     /// What ends a table: a line that begins so, or a blank one (`""`).
     pub(super) stop: Option<String>,
+    /// Whether the clock begins anew further down.
+    pub(super) restarts: bool,
 }
 
 impl Rest {
-    /// Looks through the lines from the first row on: what is left of `lines`, then `more`. `header` is the line of names.
+    /// Looks through the lines from the first row on: what is left of `lines`, then `more`. `header` is the line of
+    /// names, `clock` the column that counts the time.
     pub(super) fn of(
         guess: &Guess,
-        header: Option<usize>,
+        (header, clock): (Option<usize>, Option<usize>),
         lines: &[String],
         more: &mut Lines,
     ) -> Self {
@@ -28,6 +32,7 @@ impl Rest {
         // Whether a blank line stood between rows, and whether the last line was blank.
         let (mut blanks_within, mut after_blank) = (false, false);
         let mut line = String::new();
+        let mut counted: Option<(f64, f64)> = None;
         for number in 0..MOST {
             match lines.get(guess.first + number) {
                 Some(known) => line.clone_from(known),
@@ -43,8 +48,18 @@ impl Rest {
                 let start = beginning(&line, guess);
                 let others = lines.iter().filter(|other| **other != line);
                 let alone = !others.into_iter().any(|other| other.starts_with(&start));
-                found.block = Some(if alone { start } else { line });
-                break;
+                found.block = Some(if alone { start } else { line.clone() });
+                continue;
+            }
+            let goes_on = found.stop.is_none() || found.block.is_some();
+            let clock = clock.filter(|_| goes_on);
+            if let Some(time) = clock.and_then(|clock| guess.number_at(&line, clock)) {
+                let (first, last) = counted.unwrap_or((time, time));
+                found.restarts |= begins_anew(time, last, first);
+                counted = Some((first, time));
+            }
+            if found.block.is_some() {
+                continue;
             }
             if is_row(&line, guess) {
                 blanks_within |= after_blank && found.stop.is_none();
