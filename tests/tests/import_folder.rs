@@ -137,3 +137,33 @@ fn a_clock_that_falls_a_little_is_a_fault_and_begins_no_test() {
     assert!(said.contains("time 2.9 s goes backwards after 3 s"), "{said}");
     assert!(fs::read_dir(folder).unwrap().count() == 1, "nothing is written");
 }
+
+#[test]
+fn cells_without_a_value_and_marks_between_thousands_are_told_and_counted() {
+    let folder = lab(&[]);
+    let folder = folder.path();
+    let names = "Time (s),Displacement (mm),Force (N)\n";
+    let force = |row: usize| match row {
+        7 => "NaN".to_owned(),
+        11 => "#N/A".to_owned(),
+        13 => String::new(),
+        20 => "\"1,047.5\"".to_owned(),
+        _ => row.to_string(),
+    };
+    let rows: String = (0..60).map(|row| format!("{row},{row},{}\n", force(row))).collect();
+    fs::write(folder.join("lab/few.csv"), names.to_owned() + &rows).unwrap();
+    let (status, _, said) = call(folder, &["import", "lab/few.csv"]);
+    assert_eq!(status, Some(0), "{said}");
+    assert!(said.contains("57 samples, 3 rows left out that lack a value"), "{said}");
+    let trace = read(&folder.join("few.trace.csv")).unwrap();
+    assert_eq!(trace.force().unwrap()[17], 1047.5);
+    assert!(!trace.time.contains(&11.0) && trace.time.contains(&12.0));
+    // Where most rows lack a value, leaving them out would lose much: it is for a person to say.
+    let rows: String = (0..60)
+        .map(|row| format!("{row},{row},{}\n", if row < 5 { row.to_string() } else { "-".into() }))
+        .collect();
+    fs::write(folder.join("lab/most.csv"), names.to_owned() + &rows).unwrap();
+    let (status, _, said) = call(folder, &["import", "lab/most.csv"]);
+    assert_eq!(status, Some(2), "{said}");
+    assert!(said.contains("line 7") && said.contains("`missing = [\"-\"]`"), "{said}");
+}

@@ -176,6 +176,7 @@ fn summary(imported: &Imported, output: &Path) -> String {
         }
     };
     add(imported.merged, "rows merged by their time stamp");
+    add(imported.missing, "rows left out that lack a value");
     add(imported.uncovered, "samples left out where a column's own clock does not reach");
     add(trace::gaps(&trace.time).len(), "gaps in time");
     if !imported.dropped.is_empty() {

@@ -2,11 +2,11 @@
 //! motions.
 
 use std::borrow::Cow;
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
 use super::act::{Act, Remembered, Stage};
 use super::hereditary::HereditaryState;
-use super::yielding::{StretchYielding, Yielding};
+use super::yielding::StretchYielding;
 use super::{BaseLaw, Elastic, Parameter, Response, Scene, Separation};
 
 /// An effect in a model: its name, the law chosen for it, its parameters and how it acts.
@@ -56,7 +56,7 @@ impl Clone for History {
 }
 
 /// What most of the runs of a fit have in common: the elastic response of a unit stiffness at the compressions
-/// it was last asked for, or near them, which copies share, and where a set-up that yields came to.
+/// it was last asked for, which copies share, and where a set-up that yields came to.
 #[derive(Clone, Debug, Default)]
 pub struct Elasticity {
     unit: Arc<Unit>,
@@ -69,61 +69,15 @@ struct Unit {
     shape: f64,
     x: Vec<f64>,
     response: Vec<f64>,
-    /// Slope of the response at each displacement, from the first time that it is asked for.
-    slope: OnceLock<Vec<f64>>,
-}
-
-/// Distance from a displacement, over it, up to which the response lies on the tangent, but for 1e-12 of it.
-const ON_TANGENT: f64 = 1e-6;
-/// One of so many displacements may lie farther off.
-const FEW: usize = 8;
-/// Step over a displacement with which a slope is taken, to 1e-7 of it.
-const SLOPE_STEP: f64 = 1e-7;
-
-impl Unit {
-    fn one(&self, x: f64) -> f64 {
-        let (elastic, separation) = self.law;
-        elastic.unit(self.shape, separation.felt(x))
-    }
-
-    fn slope(&self) -> &[f64] {
-        self.slope.get_or_init(|| {
-            let slope = |(&x, &response): (&f64, &f64)| {
-                let step = SLOPE_STEP * x;
-                if step == 0.0 { 0.0 } else { (self.one(x + step) - response) / step }
-            };
-            self.x.iter().zip(&self.response).map(slope).collect()
-        })
-    }
-
-    /// Whether most of these displacements lie so near those of this one that tangents tell the response.
-    fn is_near(&self, x: &[f64]) -> bool {
-        let far = |(to, x): (&f64, &f64)| !on_tangent(*x, *to);
-        self.x.len() == x.len()
-            && FEW * x.iter().zip(&self.x).filter(|pair| far(*pair)).count() <= x.len()
-    }
-
-    /// The response of a stiffness at displacements [near](Self::is_near) those of this one.
-    fn nearby(&self, p: f64, x: &[f64]) -> Vec<f64> {
-        let known = self.x.iter().zip(&self.response).zip(self.slope());
-        let one = |(&to, ((&x, &response), &slope)): (&f64, ((&f64, &f64), &f64))| {
-            p * if on_tangent(x, to) { response + slope * (to - x) } else { self.one(to) }
-        };
-        x.iter().zip(known).map(one).collect()
-    }
-}
-
-fn on_tangent(x: f64, to: f64) -> bool {
-    (to - x).abs() <= ON_TANGENT * x.abs()
 }
 
 impl Elasticity {
     /// That of this shape at these displacements x, mm, so far as the specimen feels them.
     #[must_use]
     pub fn at(law: (Elastic, Separation), shape: f64, x: &[f64]) -> Self {
-        let mut unit = Unit { law, shape, x: x.to_vec(), ..Unit::default() };
-        unit.response = x.iter().map(|&x| unit.one(x)).collect();
-        Self { unit: Arc::new(unit), ..Self::default() }
+        let (elastic, separation) = law;
+        let response = x.iter().map(|&x| elastic.unit(shape, separation.felt(x))).collect();
+        Self { unit: Arc::new(Unit { law, shape, x: x.to_vec(), response }), ..Self::default() }
     }
 
     /// The same for a run whose parameters differ a little from those of the last one: where a set-up yields, what is nearby is
@@ -142,9 +96,6 @@ impl Elasticity {
     ) -> Vec<f64> {
         let same = self.unit.shape.to_bits() == shape.to_bits() && self.unit.law == law;
         if !same || self.unit.x != x {
-            if same && self.unit.is_near(x) {
-                return self.unit.nearby(p, x);
-            }
             self.unit = Self::at(law, shape, x).unit;
         }
         self.unit.response.iter().map(|unit| p * unit).collect()
@@ -219,8 +170,7 @@ impl Chain {
         if yields.is_empty() {
             self.contact(parameters, scene, (history, elasticity), &x, force);
         } else if let Some(response) = self.bare_response(parameters) {
-            let exactly = (Yielding::default(), next);
-            response.run_yielding(stretch, &mut history.relaxation, exactly, force);
+            response.run_yielding(stretch, &mut history.relaxation, next, force);
             elasticity.yielding.came_to(start, force.iter().map(|&force| yielded(force)));
         } else {
             let before = history.clone();
@@ -230,7 +180,7 @@ impl Chain {
             if let Some(response) = response.filter(Response::can_yield) {
                 // Where the base law alone comes to is near.
                 let mut alone = history.relaxation.clone();
-                response.run_yielding(stretch, &mut alone, (Yielding::rough(), next), force);
+                response.run_yielding(stretch, &mut alone, next, force);
                 yielding.comes_near(start, force.iter().map(|&force| yielded(force)));
             }
             yielding.settle(start, &x, |reached| {

@@ -49,28 +49,17 @@ impl Response {
     /// One sample: what goes into the memory, and what its answer means.
     fn sample(&self, x: f64, memory: impl FnOnce(f64) -> f64) -> f64 {
         let separation = self.hereditary.separation;
+        let x = separation.felt(x);
+        let elastic = |x| self.p * self.elastic.unit(self.shape, x);
         let force = match self.form {
-            Form::Compression => self.elastic(memory(separation.felt(x))),
-            Form::Force | Form::Strain => {
-                let (input, factor) = self.input(x);
-                factor * memory(input)
+            Form::Force => memory(elastic(x)),
+            Form::Strain => {
+                let strain = memory(x);
+                if x.abs() > TOUCHING { elastic(x) / x * strain } else { 0.0 }
             }
+            Form::Compression => elastic(memory(x)),
         };
         separation.carried(force)
-    }
-
-    fn elastic(&self, x: f64) -> f64 {
-        self.p * self.elastic.unit(self.shape, x)
-    }
-
-    /// What goes into a memory of the force or of the strain at a compression, mm, and by what its answer is multiplied.
-    fn input(&self, x: f64) -> (f64, f64) {
-        let x = self.hereditary.separation.felt(x);
-        match self.form {
-            Form::Strain if x.abs() > TOUCHING => (x, self.elastic(x) / x),
-            Form::Strain => (x, 0.0),
-            _ => (self.elastic(x), 1.0),
-        }
     }
 
     /// Compression, mm, at which a sudden press of a specimen at rest gives this force, N.
@@ -107,28 +96,23 @@ impl Response {
         &self,
         (time, x, rest): (&[f64], &[f64], Option<f64>),
         state: &mut HereditaryState,
-        (mut yielding, next): (Yielding, impl Fn(f64, f64) -> f64),
+        next: impl Fn(f64, f64) -> f64,
         force: &mut Vec<f64>,
     ) {
-        let separation = self.hereditary.separation;
         self.hereditary.start(state, rest);
         force.clear();
+        let mut yielding = Yielding::default();
         let mut before = None;
         for (k, (&time, &x)) in time.iter().zip(x).enumerate() {
             let interval = before.map(|before: f64| time - before);
             before = Some(time);
             let (held, immediate) = self.hereditary.affine(state, k, interval);
-            let (mut input, mut factor) = (0.0, 0.0);
-            // The last compression that is tried is the one that is reached.
-            yielding.reached(x, |z| {
-                (input, factor) = self.input(z);
-                next(x, separation.carried(factor * (held + immediate * input)))
-            });
-            let answer = match interval {
+            let under = |z: f64| self.sample(z, |input| held + immediate * input);
+            let reached = yielding.reached(x, |z| next(x, under(z)));
+            force.push(self.sample(reached, |input| match interval {
                 Some(interval) => self.hereditary.advance(state, k, interval, input),
                 None => self.hereditary.jump(state, input),
-            };
-            force.push(separation.carried(factor * answer));
+            }));
         }
     }
 

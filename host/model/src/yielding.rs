@@ -3,41 +3,34 @@
 /// Finds, sample by sample, the compression z, mm, that a yielding set-up comes to: z = next(z).
 #[derive(Clone, Copy, Debug)]
 pub struct Yielding {
-    /// Commanded and reached compression at the last sample, mm.
-    last: (f64, f64),
+    /// What the set-up yielded at the last sample, mm.
+    yielded: f64,
     /// Slope of z − next(z) there.
     slope: f64,
-    /// Part of the compression, over 1 mm and itself, that is left open.
-    tolerance: f64,
 }
 
 impl Default for Yielding {
     fn default() -> Self {
-        Self { last: (0.0, 0.0), slope: 1.0, tolerance: 1e-13 }
+        Self { yielded: 0.0, slope: 1.0 }
     }
 }
 
+/// Part of the compression, over 1 mm and itself, that is left open.
+const TOLERANCE: f64 = 1e-13;
 /// Most evaluations at one sample.
 const MAX_EVALUATIONS: usize = 60;
 
 impl Yielding {
-    /// The same to a ten thousandth of the compression: enough to begin with.
-    #[must_use]
-    pub fn rough() -> Self {
-        Self { tolerance: 1e-4, ..Self::default() }
-    }
-
     /// The compression, mm, at a commanded one, x, mm; `next` is where the set-up comes to, mm, under the
     /// force at a compression, mm.
     ///
-    /// `next` is asked last at the compression that is found. The root is kept between two compressions once it is known to lie there: secants that leave them
+    /// The root is kept between two compressions once it is known to lie there: secants that leave them
     /// are halved.
-    pub fn reached(&mut self, x: f64, mut next: impl FnMut(f64) -> f64) -> f64 {
-        let mut open = |z: f64| z - next(z);
-        let settled = self.tolerance * (1.0 + x.abs());
+    pub fn reached(&mut self, x: f64, next: impl Fn(f64) -> f64) -> f64 {
+        let open = |z: f64| z - next(z);
+        let settled = TOLERANCE * (1.0 + x.abs());
         let (mut below, mut above) = (f64::NEG_INFINITY, f64::INFINITY);
-        let (commanded, reached) = self.last;
-        let mut z = reached + (x - commanded) / self.slope;
+        let mut z = x - self.yielded;
         let mut rest = open(z);
         for _ in 0..MAX_EVALUATIONS {
             if rest.abs() <= settled || !rest.is_finite() {
@@ -60,7 +53,7 @@ impl Yielding {
             }
             (z, rest) = (to, there);
         }
-        self.last = (x, z);
+        self.yielded = x - z;
         z
     }
 }

@@ -20,6 +20,8 @@ pub struct Imported {
     pub rows: usize,
     /// Rows that shared their time stamp with another and were merged into it.
     pub merged: usize,
+    /// Rows left out because a cell has no value.
+    pub missing: usize,
     /// Samples outside the time that every column's own clock covers, left out.
     pub uncovered: usize,
     /// Name in the file and name in the trace of every column, time first.
@@ -145,6 +147,7 @@ struct Recording {
     time: Vec<f64>,
     values: Vec<Vec<f64>>,
     rows: usize,
+    missing: usize,
     stamps: usize,
     /// The whole second from which written times are counted, else the whole count of the clock's own unit; and the last written time.
     origin: i64,
@@ -198,6 +201,9 @@ impl Recording {
         let Some((index, open)) = self.time_from.filter(|_| splits).zip(self.open.as_ref()) else {
             return Ok(false);
         };
+        if rows.is_missing(index) {
+            return Ok(false);
+        }
         let time = counted(rows, index, self.origin as f64, &self.time_change)?;
         let first = self.time.first().copied().unwrap_or(open.time);
         Ok(begins_anew(time, open.time, first))
@@ -235,6 +241,7 @@ impl Recording {
             column.extend(more);
         }
         self.rows += part.rows;
+        self.missing += part.missing;
         self.stamps += part.stamps;
         Ok(())
     }
@@ -303,6 +310,7 @@ impl Recording {
             open: None,
             time: Vec::new(),
             rows: 0,
+            missing: 0,
             stamps: 0,
             origin: 0,
             last: None,
@@ -355,6 +363,11 @@ impl Recording {
         let ended = self.time_from.is_some_and(|time| rows.cell(time).is_empty())
             && named.into_iter().all(|index| rows.cell(index).is_empty());
         if ended && !self.clocked.is_empty() {
+            return Ok(());
+        }
+        let named = self.sources.iter().filter(|source| !source.other).map(|source| source.index);
+        if named.chain(self.time_from).any(|index| rows.is_missing(index)) {
+            (self.rows, self.missing) = (self.rows + 1, self.missing + 1);
             return Ok(());
         }
         let time = self.time(rows)?;
@@ -436,7 +449,8 @@ impl Recording {
         trace.head.other.insert("import".into(), origin(paths, mapping, self.every).into());
         Ok(Imported {
             uncovered: samples - trace.len(),
-            merged: self.rows - self.stamps,
+            merged: self.rows - self.missing - self.stamps,
+            missing: self.missing,
             rows: self.rows,
             trace,
             columns,

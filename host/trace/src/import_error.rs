@@ -118,8 +118,9 @@ pub enum ImportError {
     },
     /// Text where a number belongs.
     #[error(
-        "{place}: {} is not a number with decimal mark `{decimal}`. Correct the cell, or `decimal`, `skip_lines`, `comment` or `last_row` in the mapping.",
-        quoted(text)
+        "{place}: {} is not a number with decimal mark `{decimal}`. Correct the cell, or `decimal`, `skip_lines`, `comment` or `last_row` in the mapping.{}",
+        quoted(text),
+        without_value(text)
     )]
     NotANumber {
         /// The cell.
@@ -152,8 +153,9 @@ pub enum ImportError {
     },
     /// NaN, infinity, or out of range after conversion.
     #[error(
-        "{place}: {} is not a finite number. Remove the row; a gap in time is allowed.",
-        quoted(text)
+        "{place}: {} is not a finite number. Remove the row; a gap in time is allowed.{}",
+        quoted(text),
+        without_value(text)
     )]
     NotFinite {
         /// The cell.
@@ -242,4 +244,15 @@ pub enum ImportError {
         "several files are put in order by their time, and the mapping has no column for it. Name one in `[time]` (`from`), or import the files one by one."
     )]
     PartsWithoutClock,
+}
+
+/// What to do where a cell without a digit says that it has no value.
+fn without_value(text: &str) -> String {
+    if text.contains(|c: char| c.is_ascii_digit()) {
+        return String::new();
+    }
+    let words = toml::Value::from(vec![text]);
+    format!(
+        " If it says that there is no value, `missing = {words}` in `[text]` leaves its row out."
+    )
 }

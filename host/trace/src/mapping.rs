@@ -11,6 +11,8 @@ use super::{Head, Stamp, TIME, read};
 
 /// Major version of the mapping format this program reads.
 pub const MAP_VERSION: i64 = 1;
+/// Marks between thousands.
+pub(super) const THOUSANDS: [char; 7] = [',', '.', '\'', '’', ' ', '\u{a0}', '\u{202f}'];
 /// Largest mapping file that is read, bytes.
 const MAP_SIZE_LIMIT: u64 = 1 << 20;
 
@@ -72,13 +74,25 @@ pub struct Text {
     pub delimiter: Delimiter,
     /// The decimal mark, `.` or `,`.
     pub decimal: char,
+    /// What stands between thousands: a comma, a point, a blank or an apostrophe; nothing if absent.
+    pub thousands: Option<char>,
+    /// What a cell without a value says (`NaN`, `-`, or nothing at all); a row with such a cell in a column that the mapping names is
+    /// left out.
+    pub missing: Vec<String>,
     /// Lines that start with this are skipped.
     pub comment: Option<String>,
 }
 
 impl Default for Text {
     fn default() -> Self {
-        Self { encoding: "utf-8".into(), delimiter: Delimiter::Comma, decimal: '.', comment: None }
+        Self {
+            encoding: "utf-8".into(),
+            delimiter: Delimiter::Comma,
+            decimal: '.',
+            thousands: None,
+            missing: Vec::new(),
+            comment: None,
+        }
     }
 }
 
@@ -402,6 +416,16 @@ impl Mapping {
         }
         if !matches!(self.text.decimal, '.' | ',') {
             return fault("decimal", "the decimal mark is `.` or `,`");
+        }
+        if self
+            .text
+            .thousands
+            .is_some_and(|mark| mark == self.text.decimal || !THOUSANDS.contains(&mark))
+        {
+            return fault(
+                "thousands",
+                "thousands are told by `,` `.` `'` or a blank, and not by the decimal mark",
+            );
         }
         if self.text.decimal == ',' && self.text.delimiter == Delimiter::Comma {
             return fault("decimal", "a comma cannot separate both cells and decimals");

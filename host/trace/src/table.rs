@@ -55,7 +55,8 @@ impl<'m> Rows<'m> {
             Opened::Part { name, text } => {
                 let path = name.map_or_else(|| path.into(), |name| part_of(path, &name));
                 let lines = Lines::new(&path, text, encoding_rs::UTF_8);
-                let text = Text { comment: mapping.text.comment.clone(), ..Text::default() };
+                let Text { comment, missing, .. } = mapping.text.clone();
+                let text = Text { comment, missing, ..Text::default() };
                 (path, lines, text)
             }
         };
@@ -264,11 +265,16 @@ impl<'m> Rows<'m> {
         })
     }
 
+    /// Whether a cell says that it has no value.
+    pub(super) fn is_missing(&self, index: usize) -> bool {
+        self.text.missing.iter().any(|word| word == self.cell(index))
+    }
+
     /// The number in a cell.
     pub(super) fn number(&self, index: usize) -> Result<f64, ImportError> {
         let text = self.cell(index);
         let decimal = self.text.decimal;
-        match number(text, decimal) {
+        match number(text, decimal, self.text.thousands) {
             Some(value) if value.is_finite() => Ok(value),
             Some(_) => Err(ImportError::NotFinite { place: self.place(index), text: text.into() }),
             None => {
@@ -288,8 +294,17 @@ fn starts(line: &str, prefix: Option<&str>) -> bool {
     prefix.is_some_and(|prefix| line.starts_with(prefix))
 }
 
-/// A number with that decimal mark and no other.
-pub(super) fn number(text: &str, decimal: char) -> Option<f64> {
+/// A number with that decimal mark, in groups of three digits where they are told by a mark.
+pub(super) fn number(text: &str, decimal: char, thousands: Option<char>) -> Option<f64> {
+    if let Some(mark) = thousands.filter(|&mark| text.contains(mark)) {
+        let whole = text.split(decimal).next().unwrap_or_default();
+        let mut groups = whole.trim_start_matches(['-', '+']).split(mark);
+        let digits = |group: &str| group.bytes().all(|c| c.is_ascii_digit());
+        let first =
+            groups.next().is_some_and(|group| (1..=3).contains(&group.len()) && digits(group));
+        let fits = first && groups.all(|group| group.len() == 3 && digits(group));
+        return fits.then(|| number(&text.replace(mark, ""), decimal, None))?;
+    }
     if decimal == '.' {
         return text.parse().ok();
     }
@@ -356,10 +371,26 @@ mod tests {
 
     #[test]
     fn a_number_has_the_one_decimal_mark() {
+        let number = |text, decimal| number(text, decimal, None);
         assert_eq!(number("1,5", ','), Some(1.5));
         assert_eq!(number("1,0543E+05", ','), Some(105_430.0));
         assert_eq!(number("1.5", ','), None);
         assert_eq!(number("1,5", '.'), None);
         assert_eq!(number("1.000,5", ','), None);
+    }
+
+    #[test]
+    fn thousands_stand_in_groups_of_three() {
+        for (text, decimal, mark, expected) in [
+            ("-1,047.75", '.', ',', Some(-1047.75)),
+            ("1.234.567,5", ',', '.', Some(1_234_567.5)),
+            ("12\u{a0}000", ',', '\u{a0}', Some(12_000.0)),
+            ("7.5", '.', ',', Some(7.5)),
+            ("10,47.7", '.', ',', None),
+            ("1047,200.7", '.', ',', None),
+            (",047", '.', ',', None),
+        ] {
+            assert_eq!(number(text, decimal, Some(mark)), expected, "{text}");
+        }
     }
 }

@@ -220,7 +220,7 @@ fn in_folder(folder: &Folder, error: &str) -> String {
 
 /// What a mapping makes of a recording.
 fn preview(imported: &Imported) -> Value {
-    let Imported { trace, rows, merged, uncovered, columns, dropped } = imported;
+    let Imported { trace, rows, merged, missing, uncovered, columns, dropped } = imported;
     let cells = |row: usize| -> Vec<f64> {
         let values = trace.columns.iter().map(|column| column.values[row]);
         std::iter::once(trace.time[row]).chain(values).collect()
@@ -232,6 +232,7 @@ fn preview(imported: &Imported) -> Value {
         "rows": rows,
         "samples": trace.len(),
         "merged": merged,
+        "missing": missing,
         "uncovered": uncovered,
         "gaps": trace::gaps(&trace.time).len(),
         "columns": columns.iter().map(|(from, to)| json!({ "from": from, "to": to })).collect::<Vec<_>>(),

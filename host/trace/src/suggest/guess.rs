@@ -1,6 +1,6 @@
 //! Where the numbers are: delimiter, decimal mark and the first row.
 
-use super::super::mapping::Delimiter;
+use super::super::mapping::{Delimiter, THOUSANDS};
 use super::super::stamp::Stamp;
 use super::super::table::{number, split};
 use super::Beginning;
@@ -71,13 +71,21 @@ pub(super) fn guess(beginning: &Beginning) -> Option<Guess> {
 pub(super) fn kinds(line: &str, delimiter: Delimiter, decimal: char) -> Vec<Kind> {
     let kind = |cell: &String| {
         let stamp = || Stamp::ALL.into_iter().find(|stamp| stamp.read(cell).is_some());
-        match number(cell, decimal) {
+        match number(cell, decimal, None).or_else(|| grouped(cell, decimal).map(|(_, value)| value))
+        {
             Some(_) => Kind::Number,
             None if cell.is_empty() => Kind::Empty,
             None => stamp().map_or(Kind::Other, Kind::Time),
         }
     };
     cells(line, delimiter).iter().map(kind).collect()
+}
+
+/// The mark between thousands and the number, where the cell can mean nothing else: both marks stand in it, or a blank or an apostrophe.
+pub(super) fn grouped(cell: &str, decimal: char) -> Option<(char, f64)> {
+    let marks = THOUSANDS.into_iter().filter(|&mark| mark != decimal && cell.contains(mark));
+    let sure = |mark: &char| !matches!(mark, ',' | '.') || cell.contains(decimal);
+    marks.filter(sure).find_map(|mark| Some((mark, number(cell, decimal, Some(mark))?)))
 }
 
 /// The texts of the cells of a line.
@@ -91,8 +99,11 @@ impl Guess {
     /// The number in a cell of a line that has as many cells as the first row.
     pub(super) fn number_at(&self, line: &str, column: usize) -> Option<f64> {
         let cells = cells(line, self.delimiter);
-        let cell = cells.get(column).filter(|_| cells.len() == self.kinds.len())?;
-        number(cell, self.decimal)
+        self.number(cells.get(column).filter(|_| cells.len() == self.kinds.len())?)
+    }
+
+    fn number(&self, cell: &str) -> Option<f64> {
+        number(cell, self.decimal, None).or_else(|| Some(grouped(cell, self.decimal)?.1))
     }
 
     /// The numbers of every column in the rows that look like the first; a written time counts as its seconds.
@@ -105,7 +116,7 @@ impl Guess {
             let cells = cells(line, self.delimiter);
             for ((column, cell), kind) in columns.iter_mut().zip(&cells).zip(&self.kinds) {
                 column.extend(match kind {
-                    Kind::Number => number(cell, self.decimal),
+                    Kind::Number => self.number(cell),
                     Kind::Time(stamp) => {
                         stamp.read(cell).map(|instant| instant.whole as f64 + instant.rest)
                     }

@@ -135,14 +135,9 @@ fn text(
          palpate-map = 1\nabout = {}\nothers = \"drop\"\n",
         quoted(&format!("As {file}")),
     );
-    if let Some(encoding) = beginning.encoding {
-        let _ = writeln!(
-            out,
-            "[text]\nencoding = {}\ndelimiter = \"{}\"\ndecimal = \"{}\"\n",
-            quoted(&encoding.name().to_lowercase()),
-            format!("{:?}", guess.delimiter).to_lowercase(),
-            guess.decimal,
-        );
+    let cells = cells_told(beginning.encoding, guess, rest);
+    if !cells.is_empty() {
+        let _ = writeln!(out, "[text]\n{cells}");
     }
     let _ = writeln!(out, "[table]");
     if let Some(part) = &beginning.part {
@@ -175,6 +170,26 @@ fn text(
     }
     let open = write_columns(&mut out, columns, rest.restarts);
     Proposal { text: out, open }
+}
+
+/// What the mapping says of cells: of a text how they are told, and of any table which have no value.
+fn cells_told(encoding: Option<&'static Encoding>, guess: &Guess, rest: &Rest) -> String {
+    let quoted = |text: &str| toml::Value::from(text).to_string();
+    let mut lines = Vec::new();
+    if let Some(encoding) = encoding {
+        let delimiter = format!("{:?}", guess.delimiter).to_lowercase();
+        lines.push(format!("encoding = {}", quoted(&encoding.name().to_lowercase())));
+        lines.push(format!("delimiter = \"{delimiter}\""));
+        lines.push(format!("decimal = \"{}\"", guess.decimal));
+        let mark = rest.thousands.map(|mark| quoted(&mark.to_string()));
+        lines.extend(mark.map(|mark| format!("thousands = {mark}")));
+    }
+    if !rest.missing.is_empty() {
+        let words: Vec<String> = rest.missing.iter().map(|word| quoted(word)).collect();
+        let words = words.join(", ");
+        lines.push(format!("missing = [{words}]   # rows with such a cell are left out"));
+    }
+    lines.into_iter().map(|line| line + "\n").collect()
 }
 
 /// The line above the numbers that names the columns: as wide as they, with two words at least that are no units.

@@ -2,7 +2,8 @@
 
 use super::super::import::begins_anew;
 use super::super::lines::Lines;
-use super::guess::{Guess, Kind, cells, kinds};
+use super::super::table::number;
+use super::guess::{Guess, Kind, cells, grouped, kinds};
 
 /// Most lines looked at: an interval of a rheometer has fewer.
 const MOST: usize = 200_000;
@@ -16,6 +17,10 @@ pub(super) struct Rest {
     pub(super) stop: Option<String>,
     /// Whether the clock begins anew further down.
     pub(super) restarts: bool,
+    /// What stands between thousands.
+    pub(super) thousands: Option<char>,
+    /// What cells say that have no value, where such are few.
+    pub(super) missing: Vec<String>,
 }
 
 impl Rest {
@@ -33,6 +38,7 @@ impl Rest {
         let (mut blanks_within, mut after_blank) = (false, false);
         let mut line = String::new();
         let mut counted: Option<(f64, f64)> = None;
+        let (mut all, mut lacking) = (0, 0);
         for number in 0..MOST {
             match lines.get(guess.first + number) {
                 Some(known) => line.clone_from(known),
@@ -58,6 +64,10 @@ impl Rest {
                 found.restarts |= begins_anew(time, last, first);
                 counted = Some((first, time));
             }
+            if goes_on && is_row(&line, guess) {
+                all += 1;
+                lacking += usize::from(found.look_at(&line, guess));
+            }
             if found.block.is_some() {
                 continue;
             }
@@ -72,9 +82,36 @@ impl Rest {
                 break;
             }
         }
+        if lacking * FEW > all {
+            found.missing.clear();
+        }
         found
     }
+
+    /// Takes from a row what stands between thousands and in cells without a value; whether there are such.
+    fn look_at(&mut self, line: &str, guess: &Guess) -> bool {
+        let mut lacks = false;
+        for (cell, kind) in cells(line, guess.delimiter).into_iter().zip(&guess.kinds) {
+            if *kind != Kind::Number {
+                continue;
+            }
+            if MISSING.contains(&&*cell.to_lowercase()) {
+                lacks = true;
+                if !self.missing.contains(&cell) {
+                    self.missing.push(cell);
+                }
+            } else if self.thousands.is_none() && number(&cell, guess.decimal, None).is_none() {
+                self.thousands = grouped(&cell, guess.decimal).map(|(mark, _)| mark);
+            }
+        }
+        lacks
+    }
 }
+
+/// What programs write into a cell that has no value.
+const MISSING: [&str; 10] = ["nan", "n/a", "#n/a", "na", "null", "none", "-", "--", "---", ""];
+/// Rows for each that lacks a value, where leaving these out loses little.
+const FEW: usize = 10;
 
 /// Whether a line may be one of the rows, even a faulty one: an import is to say what is wrong with it.
 fn is_row(line: &str, guess: &Guess) -> bool {
