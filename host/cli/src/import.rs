@@ -86,7 +86,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     if args.preview {
         return tests.iter().try_for_each(|test| print(&preview(test)));
     }
-    let outputs = outputs(&output, tests.len());
+    let outputs = trace::places(&output, tests.len());
     let read = args.map.iter().chain(&args.files);
     let mut plan = Plan::reading(read, args.over.into());
     outputs.iter().try_for_each(|output| plan.writes(output, &TRACE))?;
@@ -106,17 +106,6 @@ fn tests(files: &[PathBuf], mapping: &Mapping) -> Result<Vec<Imported>, ImportEr
         [file] => trace::import_tests(file, mapping),
         parts => Ok(vec![trace::import_parts(parts, mapping)?]),
     }
-}
-
-/// Where the traces of so many tests go: `pull.trace.csv`, or `pull-1.trace.csv` and so on.
-fn outputs(output: &Path, tests: usize) -> Vec<PathBuf> {
-    if tests == 1 {
-        return vec![output.into()];
-    }
-    let name = output.file_name().unwrap_or_default().to_string_lossy();
-    let stem = name.strip_suffix(".trace.csv").or_else(|| name.strip_suffix(".csv"));
-    let (stem, ending) = name.split_at(stem.map_or(name.len(), str::len));
-    (1..=tests).map(|test| output.with_file_name(format!("{stem}-{test}{ending}"))).collect()
 }
 
 impl Args {

@@ -20,8 +20,32 @@ pub struct Motion<'a> {
 #[derive(Debug, thiserror::Error)]
 pub enum MotionError {
     /// No `displacement_mm`.
-    #[error("{0} has no column displacement_mm, so there is no motion to run a model over")]
-    NoDisplacement(String),
+    #[error("{trace} has no column displacement_mm, so there is no motion to run a model over.{}", of_strain(.strain.as_deref()))]
+    NoDisplacement {
+        /// Name of the trace.
+        trace: String,
+        /// A column of strain, where it has one.
+        strain: Option<String>,
+    },
+}
+
+/// How a strain becomes a displacement.
+fn of_strain(column: Option<&str>) -> String {
+    let words = |column| {
+        format!(
+            " Its {column} becomes one where the mapping of the import names it displacement_mm and gives the length of the specimen: \
+             `gauge_length_mm`."
+        )
+    };
+    column.map_or_else(String::new, words)
+}
+
+impl MotionError {
+    fn without_displacement(trace: &Trace) -> Self {
+        let mut names = trace.columns.iter().map(|column| &column.name);
+        let strain = names.find(|name| name.starts_with("strain")).cloned();
+        Self::NoDisplacement { trace: trace.label(), strain }
+    }
 }
 
 impl<'a> Motion<'a> {
@@ -31,7 +55,7 @@ impl<'a> Motion<'a> {
     /// When the trace has no displacement.
     pub fn of(trace: &'a Trace) -> Result<Self, MotionError> {
         let displacement =
-            trace.displacement().ok_or_else(|| MotionError::NoDisplacement(trace.label()))?;
+            trace.displacement().ok_or_else(|| MotionError::without_displacement(trace))?;
         Ok(Self {
             time: Cow::Borrowed(&trace.time),
             displacement: Cow::Borrowed(displacement),

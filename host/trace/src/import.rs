@@ -55,6 +55,18 @@ pub fn import_tests(path: &Path, mapping: &Mapping) -> Result<Vec<Imported>, Imp
     finished.collect()
 }
 
+/// Where the traces of so many tests go: `pull.trace.csv`, or `pull-1.trace.csv` and so on.
+#[must_use]
+pub fn places(output: &Path, tests: usize) -> Vec<PathBuf> {
+    if tests == 1 {
+        return vec![output.into()];
+    }
+    let name = output.file_name().unwrap_or_default().to_string_lossy();
+    let trace = name.strip_suffix(".trace.csv").map(str::len);
+    let (stem, ending) = name.split_at(trace.or_else(|| name.rfind('.')).unwrap_or(name.len()));
+    (1..=tests).map(|test| output.with_file_name(format!("{stem}-{test}{ending}"))).collect()
+}
+
 /// The only test of a file.
 fn alone(path: &Path, mut tests: Vec<Recording>) -> Result<Recording, ImportError> {
     match tests.pop() {

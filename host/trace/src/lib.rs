@@ -77,7 +77,7 @@ pub use from_columns::ColumnsError;
 pub use gaps::{Gap, gaps, runs};
 pub use head::{Control, Head, Setup, Shape, Specimen};
 pub use holds::holds;
-pub use import::{Imported, import, import_parts, import_tests};
+pub use import::{Imported, import, import_parts, import_tests, places};
 pub use import_error::ImportError;
 pub use mapping::Mapping;
 pub use noise::{Noise, Source, force_noise, noise};

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use miette::miette;
 
-use super::{Args, Failure, input, outputs, preview, report, stem, summary};
+use super::{Args, Failure, input, preview, report, stem, summary};
 use crate::output::print;
 use palpate_trace::files::plan::{Plan, TRACE};
 use palpate_trace::files::write_whole;
@@ -136,7 +136,7 @@ impl Table {
         };
         mapping.table.part = self.part.clone().or(mapping.table.part);
         let tests = trace::import_tests(&self.file, &mapping).map_err(|error| input(&error))?;
-        let outputs = outputs(&into.join(format!("{}.trace.csv", self.name)), tests.len());
+        let outputs = trace::places(&into.join(format!("{}.trace.csv", self.name)), tests.len());
         let mut said = Vec::new();
         for (test, output) in tests.iter().zip(&outputs) {
             if args.preview {

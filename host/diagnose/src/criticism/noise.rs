@@ -61,7 +61,9 @@ const FAINT: f64 = -5.6;
 const LIKELIER: f64 = 10.0;
 /// Logarithms of sizes of the flicker at which a fall that large shows, at least by [`SHOWS`]: where the likeliest size lies between
 /// two of them, the better of the two has a third of its fall.
-const SIZES: [f64; 5] = [-5.3, -4.2, -3.1, -2.0, -0.9];
+const SIZES: [f64; 7] = [-5.3, -4.2, -3.1, -2.0, -0.9, 0.2, 1.3];
+/// Coordinate of a correlation of neighbours above which flicker may be a part of it, or all.
+const CORRELATED: f64 = 0.2;
 /// Part of that fall that must be seen at one of those sizes for the likeliest to be searched.
 const SHOWS: f64 = 2.0;
 /// Time after the touch that still counts as recovery, s.
@@ -221,10 +223,9 @@ fn with_flicker(
     };
     let plain = deviance(stretches, |s| plain.scaled(s / plain.standard_deviation())).0;
     let own = at.first().copied().unwrap_or(0.0);
-    let shows = |flicker: f64| {
-        [own, 0.5 * own].iter().any(|&own| deviance_at(&[flicker, own]) + SHOWS < plain)
-    };
-    if !SIZES.iter().any(|&flicker| shows(flicker)) {
+    let beside = if own > CORRELATED { &[own, 0.5 * own, 0.0][..] } else { &[own] };
+    let mut points = SIZES.iter().flat_map(|&size| beside.iter().map(move |&own| [size, own]));
+    if !points.any(|point| deviance_at(&point) + SHOWS < plain) {
         return None;
     }
     let cost = |point: &[f64]| (point[0] > FAINT).then(|| deviance_at(point));
@@ -319,6 +320,33 @@ mod tests {
             assert_eq!(noise.flicker(), 0.0);
             assert!((noise.standard_deviation() / 0.02 - 1.0).abs() < 0.05, "{noise:?}");
             assert!((noise.coefficients()[0] - 0.7).abs() < 0.04, "{noise:?}");
+        }
+    }
+
+    #[test]
+    fn flicker_is_found_where_it_is_a_fifth_of_the_noise_and_none_where_there_is_none() {
+        // Relaxations of six times, each four times the one before, are flicker.
+        let with = |flicker: f64| {
+            let mut random = ChaCha8Rng::seed_from_u64(9);
+            let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
+            let mut states = [0.0; 6];
+            let stretch = |_| {
+                states.iter_mut().for_each(|state| *state = normal());
+                let mut next = || {
+                    for (k, state) in states.iter_mut().enumerate() {
+                        let decay = (-1.0 / 4f64.powi(k as i32 + 1)).exp();
+                        *state = decay * *state + (1.0 - decay * decay).sqrt() * normal();
+                    }
+                    0.02 * (normal() + flicker * states.iter().sum::<f64>())
+                };
+                (0..400).map(|_| next()).collect()
+            };
+            estimate((0..20).map(stretch).collect(), 1000)
+        };
+        assert_eq!(with(0.0).flicker(), 0.0);
+        for flicker in [0.2, 0.5, 1.0, 3.0] {
+            let found = with(flicker).flicker();
+            assert!((found / (0.02 * flicker) - 1.0).abs() < 0.3, "{found} for {flicker}");
         }
     }
 

@@ -104,15 +104,19 @@ impl Session {
             |error: trace::ImportError| LabError::Law(in_folder(&folder, &error.to_string()));
         let map_name = format!("{set}/{FOREIGN}/{stem}.map.toml");
         let mapping = Mapping::parse(&folder.path(&map_name), &import.mapping).map_err(fault)?;
-        let imported = trace::import(&path, &mapping).map_err(fault)?;
-        let mut told = preview(&imported);
+        let tests = trace::import_tests(&path, &mapping).map_err(fault)?;
+        let mut told = preview(&tests);
         if import.keep {
             let trace = free(&folder.to_write(&format!("{set}/{stem}.trace.csv"))?);
-            trace::write(&trace, &imported.trace)?;
+            let places: Vec<PathBuf> =
+                trace::places(&trace, tests.len()).iter().map(|place| free(place)).collect();
+            for (test, place) in tests.iter().zip(&places) {
+                trace::write(place, &test.trace)?;
+            }
             let map = write_new(&folder.to_write(&map_name)?, import.mapping.as_bytes())?;
             let name =
                 |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-            told["file"] = name(&trace).into();
+            told["file"] = places.first().map_or_else(String::new, |place| name(place)).into();
             told["command"] = format!(
                 "palpate import {} --map {} -o {}",
                 folder.shown(&format!("{set}/{FOREIGN}/{file}")),
@@ -218,9 +222,10 @@ fn in_folder(folder: &Folder, error: &str) -> String {
     error.replace(root.as_str(), "").trim_start_matches('/').to_owned()
 }
 
-/// What a mapping makes of a recording.
-fn preview(imported: &Imported) -> Value {
-    let Imported { trace, rows, merged, missing, uncovered, columns, dropped } = imported;
+/// What a mapping makes of a recording: of all its tests, and what the first one looks like.
+fn preview(tests: &[Imported]) -> Value {
+    let Some(Imported { trace, columns, dropped, .. }) = tests.first() else { return Value::Null };
+    let sum = |count: fn(&Imported) -> usize| tests.iter().map(count).sum::<usize>();
     let cells = |row: usize| -> Vec<f64> {
         let values = trace.columns.iter().map(|column| column.values[row]);
         std::iter::once(trace.time[row]).chain(values).collect()
@@ -229,12 +234,13 @@ fn preview(imported: &Imported) -> Value {
         .chain(trace.columns.iter().map(|column| column.name.as_str()))
         .collect();
     json!({
-        "rows": rows,
-        "samples": trace.len(),
-        "merged": merged,
-        "missing": missing,
-        "uncovered": uncovered,
-        "gaps": trace::gaps(&trace.time).len(),
+        "tests": tests.len(),
+        "rows": sum(|test| test.rows),
+        "samples": sum(|test| test.trace.len()),
+        "merged": sum(|test| test.merged),
+        "missing": sum(|test| test.missing),
+        "uncovered": sum(|test| test.uncovered),
+        "gaps": sum(|test| trace::gaps(&test.trace.time).len()),
         "columns": columns.iter().map(|(from, to)| json!({ "from": from, "to": to })).collect::<Vec<_>>(),
         "left_out": dropped.iter().map(|(name, why)| json!({ "name": name, "why": why })).collect::<Vec<_>>(),
         "names": names,
@@ -305,6 +311,22 @@ mod tests {
         assert!(!error.contains(&place.path().display().to_string()), "{error}");
         import.file = "../../secret.csv".into();
         assert!(session.import(&import).is_err());
+    }
+
+    #[test]
+    fn every_test_of_a_dropped_file_becomes_a_trace() {
+        let place = tempfile::tempdir().unwrap();
+        let mut session = session(place.path());
+        let text = "Time (s),Force (N)\n0,1\n1,2\n2,3\n3,NaN\n0,5\n1,6\n2,7\n3,8\n4,9\n5,9\n6,9\n";
+        let told = session.drop_file("all.csv", "", text.as_bytes()).unwrap();
+        let mapping = told["mapping"].as_str().unwrap().to_owned();
+        let set = "dropped".to_owned();
+        let import = Import { set, file: "all.csv".into(), mapping, keep: true };
+        let kept = session.import(&import).unwrap();
+        assert_eq!((&kept["tests"], &kept["missing"]), (&json!(2), &json!(1)), "{kept}");
+        assert_eq!((&kept["samples"], &kept["file"]), (&json!(10), &json!("all-1.trace.csv")));
+        let second = trace::read(&place.path().join("dropped/all-2.trace.csv")).unwrap();
+        assert_eq!(second.force().unwrap()[0], 5.0);
     }
 
     #[test]

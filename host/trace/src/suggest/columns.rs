@@ -305,3 +305,8 @@ fn own_name(column: &Seen, taken: &[String]) -> String {
 pub(super) fn is_gap(column: &Seen) -> bool {
     column.rank(&["gap", "abstand"]).is_some()
 }
+
+/// Whether a column is a strain.
+pub(super) fn is_strain(column: &Seen) -> bool {
+    column.rank(&["strain", "dehnung", "stauchung", "应变", "ひずみ"]).is_some()
+}

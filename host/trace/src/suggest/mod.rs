@@ -11,6 +11,7 @@ use std::path::Path;
 
 use encoding_rs::Encoding;
 
+use super::DISPLACEMENT;
 use super::error::Error;
 use super::foreign::{self, Opened};
 use super::import_error::ImportError;
@@ -18,7 +19,7 @@ use super::lines::Lines;
 use super::mapping::Mapping;
 use super::table::part_of;
 use super::units::{Quantity, Unit};
-use columns::{Seen, is_gap, is_unit, proposals, time_of};
+use columns::{Seen, is_gap, is_strain, is_unit, proposals, time_of};
 use encoding::encoding;
 use guess::{Guess, Kind, cells, guess};
 use rest::Rest;
@@ -254,6 +255,7 @@ fn write_columns(out: &mut String, columns: &[Seen], restarts: bool) -> Vec<Stri
     let proposals = proposals(&others);
     let guessed = others.iter().zip(&proposals).filter(|(_, proposal)| proposal.guessed);
     open.extend(guessed.map(|(column, _)| format!("the unit of {}", column.shown())));
+    let has_displacement = proposals.iter().any(|proposal| proposal.name == DISPLACEMENT);
     // Another clock beside the time is no signal.
     let measures = |unit: &Unit| unit.quantity != Quantity::Time;
     if !proposals.iter().any(|proposal| proposal.guessed || proposal.unit.is_some_and(measures)) {
@@ -276,6 +278,13 @@ fn write_columns(out: &mut String, columns: &[Seen], restarts: bool) -> Vec<Stri
         };
         if let Some(unit) = proposal.unit {
             let _ = writeln!(out, "unit = \"{}\"", unit.name);
+        }
+        if !has_displacement && is_strain(column) {
+            let _ = writeln!(
+                out,
+                "# name = \"displacement_mm\"  # with the length of the specimen a strain is a displacement\n\
+                 # gauge_length_mm = 20"
+            );
         }
         if is_gap(column) {
             let _ = writeln!(

@@ -103,8 +103,10 @@ export function dropped(api, on) {
 
   const refuse = (seen, error) => seen.replaceChildren(h("p", { class: "lab-fault" }, error.message));
 
-  function table({ rows, samples, gaps, columns, left_out: out, names, head }) {
-    const words = `${counted(rows, "row")}, ${counted(samples, "sample")}, ${counted(gaps, "gap")} in time.`;
+  function table({ tests, rows, missing, samples, gaps, columns, left_out: out, names, head }) {
+    const several = tests > 1 ? `${counted(tests, "test")}, a trace each; the first is shown. ` : "";
+    const lacking = missing > 0 ? ` ${counted(missing, "row")} left out that lack a value.` : "";
+    const words = `${several}${counted(rows, "row")}, ${counted(samples, "sample")}, ${counted(gaps, "gap")} in time.${lacking}`;
     return [
       h("p", {}, words, out.length ? ` Left out: ${out.map(({ name, why }) => `${name} (${why})`).join(", ")}.` : ""),
       h("div", { class: "lab-scroll", tabindex: "0" }, h("table", {},
