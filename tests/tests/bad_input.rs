@@ -261,6 +261,14 @@ const MAPPINGS: &[(&str, &str)] = &[
         "[time]\nfrom = 1\n[[column]]\nfrom = 2\nname = \"force_N\"\nunit = \"MPa\"",
         "line 6, column 8: the mapping is not understood: `MPa` does not convert to `N` (give `area_mm2`)",
     ),
+    (
+        "[text]\nthousands = \".\"\n[time]\nfrom = 1",
+        "line 3, column 1: the mapping is not understood: thousands are told by `,` `.` `'` or a blank, and not by",
+    ),
+    (
+        "[time]\nstart_s = 0\nstep_s = 1\nrestarts = \"split\"",
+        "line 5, column 1: the mapping is not understood: `restarts` is of a time in a column that counts",
+    ),
     ("about = \"no clock\"", "the mapping is not understood: missing field `time`"),
     ("[time]\nfrom = ", "line 3, column 8: the mapping is not understood"),
 ];
@@ -287,7 +295,8 @@ const IMPORTS: &[(&str, &[u8], &str)] = &[
         "[time]\nfrom = 1\n[[column]]\nfrom = 2\nname = \"force_N\"",
         b"0,1\n1,x\n",
         "odd.txt, line 2, column 2: `x` is not a number with decimal mark `.`. Correct the cell, or \
-         `decimal`, `skip_lines`, `comment` or `last_row` in the mapping.",
+         `decimal`, `skip_lines`, `comment` or `last_row` in the mapping. If it says that there is no value, \
+         `missing = [\"x\"]` in `[text]` leaves its row out.",
     ),
     (
         "[time]\nfrom = 1",
@@ -327,7 +336,8 @@ const IMPORTS: &[(&str, &[u8], &str)] = &[
         "[time]\nfrom = 1",
         b"5,1\n4,2\n",
         "odd.txt, line 2, column 1: time 4 s goes backwards after 5 s. Take part of the rows (`first_row`, \
-         `last_row`), or give an even clock (`start_s`, `step_s`) if the rate is known.",
+         `last_row`), give an even clock (`start_s`, `step_s`) if the rate is known, or where another test begins \
+         there, say `restarts = \"split\"` in `[time]`.",
     ),
     (
         "[time]\nfrom = 1",
