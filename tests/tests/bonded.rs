@@ -14,9 +14,9 @@ const INTERVAL: f64 = 0.01;
 const SPECIMEN: (f64, f64, f64) = (0.8, 0.5, 1.5);
 const NOISE: f64 = 0.01;
 
-/// Writes six recordings of three cycles each to either side, the first way to the negative one; below the largest displacement so far
-/// the springs carry less by up to `lost`, as Mullins found.
-fn record(folder: &Path, lost: f64) {
+/// Writes six recordings of three cycles each along a course, which gives a displacement for a size and the turns since the begin; below
+/// the largest displacement so far the springs carry less by up to `lost`, as Mullins found.
+fn record(folder: &Path, lost: f64, course: fn(f64, f64) -> f64) {
     let mut random = ChaCha8Rng::seed_from_u64(11);
     let noise = Normal::new(0.0, NOISE).expect("a distribution");
     let (alone, spring, rate) = SPECIMEN;
@@ -34,7 +34,7 @@ fn record(folder: &Path, lost: f64) {
             let time = INTERVAL * k as f64;
             let turns = frequency * (time - 1.0);
             let moves = (0.0..3.0).contains(&turns);
-            let now = if moves { -size * (TAU * turns).sin() } else { 0.0 };
+            let now = if moves { course(size, turns) } else { 0.0 };
             largest = largest.max(now.abs());
             let elastic = now * (1.0 - lost * ((largest - now.abs()) / 0.5).tanh());
             branch = branch * decay + gain * (elastic - before);
@@ -53,7 +53,8 @@ fn record(folder: &Path, lost: f64) {
 fn a_hidden_effect_is_named_over_cycles_to_either_side() {
     for (lost, verdict) in [(0.0, "adequate"), (0.1, "named")] {
         let folder = tempfile::tempdir().expect("a folder");
-        record(folder.path(), lost);
+        // The first way is to the negative side.
+        record(folder.path(), lost, |size, turns| -size * (TAU * turns).sin());
         let fit = "fit generalized-maxwell --terms 1 --separation bonded . -o model.toml --json";
         let fitted = answer(folder.path(), &fit.split(' ').collect::<Vec<_>>());
         let of = |name: &str| fitted["parameters"][name]["value"].as_f64().expect("a number");
@@ -66,5 +67,22 @@ fn a_hidden_effect_is_named_over_cycles_to_either_side() {
         if lost > 0.0 {
             assert_eq!(found["steps"][0]["effect"], "mullins", "{}", found["steps"]);
         }
+    }
+}
+
+#[test]
+fn a_specimen_that_is_glued_and_pushed_to_one_side_is_told_from_one_that_lacks_an_effect() {
+    for lost in [0.0, 0.1] {
+        let folder = tempfile::tempdir().expect("a folder");
+        // It pulls on the way back, when its springs have relaxed.
+        record(folder.path(), lost, |size, turns| 0.5 * size * (1.0 - (TAU * turns).cos()));
+        let fit = "fit generalized-maxwell --terms 1 . -o model.toml --json";
+        answer(folder.path(), &fit.split(' ').collect::<Vec<_>>());
+        let found = answer(folder.path(), &["diagnose", "--model", "model.toml", "--json", "."]);
+        let steps = found["steps"].as_array().expect("steps");
+        let names: Vec<_> = steps.iter().map(|step| step["effect"].as_str().unwrap()).collect();
+        assert_eq!(names, if lost > 0.0 { &["mullins"][..] } else { &[] }, "{}", found["verdict"]);
+        let notes = found["notes"].to_string();
+        assert!(notes.contains("fit with `--separation bonded`"), "{notes}");
     }
 }

@@ -12,7 +12,7 @@ use super::options::Options;
 use super::outside::Outside;
 use super::residuals::Residuals;
 use super::screen::ABSORBED;
-use super::search::{Found, Search};
+use super::search::{DECISIVE, Found, Search};
 use super::verdict::{Assessed, FAR_BEYOND_NEIGHBOURS, beyond_held_out, beyond_noise};
 use palpate_fit::data::{Data, DataError};
 use palpate_fit::least_squares::{Effort, LeastSquares};
@@ -383,6 +383,8 @@ impl<'a> Course<'a> {
     }
 }
 
+/// Part of the largest displacement below 0 up to which a specimen is moved to one side.
+const ASIDE: f64 = 0.1;
 /// Part of a sum of squares over all rows by which that over means may differ.
 const INEXACT_MEANS: f64 = 0.02;
 
@@ -438,23 +440,30 @@ fn likeliest(
     let separation = chain.base.separation;
     let (before, base) = attempt(separation);
     let found = search.run(base);
-    if found.steps.is_empty() || separation == Separation::Bonded {
+    let adequate = found.steps.is_empty() && before.p_value >= LEVEL;
+    if adequate || separation == Separation::Bonded {
         return (separation, before, found);
     }
-    // Where contact breaks in another way than the model says, effects would be named in its stead.
-    let other = match separation {
-        Separation::Clamp => Separation::Free,
-        _ => Separation::Clamp,
+    // Where contact breaks in another way than the model says, or never does, effects would be named in its stead.
+    let least = found.model().bic() - if found.steps.is_empty() { DECISIVE } else { 0.0 };
+    let one_side = search.data.pieces.iter().all(|piece| {
+        let largest = search.data.largest_compression();
+        piece.motion.displacement.iter().all(|x| *x > -ASIDE * largest)
+    });
+    let others = [Separation::Clamp, Separation::Free, Separation::Bonded];
+    let others = others.into_iter().filter(|other| *other != separation);
+    // What pulls on the other side as well is prepared otherwise, and the fit says so.
+    let others = others.filter(|other| one_side || *other != Separation::Bonded);
+    let tried = others.map(|other| (other, attempt(other)));
+    let best = tried.min_by(|(_, a), (_, b)| a.1.bic().total_cmp(&b.1.bic()));
+    let Some((other, (before_other, base))) = best.filter(|(_, it)| it.1.bic() < least) else {
+        return (separation, before, found);
     };
-    let (_, base) = attempt(other);
-    if base.bic() >= found.model().bic() {
-        return (separation, before, found);
-    }
     notes.push(format!(
-        "with separation = \"{}\" the model explains these traces better than with any effect added; that was used",
+        "with separation = \"{0}\" the model explains these traces better than with any effect added; that was used: fit with `--separation {0}`",
         other.name()
     ));
-    (other, before, search.run(base))
+    (other, before_other, search.run(base))
 }
 
 /// Puts the next best effect beside every one that stands alone; true if there was one.
