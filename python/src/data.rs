@@ -7,7 +7,7 @@ use numpy::{PyArray1, PyReadonlyArray1};
 use palpate::cli::ask::Set;
 use palpate::files::plan::{Overwrite, Plan, TRACE};
 use palpate::trace::{
-    Column, Head, Mapping, Proposal, TIME, Trace, import_parts, order, read_set, write,
+    Column, Head, Mapping, Proposal, TIME, Trace, import_tests, order, read_set, write,
 };
 use pyo3::exceptions::{PyIndexError, PyKeyError};
 use pyo3::prelude::*;
@@ -69,8 +69,8 @@ impl DataSet {
         let mut mapping = mapping.map_err(wrong)?;
         mapping.table.part = part.or(mapping.table.part);
         mapping.every = every.or(mapping.every);
-        let found = py.detach(|| import_parts(&paths, &mapping)).map_err(wrong)?;
-        Ok(vec![found.trace].into())
+        let found = py.detach(|| import_tests(&paths, &mapping)).map_err(wrong)?;
+        in_order(found.into_iter().map(|imported| imported.trace).collect())
     }
 
     /// Takes traces from arrays; each column is copied once, since its owner may change it while the interpreter is free.

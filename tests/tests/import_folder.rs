@@ -158,6 +158,12 @@ fn cells_without_a_value_and_marks_between_thousands_are_told_and_counted() {
     let trace = read(&folder.join("few.trace.csv")).unwrap();
     assert_eq!(trace.force().unwrap()[17], 1047.5);
     assert!(!trace.time.contains(&11.0) && trace.time.contains(&12.0));
+    // The other way round: a point between thousands and a decimal comma.
+    let force = |row: usize| if row == 20 { "1.047,5".to_owned() } else { row.to_string() };
+    let rows: String = (0..60).map(|row| format!("{row};{row};{}\n", force(row))).collect();
+    fs::write(folder.join("lab/comma.csv"), names.replace(',', ";") + &rows).unwrap();
+    assert_eq!(call(folder, &["import", "lab/comma.csv"]).0, Some(0));
+    assert_eq!(read(&folder.join("comma.trace.csv")).unwrap().force().unwrap()[20], 1047.5);
     // Where most rows lack a value, leaving them out would lose much: it is for a person to say.
     let rows: String = (0..60)
         .map(|row| format!("{row},{row},{}\n", if row < 5 { row.to_string() } else { "-".into() }))

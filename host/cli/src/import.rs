@@ -82,7 +82,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         None => proposed(first(args), args.part.as_deref())?,
     });
     let output = args.output.clone().unwrap_or_else(|| default_output(first(args)));
-    let tests = tests(&args.files, &mapping).map_err(|error| input(&error))?;
+    let tests = trace::import_tests(&args.files, &mapping).map_err(|error| input(&error))?;
     if args.preview {
         return tests.iter().try_for_each(|test| print(&preview(test)));
     }
@@ -98,14 +98,6 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         eprint!("{}", taken(test));
     }
     Ok(())
-}
-
-/// The recording in these files, or every test of a single one.
-fn tests(files: &[PathBuf], mapping: &Mapping) -> Result<Vec<Imported>, ImportError> {
-    match files {
-        [file] => trace::import_tests(file, mapping),
-        parts => Ok(vec![trace::import_parts(parts, mapping)?]),
-    }
 }
 
 impl Args {

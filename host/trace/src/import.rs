@@ -38,11 +38,13 @@ pub fn import(path: &Path, mapping: &Mapping) -> Result<Imported, ImportError> {
     alone(path, Recording::read(path, mapping, &mut None)?)?.finish(&[path], mapping)
 }
 
-/// Brings in every test of a foreign recording: several where the mapping splits them and the clock begins anew.
+/// Brings in what [`import_parts`] does, or every test of a single file: several where the mapping splits them and the clock begins
+/// anew.
 ///
 /// # Errors
-/// Those of [`import`].
-pub fn import_tests(path: &Path, mapping: &Mapping) -> Result<Vec<Imported>, ImportError> {
+/// Those of [`import_parts`].
+pub fn import_tests(paths: &[PathBuf], mapping: &Mapping) -> Result<Vec<Imported>, ImportError> {
+    let [path] = paths else { return import_parts(paths, mapping).map(|imported| vec![imported]) };
     let tests = Recording::read(path, mapping, &mut None)?;
     let several = tests.len() > 1;
     let finished = tests.into_iter().zip(1..).map(|(test, number)| {

@@ -297,12 +297,13 @@ fn starts(line: &str, prefix: Option<&str>) -> bool {
 /// A number with that decimal mark, in groups of three digits where they are told by a mark.
 pub(super) fn number(text: &str, decimal: char, thousands: Option<char>) -> Option<f64> {
     if let Some(mark) = thousands.filter(|&mark| text.contains(mark)) {
-        let whole = text.split(decimal).next().unwrap_or_default();
+        let (whole, part) = text.split_once(decimal).unwrap_or((text, ""));
         let mut groups = whole.trim_start_matches(['-', '+']).split(mark);
         let digits = |group: &str| group.bytes().all(|c| c.is_ascii_digit());
         let first =
             groups.next().is_some_and(|group| (1..=3).contains(&group.len()) && digits(group));
-        let fits = first && groups.all(|group| group.len() == 3 && digits(group));
+        let others = groups.all(|group| group.len() == 3 && digits(group));
+        let fits = first && others && !part.contains(mark);
         return fits.then(|| number(&text.replace(mark, ""), decimal, None))?;
     }
     if decimal == '.' {
@@ -389,6 +390,7 @@ mod tests {
             ("10,47.7", '.', ',', None),
             ("1047,200.7", '.', ',', None),
             (",047", '.', ',', None),
+            ("1.234,5", '.', ',', None),
         ] {
             assert_eq!(number(text, decimal, Some(mark)), expected, "{text}");
         }

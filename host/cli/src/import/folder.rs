@@ -135,7 +135,8 @@ impl Table {
             Err(open) => return Ok(Outcome::Open(open)),
         };
         mapping.table.part = self.part.clone().or(mapping.table.part);
-        let tests = trace::import_tests(&self.file, &mapping).map_err(|error| input(&error))?;
+        let file = std::slice::from_ref(&self.file);
+        let tests = trace::import_tests(file, &mapping).map_err(|error| input(&error))?;
         let outputs = trace::places(&into.join(format!("{}.trace.csv", self.name)), tests.len());
         let mut said = Vec::new();
         for (test, output) in tests.iter().zip(&outputs) {

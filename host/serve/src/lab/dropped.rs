@@ -104,7 +104,7 @@ impl Session {
             |error: trace::ImportError| LabError::Law(in_folder(&folder, &error.to_string()));
         let map_name = format!("{set}/{FOREIGN}/{stem}.map.toml");
         let mapping = Mapping::parse(&folder.path(&map_name), &import.mapping).map_err(fault)?;
-        let tests = trace::import_tests(&path, &mapping).map_err(fault)?;
+        let tests = trace::import_tests(std::slice::from_ref(&path), &mapping).map_err(fault)?;
         let mut told = preview(&tests);
         if import.keep {
             let trace = free(&folder.to_write(&format!("{set}/{stem}.trace.csv"))?);

@@ -30,7 +30,8 @@ impl Kind {
     }
 }
 
-/// The reading with most numbers and times in the first three rows of one width that follow each other.
+/// The reading with most numbers and times in the first three rows of one width that follow each other, and then in all lines: the
+/// first rows may hold no decimal mark.
 pub(super) fn guess(beginning: &Beginning) -> Option<Guess> {
     use Delimiter::{Comma, Semicolon, Space, Tab};
     let lines = &beginning.lines;
@@ -38,7 +39,7 @@ pub(super) fn guess(beginning: &Beginning) -> Option<Guess> {
         Some(_) => (&[Semicolon, Tab, Comma, Space], &['.', ',']),
         None => (&[Comma], &['.']),
     };
-    let mut best: Option<(usize, Guess)> = None;
+    let mut best: Option<((usize, usize), Guess)> = None;
     for &delimiter in delimiters {
         for &decimal in decimals {
             if decimal == ',' && delimiter == Comma {
@@ -59,7 +60,7 @@ pub(super) fn guess(beginning: &Beginning) -> Option<Guess> {
                 row.len() == kinds.len() && counts(row) >= 2 && pairs.into_iter().all(fits)
             };
             let first = table - rows[..table].iter().rev().take_while(alike).count();
-            let score = counts(&kinds);
+            let score = (counts(&kinds), rows.iter().map(counts).sum());
             if best.as_ref().is_none_or(|(other, _)| score > *other) {
                 best = Some((score, Guess { delimiter, decimal, first, kinds }));
             }
