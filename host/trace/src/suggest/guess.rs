@@ -30,8 +30,8 @@ impl Kind {
     }
 }
 
-/// The reading with most numbers and times in the first three rows of one width that follow each other, and then in all lines: the
-/// first rows may hold no decimal mark.
+/// The reading with most numbers and times in the first three rows of one width that follow each other. These may hold no decimal mark:
+/// that is then the one with most in all lines.
 pub(super) fn guess(beginning: &Beginning) -> Option<Guess> {
     use Delimiter::{Comma, Semicolon, Space, Tab};
     let lines = &beginning.lines;
@@ -60,9 +60,12 @@ pub(super) fn guess(beginning: &Beginning) -> Option<Guess> {
                 row.len() == kinds.len() && counts(row) >= 2 && pairs.into_iter().all(fits)
             };
             let first = table - rows[..table].iter().rev().take_while(alike).count();
-            let score = (counts(&kinds), rows.iter().map(counts).sum());
-            if best.as_ref().is_none_or(|(other, _)| score > *other) {
-                best = Some((score, Guess { delimiter, decimal, first, kinds }));
+            let (score, all) = (counts(&kinds), rows.iter().map(counts).sum());
+            let better = |((other, others), guess): &((usize, usize), Guess)| {
+                score > *other || (score == *other && guess.delimiter == delimiter && all > *others)
+            };
+            if best.as_ref().is_none_or(better) {
+                best = Some(((score, all), Guess { delimiter, decimal, first, kinds }));
             }
         }
     }
