@@ -152,6 +152,8 @@ const FAR_OUT: f64 = 100.0;
 /// Parts of the largest displacement to the positive side: a motion to the negative side that is no scatter, and what still is rest.
 const ON_PURPOSE: f64 = 0.05;
 const AT_REST: f64 = 1e-3;
+/// Part of the largest displacement that is surely on one side of the touch.
+const ASIDE: f64 = 0.1;
 
 /// Samples in which a hum is looked for.
 const HEARD: usize = 200_000;
@@ -559,6 +561,12 @@ impl<'a> Data<'a> {
     #[must_use]
     pub fn largest_compression(&self) -> f64 {
         self.pieces.iter().map(|piece| piece.motion.largest_compression()).fold(0.0, f64::max)
+    }
+
+    /// Displacement, mm, that is surely on one side of the touch: a tenth of the largest.
+    #[must_use]
+    pub fn aside(&self) -> f64 {
+        ASIDE * self.largest_compression()
     }
 
     /// Longest stretch, s.

@@ -124,8 +124,6 @@ const MERGED: f64 = 0.01;
 /// A resting value beyond this part of the whole range of the signal is told.
 const RESTING: f64 = 0.1;
 
-/// Part of the largest displacement that is surely on one side.
-const ASIDE: f64 = 0.1;
 /// Mean of the signal below 0, over that above, beyond which the specimen is pulled there all the time.
 const PULLS: f64 = 0.25;
 
@@ -146,7 +144,7 @@ pub fn warnings(fit: &MotionFit, data: &Data, noise: Option<&Noise>) -> Vec<Warn
     }
     if fit.chain.base.separation != Separation::Bonded {
         found.extend(pulls_below(data));
-        let late = touched_at(data).filter(|_| fit.chain.effects.is_empty());
+        let late = if fit.chain.effects.is_empty() { touched_at(data) } else { None };
         let largest = data.largest_compression();
         found.extend(late.map(|at| Warning::TouchedLater { at, largest }));
     }
@@ -179,7 +177,7 @@ fn resting(data: &Data) -> Option<f64> {
 
 /// A signal that is as negative below 0 as no parting surface makes it.
 fn pulls_below(data: &Data) -> Option<Warning> {
-    let aside = ASIDE * data.largest_compression();
+    let aside = data.aside();
     let mean = |side: &dyn Fn(f64) -> bool| {
         let samples = data.pieces.iter().flat_map(|piece| {
             piece.motion.displacement.iter().zip(piece.measured).filter(|(x, _)| side(**x))

@@ -46,15 +46,7 @@ pub fn import(path: &Path, mapping: &Mapping) -> Result<Imported, ImportError> {
 pub fn import_tests(paths: &[PathBuf], mapping: &Mapping) -> Result<Vec<Imported>, ImportError> {
     let [path] = paths else { return import_parts(paths, mapping).map(|imported| vec![imported]) };
     let tests = Recording::read(path, mapping, &mut None)?;
-    let several = tests.len() > 1;
-    let finished = tests.into_iter().zip(1..).map(|(test, number)| {
-        let mut imported = test.finish(&[path], mapping)?;
-        if several && let Some(origin) = imported.trace.head.other.get_mut("import") {
-            origin.as_table_mut().map(|origin| origin.insert("test".into(), number.into()));
-        }
-        Ok(imported)
-    });
-    finished.collect()
+    tests.into_iter().map(|test| test.finish(&[path], mapping)).collect()
 }
 
 /// Where the traces of so many tests go: `pull.trace.csv`, or `pull-1.trace.csv` and so on.
@@ -71,12 +63,10 @@ pub fn places(output: &Path, tests: usize) -> Vec<PathBuf> {
 
 /// The only test of a file.
 fn alone(path: &Path, mut tests: Vec<Recording>) -> Result<Recording, ImportError> {
+    let count = tests.len();
     match tests.pop() {
-        Some(test) if tests.is_empty() => Ok(test),
-        last => Err(ImportError::SeveralTests {
-            path: path.into(),
-            tests: tests.len() + usize::from(last.is_some()),
-        }),
+        Some(test) if count == 1 => Ok(test),
+        _ => Err(ImportError::SeveralTests { path: path.into(), tests: count }),
     }
 }
 
@@ -160,6 +150,8 @@ struct Recording {
     open: Option<Instants>,
     time: Vec<f64>,
     values: Vec<Vec<f64>>,
+    /// Which test of its file it is, from 1; none where the file has but one.
+    test: Option<i64>,
     rows: usize,
     missing: usize,
     stamps: usize,
@@ -203,6 +195,9 @@ impl Recording {
             }
         }
         tests.iter_mut().for_each(Self::close);
+        if tests.len() > 1 {
+            tests.iter_mut().zip(1..).for_each(|(test, number)| test.test = Some(number));
+        }
         if tests.is_empty() {
             return Err(ImportError::TooShort { path: path.into(), samples: 0 });
         }
@@ -323,6 +318,7 @@ impl Recording {
             clocked,
             open: None,
             time: Vec::new(),
+            test: None,
             rows: 0,
             missing: 0,
             stamps: 0,
@@ -372,14 +368,13 @@ impl Recording {
         for column in &mut self.clocked {
             column.take(rows)?;
         }
-        // Columns with clocks of their own may go on after the recording's has ended.
         let named = self.sources.iter().filter(|source| !source.other).map(|source| source.index);
+        // Columns with clocks of their own may go on after the recording's has ended.
         let ended = self.time_from.is_some_and(|time| rows.cell(time).is_empty())
-            && named.into_iter().all(|index| rows.cell(index).is_empty());
+            && named.clone().all(|index| rows.cell(index).is_empty());
         if ended && !self.clocked.is_empty() {
             return Ok(());
         }
-        let named = self.sources.iter().filter(|source| !source.other).map(|source| source.index);
         if named.chain(self.time_from).any(|index| rows.is_missing(index)) {
             (self.rows, self.missing) = (self.rows + 1, self.missing + 1);
             return Ok(());
@@ -460,7 +455,10 @@ impl Recording {
         }
         trace.head = mapping.head.clone();
         trace.head.version = Some(head::VERSION);
-        trace.head.other.insert("import".into(), origin(paths, mapping, self.every).into());
+        trace
+            .head
+            .other
+            .insert("import".into(), origin(paths, mapping, (self.test, self.every)).into());
         Ok(Imported {
             uncovered: samples - trace.len(),
             merged: self.rows - self.missing - self.stamps,
@@ -606,7 +604,7 @@ fn check_names(path: &Path, columns: &[(String, String)]) -> Result<(), ImportEr
 }
 
 /// Where a trace came from, for its head.
-fn origin(paths: &[&Path], mapping: &Mapping, every: usize) -> toml::Table {
+fn origin(paths: &[&Path], mapping: &Mapping, (test, every): (Option<i64>, usize)) -> toml::Table {
     let name = |path: &&Path| -> toml::Value {
         path.file_name().unwrap_or_default().to_string_lossy().into_owned().into()
     };
@@ -622,6 +620,7 @@ fn origin(paths: &[&Path], mapping: &Mapping, every: usize) -> toml::Table {
         origin.insert("every".into(), i64::try_from(every).unwrap_or(i64::MAX).into());
     }
     origin.insert("mapping_text".into(), mapping.source.clone().into());
+    origin.extend(test.map(|test| ("test".to_owned(), test.into())));
     origin
 }
 

@@ -138,19 +138,25 @@ impl Table {
         let file = std::slice::from_ref(&self.file);
         let tests = trace::import_tests(file, &mapping).map_err(|error| input(&error))?;
         let outputs = trace::places(&into.join(format!("{}.trace.csv", self.name)), tests.len());
-        let mut said = Vec::new();
-        for (test, output) in tests.iter().zip(&outputs) {
-            if args.preview {
+        let placed = || tests.iter().zip(&outputs);
+        if args.preview {
+            for test in &tests {
                 print(&format!("{}: {}", self.shown(), preview(test)))?;
-            } else if !is_there(test, output) {
-                let read = [Some(&*self.file), self.file.parent()].into_iter().flatten();
-                Plan::reading(read, args.over.into()).writes(output, &TRACE)?;
+            }
+        } else {
+            let new: Vec<_> = placed().filter(|(test, output)| !is_there(test, output)).collect();
+            let read = [Some(&*self.file), self.file.parent()].into_iter().flatten();
+            let mut plan = Plan::reading(read, args.over.into());
+            new.iter().try_for_each(|(_, output)| plan.writes(output, &TRACE))?;
+            for (test, output) in new {
                 folder_for(output)?;
                 trace::write(output, &test.trace).map_err(|error| Failure::Work(report(&error)))?;
             }
-            said.push(format!("{}: {}", self.shown(), summary(test, output)));
         }
-        Ok(Outcome::Made(said))
+        let said = |(test, output): (&Imported, &PathBuf)| {
+            format!("{}: {}", self.shown(), summary(test, output))
+        };
+        Ok(Outcome::Made(placed().map(said).collect()))
     }
 
     /// The mapping, or what is to be done before there is one.

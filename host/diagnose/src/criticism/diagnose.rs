@@ -383,8 +383,6 @@ impl<'a> Course<'a> {
     }
 }
 
-/// Part of the largest displacement below 0 up to which a specimen is moved to one side.
-const ASIDE: f64 = 0.1;
 /// Part of a sum of squares over all rows by which that over means may differ.
 const INEXACT_MEANS: f64 = 0.02;
 
@@ -446,10 +444,9 @@ fn likeliest(
     }
     // Where contact breaks in another way than the model says, or never does, effects would be named in its stead.
     let least = found.model().bic() - if found.steps.is_empty() { DECISIVE } else { 0.0 };
-    let one_side = search.data.pieces.iter().all(|piece| {
-        let largest = search.data.largest_compression();
-        piece.motion.displacement.iter().all(|x| *x > -ASIDE * largest)
-    });
+    let aside = search.data.aside();
+    let mut displacements = search.data.pieces.iter().flat_map(|it| &*it.motion.displacement);
+    let one_side = displacements.all(|x| *x > -aside);
     let others = [Separation::Clamp, Separation::Free, Separation::Bonded];
     let others = others.into_iter().filter(|other| *other != separation);
     // What pulls on the other side as well is prepared otherwise, and the fit says so.

@@ -64,7 +64,7 @@ const LIKELIER: f64 = 10.0;
 const SIZES: [f64; 7] = [-5.3, -4.2, -3.1, -2.0, -0.9, 0.2, 1.3];
 /// Coordinate of a correlation of neighbours above which flicker may be a part of it, or all.
 const CORRELATED: f64 = 0.2;
-/// Part of that fall that must be seen at one of those sizes for the likeliest to be searched.
+/// Fall of the deviance that must be seen at one of those sizes for the likeliest to be searched.
 const SHOWS: f64 = 2.0;
 /// Time after the touch that still counts as recovery, s.
 const RECOVERY: f64 = 0.3;

@@ -75,14 +75,18 @@ pub(super) fn guess(beginning: &Beginning) -> Option<Guess> {
 pub(super) fn kinds(line: &str, delimiter: Delimiter, decimal: char) -> Vec<Kind> {
     let kind = |cell: &String| {
         let stamp = || Stamp::ALL.into_iter().find(|stamp| stamp.read(cell).is_some());
-        match number(cell, decimal, None).or_else(|| grouped(cell, decimal).map(|(_, value)| value))
-        {
+        match value(cell, decimal) {
             Some(_) => Kind::Number,
             None if cell.is_empty() => Kind::Empty,
             None => stamp().map_or(Kind::Other, Kind::Time),
         }
     };
     cells(line, delimiter).iter().map(kind).collect()
+}
+
+/// The number in a cell, in groups of thousands too.
+pub(super) fn value(cell: &str, decimal: char) -> Option<f64> {
+    number(cell, decimal, None).or_else(|| Some(grouped(cell, decimal)?.1))
 }
 
 /// The mark between thousands and the number, where the cell can mean nothing else: both marks stand in it, or a blank or an apostrophe.
@@ -100,16 +104,6 @@ pub(super) fn cells(line: &str, delimiter: Delimiter) -> Vec<String> {
 }
 
 impl Guess {
-    /// The number in a cell of a line that has as many cells as the first row.
-    pub(super) fn number_at(&self, line: &str, column: usize) -> Option<f64> {
-        let cells = cells(line, self.delimiter);
-        self.number(cells.get(column).filter(|_| cells.len() == self.kinds.len())?)
-    }
-
-    fn number(&self, cell: &str) -> Option<f64> {
-        number(cell, self.decimal, None).or_else(|| Some(grouped(cell, self.decimal)?.1))
-    }
-
     /// The numbers of every column in the rows that look like the first; a written time counts as its seconds.
     pub(super) fn columns(&self, lines: &[String]) -> Vec<Vec<f64>> {
         let mut columns = vec![Vec::new(); self.kinds.len()];
@@ -120,7 +114,7 @@ impl Guess {
             let cells = cells(line, self.delimiter);
             for ((column, cell), kind) in columns.iter_mut().zip(&cells).zip(&self.kinds) {
                 column.extend(match kind {
-                    Kind::Number => self.number(cell),
+                    Kind::Number => value(cell, self.decimal),
                     Kind::Time(stamp) => {
                         stamp.read(cell).map(|instant| instant.whole as f64 + instant.rest)
                     }

@@ -3,7 +3,7 @@
 use super::super::import::begins_anew;
 use super::super::lines::Lines;
 use super::super::table::number;
-use super::guess::{Guess, Kind, cells, grouped, kinds};
+use super::guess::{Guess, Kind, cells, grouped, kinds, value};
 
 /// Most lines looked at: an interval of a rheometer has fewer.
 const MOST: usize = 200_000;
@@ -58,20 +58,21 @@ impl Rest {
                 continue;
             }
             let goes_on = found.stop.is_none() || found.block.is_some();
-            let clock = clock.filter(|_| goes_on);
-            if let Some(time) = clock.and_then(|clock| guess.number_at(&line, clock)) {
-                let (first, last) = counted.unwrap_or((time, time));
-                found.restarts |= begins_anew(time, last, first);
-                counted = Some((first, time));
-            }
-            if goes_on && is_row(&line, guess) {
+            let is_row = is_row(&line, guess);
+            if goes_on && is_row {
+                let cells = cells(&line, guess.delimiter);
+                if let Some(time) = clock.and_then(|clock| value(&cells[clock], guess.decimal)) {
+                    let (first, last) = counted.unwrap_or((time, time));
+                    found.restarts |= begins_anew(time, last, first);
+                    counted = Some((first, time));
+                }
                 all += 1;
-                lacking += usize::from(found.look_at(&line, guess));
+                lacking += usize::from(found.look_at(&cells, guess));
             }
             if found.block.is_some() {
                 continue;
             }
-            if is_row(&line, guess) {
+            if is_row {
                 blanks_within |= after_blank && found.stop.is_none();
             } else if found.stop.is_none() {
                 let blank = after_blank && !blanks_within;
@@ -89,19 +90,19 @@ impl Rest {
     }
 
     /// Takes from a row what stands between thousands and in cells without a value; whether there are such.
-    fn look_at(&mut self, line: &str, guess: &Guess) -> bool {
+    fn look_at(&mut self, cells: &[String], guess: &Guess) -> bool {
         let mut lacks = false;
-        for (cell, kind) in cells(line, guess.delimiter).into_iter().zip(&guess.kinds) {
+        for (cell, kind) in cells.iter().zip(&guess.kinds) {
             if *kind != Kind::Number {
                 continue;
             }
             if MISSING.contains(&&*cell.to_lowercase()) {
                 lacks = true;
-                if !self.missing.contains(&cell) {
-                    self.missing.push(cell);
+                if !self.missing.contains(cell) {
+                    self.missing.push(cell.clone());
                 }
-            } else if self.thousands.is_none() && number(&cell, guess.decimal, None).is_none() {
-                self.thousands = grouped(&cell, guess.decimal).map(|(mark, _)| mark);
+            } else if self.thousands.is_none() && number(cell, guess.decimal, None).is_none() {
+                self.thousands = grouped(cell, guess.decimal).map(|(mark, _)| mark);
             }
         }
         lacks
