@@ -6,7 +6,7 @@ use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
 use miette::{IntoDiagnostic, bail, miette};
 
-use crate::{browser, emulate, firmware, formats, modelled, supply};
+use crate::{browser, emulate, firmware, formats, modelled};
 
 /// How long a device streams in the whole check, to the emulator's host and to a browser, s.
 pub const STEADY_S: u32 = 20;
@@ -29,9 +29,7 @@ pub fn run() -> miette::Result<()> {
     step("lints", &["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"], &[])?;
     step("build of the tests", &["test", "--workspace", "--no-run"], &SEED)?;
     let tests = || beside(tests_of_the_product, tests_of_the_crates);
-    beside(tests, || {
-        installed_lints().and_then(|()| documentation()).and_then(|()| supply::run())
-    })?;
+    beside(tests, || installed_lints().and_then(|()| documentation()))?;
     step("tests of the documentation", &["test", "--workspace", "--doc"], &SEED)?;
     // Before what goes on side by side: packages are installed one after the other.
     let axe = browser::set_up()?;

@@ -341,10 +341,14 @@ fn the_motion_that_decides_is_drawn_and_saved() {
     let server = Server::begin_in(folder, &["set"]);
     let browser = opened(&server);
     browser.says(".lab-traces", "10 of 10 traces");
+    browser.click(".lab-traces summary");
+    for k in 4..=10 {
+        browser.click(&format!(".lab-traces li:nth-child({k}) input"));
+    }
+    // What was ticked stays when the panel is drawn anew.
     let _ = browser.script(
-        "document.querySelector('.lab-traces').open = true;
-         document.querySelectorAll('.lab-traces input').forEach((box, k) => (box.checked = k < 3));
-         return 0",
+        "const select = [...document.querySelectorAll('.lab-field')].find((of) => of.innerText.startsWith('Where contact')).lastChild;
+         select.dispatchEvent(new Event('change')); return 0",
     );
     browser.click(".lab-take");
     browser.says(".lab-traces", "3 of 10 traces");

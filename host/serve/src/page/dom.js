@@ -23,8 +23,11 @@ const open = new Set();
 
 /** A fold-out that stays as it was put when it is drawn anew; `name` tells it from all others. */
 export function fold(name, summary, ...children) {
-  const details = h("details", { open: open.has(name) }, h("summary", {}, summary), ...children);
-  details.addEventListener("toggle", () => (details.open ? open.add(name) : open.delete(name)));
+  const put = (is) => (is ? open.add(name) : open.delete(name));
+  // At the click itself too: what draws it anew may come before the toggle.
+  const title = h("summary", { onclick: () => put(!details.open) }, summary);
+  const details = h("details", { open: open.has(name) }, title, ...children);
+  details.addEventListener("toggle", () => put(details.open));
   return details;
 }
 

@@ -179,6 +179,7 @@ export function open(root, api) {
     busy = Boolean(job);
     lab.classList.toggle("lab-busy", busy);
     if (job) {
+      if (!state) await refresh();
       atWork(job);
       timer = setTimeout(watch, ASK);
       return;
@@ -371,7 +372,6 @@ export function open(root, api) {
 
   guarded(async () => {
     choices = await api.get("/lab/choices");
-    await refresh();
     await watch();
   })();
 

@@ -6,13 +6,14 @@ const PARTING = { clamp: "clamp: no pull", free: "free: recovers by itself", bon
 
 /** The panel. `act` has `choose(what)`, `fit(task)` and `copy(task)`. `draft` is the law that is picked. */
 export function bench(choices, state, draft, act) {
-  return h("div", {}, data(state, act), law(choices, draft, act));
+  return h("div", {}, data(state, draft, act), law(choices, draft, act));
 }
 
-function data(state, act) {
+function data(state, draft, act) {
   const taken = state.traces.filter((trace) => trace.chosen).length;
-  const boxes = state.traces.map((trace, k) => [trace, h("input", { type: "checkbox", checked: trace.chosen, value: String(k) })]);
-  const pick = () => act.choose({ traces: boxes.flatMap(([, box], k) => (box.checked ? [k] : [])) });
+  const ticks = ticksOf(state, draft);
+  const box = (k) => h("input", { type: "checkbox", checked: ticks[k], value: String(k), onchange: (event) => (ticks[k] = event.target.checked) });
+  const pick = () => act.choose({ traces: ticks.flatMap((ticked, k) => (ticked ? [k] : [])) });
   // One that was opened from elsewhere, as a recording that was dropped, is no folder of traces.
   const known = state.set === "" || state.sets.includes(state.set) ? state.sets : [...state.sets, state.set];
   const sets = known.map((set) => [set, set || state.folder]);
@@ -24,13 +25,20 @@ function data(state, act) {
     state.traces.length
       ? traces(
           `${taken} of ${counted(state.traces.length, "trace")}`,
-          h("ul", {}, boxes.map(([trace, box]) => h("li", {}, h("label", {}, box, `${trace.name}, ${trace.samples} samples, ${number(trace.duration_s)} s`)))),
+          h("ul", {}, state.traces.map((trace, k) => h("li", {}, h("label", {}, box(k), `${trace.name}, ${trace.samples} samples, ${number(trace.duration_s)} s`)))),
           h("button", { class: "lab-take", onclick: pick }, "Take these"),
         )
       : h("p", {}, "No traces in this folder. Hide an effect below, and find it."),
     state.left_out.length ? leftOut(state.left_out) : null,
     state.models.length ? choice("Model file", [["", "open …"], ...state.models], "", (model) => model && act.choose({ model })) : null,
   );
+}
+
+/** Which traces are ticked: those that were taken, until that changes; a panel that is drawn anew keeps what the user ticked. */
+function ticksOf(state, draft) {
+  const taken = JSON.stringify(state.traces.map(({ name, chosen }) => [name, chosen]));
+  if (draft.taken !== taken) Object.assign(draft, { taken, ticks: state.traces.map((trace) => trace.chosen) });
+  return draft.ticks;
 }
 
 function leftOut(files) {
