@@ -58,6 +58,7 @@ mod start;
 mod straight;
 pub mod touch;
 mod uncertainty;
+pub mod unknown_past;
 pub mod warning;
 pub mod watch;
 pub mod welch;

@@ -5,6 +5,7 @@ use std::fmt;
 use super::data::Data;
 use super::least_squares::Stop;
 use super::touch::touched_at;
+use super::unknown_past::begun_in_motion;
 use super::whole_motion::{Basis, MotionFit};
 use palpate_model::{Parameter, Separation};
 use palpate_trace::{Noise, units};
@@ -37,6 +38,8 @@ pub enum Warning {
     Resting { value: f64, unit: String },
     /// Nothing is felt up to a large part of the largest displacement, both in mm: it does not count from the touch.
     TouchedLater { at: f64, largest: f64 },
+    /// Traces that begin pressed and in motion: what moved the specimen before is not known.
+    BeginsInMotion { traces: Vec<String> },
     /// The specimen pulls where the law says that the set-up has left it; means of the signal to either side.
     PullsBelow { below: f64, above: f64, unit: String },
     /// Samples that were left out.
@@ -107,6 +110,19 @@ impl fmt::Display for Warning {
                 f,
                 "nothing is felt before a displacement of {at:.4} mm, of {largest:.4} mm at most, but the law counts displacement from the touch: bring the traces in with `reference = \"contact\"` (`palpate import`), or add the effect `contact-offset`"
             ),
+            Self::BeginsInMotion { traces } => {
+                let begin = match &traces[..] {
+                    [trace] => format!("{trace} begins"),
+                    [first, .., last] => {
+                        format!("{} traces, {first} to {last}, begin", traces.len())
+                    }
+                    [] => "no trace begins".into(),
+                };
+                write!(
+                    f,
+                    "{begin} pressed and in motion: what moved the specimen before was not recorded, and the law takes it as just touched; record from a rest off the specimen on"
+                )
+            }
             Self::PullsBelow { below, above, unit } => write!(
                 f,
                 "the signal is {below:.3e} {unit} at displacements below 0, where the law is 0, and {above:.3e} {unit} above: a specimen that is glued or clamped, and moved to either side, is fitted with `--separation bonded`"
@@ -147,6 +163,11 @@ pub fn warnings(fit: &MotionFit, data: &Data, noise: Option<&Noise>) -> Vec<Warn
         let late = if fit.chain.effects.is_empty() { touched_at(data) } else { None };
         let largest = data.largest_compression();
         found.extend(late.map(|at| Warning::TouchedLater { at, largest }));
+    }
+    let begun = begun_in_motion(data);
+    if !begun.is_empty() {
+        let traces = begun.iter().map(|&index| data.labels[data.pieces[index].trace].clone());
+        found.push(Warning::BeginsInMotion { traces: traces.collect() });
     }
     if let Some(noise) = noise {
         let (rms, noise) = (fit.rms(), noise.standard_deviation);

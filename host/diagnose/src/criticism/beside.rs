@@ -79,6 +79,12 @@ impl Own {
         Stretch { problem, index, predicted, size: self.residual.len(), columns, residual }
     }
 
+    /// Of these directions alone.
+    fn only(&self, places: &[usize]) -> Self {
+        let products = self.products.select_rows(places).select_columns(places);
+        Self { levels: self.levels, products, residual: self.residual.select_rows(places) }
+    }
+
     /// Solves for what the model can do; none where its derivatives are no numbers.
     fn solved(self) -> Option<Beside> {
         let scale = self.products.diagonal().map(|v| if v > 0.0 { 1.0 / v.sqrt() } else { 0.0 });
@@ -141,6 +147,50 @@ impl Beside {
         let left = products.own - beside.dot(&self.factor.solve(&beside));
         let along = products.residual - beside.dot(&self.moved);
         (left > LEFT * products.own).then(|| (along / left, along * along / left))
+    }
+}
+
+/// Falls of the sum of squares with more directions beside what a problem's chain can do by itself.
+pub(super) struct Falls {
+    own: Own,
+    /// Place of the first of the directions.
+    first: usize,
+}
+
+/// Prepares so many more directions: `more` gives those of a stretch, by its index and the times of its samples, s, each with its place
+/// among them.
+pub(super) fn sum_of_squares_falls(
+    problem: &Problem,
+    point: &[f64],
+    count: usize,
+    more: impl Fn(usize, &[f64]) -> Columns,
+) -> Falls {
+    let traces = problem.data().labels.len();
+    let mut own = Own::new(point.len(), traces + count);
+    let first = point.len() + traces;
+    let mut index = 0;
+    problem.derivatives(point, |piece, residual, mut columns| {
+        let more = more(index, &piece.motion.time).into_iter();
+        columns.extend(more.map(|(place, column)| (first + place, column)));
+        let _ = own.add(problem, (index, piece), residual, columns);
+        index += 1;
+    });
+    Falls { own, first }
+}
+
+impl Falls {
+    /// Fall of the sum of squares with these directions at once; none where they are no numbers, or the model does the same by itself.
+    pub(super) fn with(&self, chosen: &[usize]) -> Option<f64> {
+        let alone: Vec<usize> = (0..self.first).collect();
+        let more = chosen.iter().map(|place| self.first + place);
+        let both: Vec<usize> = alone.iter().copied().chain(more).collect();
+        let explained = |places: &[usize]| {
+            let of = self.own.only(places);
+            let residual = of.residual.clone();
+            let Beside { scale, moved, .. } = of.solved()?;
+            Some(moved.dot(&residual.component_mul(&scale)))
+        };
+        Some(explained(&both)? - explained(&alone)?)
     }
 }
 

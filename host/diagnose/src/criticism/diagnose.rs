@@ -209,8 +209,7 @@ impl<'a> Course<'a> {
         let mut notes = Vec::new();
         let (separation, before, found) = likeliest(search, start, &mut notes);
         let known = noise.seen == Seen::OffTheSpecimen;
-        let outside = known.then(|| Outside::of(search, &found.base));
-        let outside = outside.flatten();
+        let outside = Outside::of(search, &found.base, known);
         let assessed = Assessed::of(search, &found, &before, noise, outside.as_ref());
         Self { search, noise, separation, before, found, outside, assessed, inexact: false, notes }
     }
@@ -341,8 +340,17 @@ impl<'a> Course<'a> {
         match self.assessed.verdict {
             Verdict::Adequate | Verdict::Named => None,
             Verdict::Ambiguous => deciding(&self.found, data, traces, whitening),
+            Verdict::Unknown if matches!(self.outside(), Some(Outside::Past(_))) => {
+                Some("the same motions, each recorded from a rest off the specimen on".into())
+            }
             Verdict::Unknown => repeating(places, &data.labels),
         }
+    }
+
+    /// What is no effect and describes the misfit, where no effect is named.
+    fn outside(&self) -> Option<&Outside> {
+        let told = |it: &&Outside| it.is_most(&self.found.base) || self.before.p_value >= LEVEL;
+        self.outside.as_ref().filter(|_| self.found.steps.is_empty()).filter(told)
     }
 
     /// The diagnosis, with what the last model leaves of all rows; `traces` are what the specimen has been through.
@@ -355,8 +363,7 @@ impl<'a> Course<'a> {
         let final_rows = rows.with_chain(&last.chain);
         let places = cells_of(&final_rows, &final_rows.point(&last.values), self.noise.level);
         let evidence = &self.found.evidence;
-        let told = |it: &Outside| it.is_most(&self.found.base) || self.before.p_value >= LEVEL;
-        let outside = self.outside.clone().filter(|_| self.found.steps.is_empty()).filter(told);
+        let outside = self.outside().cloned();
         Diagnosis {
             next_experiment: self.next_experiment(&places, traces),
             verdict: self.assessed.verdict,

@@ -9,7 +9,7 @@
 //! - [`separation`]: how far a recording would set apart what the present ones do not tell apart.
 //! - [`next_motion`]: the motion, within what a rig can do, that sets it furthest apart.
 //! - [`outside`]: what is no effect and yet describes the misfit: a change at one [instant](incident), a slow
-//!   [swing].
+//!   [swing], what came before the [recording](past).
 //! - [`change`]: an effect added or taken out, everything refitted.
 
 pub mod adequacy;
@@ -34,6 +34,7 @@ pub mod next_motion;
 pub mod noise;
 pub mod options;
 pub mod outside;
+pub mod past;
 pub mod region;
 pub mod residuals;
 pub mod rest;

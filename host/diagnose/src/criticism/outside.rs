@@ -1,8 +1,9 @@
-//! What is no effect and yet describes the misfit: a change at one instant, or a slow swing. Where one of them
+//! What is no effect and yet describes the misfit: a change at one instant, a slow swing, or what came before the recording. Where one of them
 //! describes it better than everything named, nothing is named.
 
 use super::fitted::Fitted;
 use super::incident::Incident;
+use super::past::Past;
 use super::search::{DECISIVE, Search};
 use super::swing::Swing;
 
@@ -13,6 +14,8 @@ pub enum Outside {
     Incident(Incident),
     /// A slow sine through all traces.
     Swing(Swing),
+    /// What the specimen remembers of before the recording.
+    Past(Past),
 }
 
 /// Part of the misfit beyond the noise that it describes where it is what is missing.
@@ -21,14 +24,17 @@ const MOST: f64 = 0.5;
 const CHANCE: f64 = 1e-4;
 
 impl Outside {
-    /// What describes the misfit of a model best of all that is no effect; none that noise alone would show.
+    /// What describes the misfit of a model best of all that is no effect; none that noise alone would show. What comes and goes by itself
+    /// is told from noise only where that is known.
     #[must_use]
-    pub fn of(search: &Search, fitted: &Fitted) -> Option<Self> {
-        let incident = Incident::of(search.problem, fitted).map(Self::Incident);
+    pub fn of(search: &Search, fitted: &Fitted, noise_is_known: bool) -> Option<Self> {
+        let incident = || Incident::of(search.problem, fitted).map(Self::Incident);
         // Means over more than a period show no swing.
-        let swing = Swing::of(search.samples, fitted).map(Self::Swing);
+        let swing = || Swing::of(search.samples, fitted).map(Self::Swing);
+        let known = if noise_is_known { [incident(), swing()] } else { [None, None] };
+        let past = Past::of(search.problem, fitted).map(Self::Past);
         let sure = |it: &Self| it.log_chance() < CHANCE.ln();
-        let all = incident.into_iter().chain(swing).filter(sure);
+        let all = known.into_iter().flatten().chain(past).filter(sure);
         all.max_by(|a, b| a.gain().total_cmp(&b.gain()))
     }
 
@@ -38,6 +44,7 @@ impl Outside {
         match self {
             Self::Incident(it) => it.gain,
             Self::Swing(it) => it.gain,
+            Self::Past(it) => it.gain,
         }
     }
 
@@ -47,6 +54,7 @@ impl Outside {
         match self {
             Self::Incident(it) => it.log_chance,
             Self::Swing(it) => it.log_chance,
+            Self::Past(it) => it.log_chance,
         }
     }
 
@@ -69,6 +77,7 @@ impl Outside {
         let numbers = match self {
             Self::Incident(_) => Incident::NUMBERS,
             Self::Swing(_) => Swing::NUMBERS,
+            Self::Past(it) => it.numbers(),
         };
         self.is_most(base) && base.bic_with(numbers, self.gain()) + DECISIVE < model.bic()
     }

@@ -58,6 +58,10 @@ pub struct DiagnosisAnswer {
     /// A slow sine through all traces, which no effect is; absent where none was found or effects are named.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub swing: Option<SwingAnswer>,
+    /// What the specimen remembers of before the recording, which no effect is; absent where no trace begins in motion, that describes
+    /// little, or effects are named.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub past: Option<PastAnswer>,
     /// Effects that these traces cannot show.
     pub untestable: Vec<UntestableAnswer>,
     /// The experiment that would decide, or show more; null where there is nothing to decide.
@@ -295,10 +299,31 @@ pub struct SwingAnswer {
     pub p_value: f64,
 }
 
-/// What is no effect and describes the misfit: an incident or a swing.
-fn outside(summary: &DiagnosisSummary) -> (Option<IncidentAnswer>, Option<SwingAnswer>) {
+/// What the specimen remembers of before the recording, where traces begin pressed and in motion.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
+pub struct PastAnswer {
+    /// The traces that begin so.
+    pub traces: Vec<String>,
+    /// Time constants, s, of the force that decays in them.
+    pub time_constants_s: Vec<f64>,
+    /// Part of what the first model leaves beyond the noise that it describes, 0 to 1.
+    pub share: f64,
+    /// p value of as much under noise alone.
+    pub p_value: f64,
+}
+
+/// What is no effect and describes the misfit, at most one of the three.
+#[derive(Default)]
+struct OutsideAnswer {
+    incident: Option<IncidentAnswer>,
+    swing: Option<SwingAnswer>,
+    past: Option<PastAnswer>,
+}
+
+fn outside(summary: &DiagnosisSummary) -> OutsideAnswer {
     let diagnosis = summary.diagnosis;
-    let Some(outside) = &diagnosis.outside else { return (None, None) };
+    let Some(outside) = &diagnosis.outside else { return OutsideAnswer::default() };
     let (share, p_value) = (outside.share(&diagnosis.found.base), outside.log_chance().exp());
     match outside {
         Outside::Incident(incident) => {
@@ -314,11 +339,22 @@ fn outside(summary: &DiagnosisSummary) -> (Option<IncidentAnswer>, Option<SwingA
                 share,
                 p_value,
             };
-            (Some(incident), None)
+            OutsideAnswer { incident: Some(incident), ..OutsideAnswer::default() }
         }
         Outside::Swing(swing) => {
             let Swing { frequency_hz, amplitude, .. } = *swing;
-            (None, Some(SwingAnswer { frequency_hz, amplitude, share, p_value }))
+            let swing = SwingAnswer { frequency_hz, amplitude, share, p_value };
+            OutsideAnswer { swing: Some(swing), ..OutsideAnswer::default() }
+        }
+        Outside::Past(past) => {
+            let label = |trace: &usize| diagnosis.labels[*trace].clone();
+            let past = PastAnswer {
+                traces: past.traces.iter().map(label).collect(),
+                time_constants_s: past.rates.iter().map(|rate| 1.0 / rate).collect(),
+                share,
+                p_value,
+            };
+            OutsideAnswer { past: Some(past), ..OutsideAnswer::default() }
         }
     }
 }
@@ -416,7 +452,7 @@ impl From<&DiagnosisSummary<'_>> for DiagnosisAnswer {
             (PValueBasis::Noise, ErrorBasis::Noise)
         };
         let dependences = &summary.after().comparison.dependences;
-        let (incident, swing) = outside(summary);
+        let OutsideAnswer { incident, swing, past } = outside(summary);
         Self {
             palpate_diagnosis: 1,
             verdict: diagnosis.verdict.into(),
@@ -435,6 +471,7 @@ impl From<&DiagnosisSummary<'_>> for DiagnosisAnswer {
             depends_on: dependences.iter().map(DependenceAnswer::from).collect(),
             incident,
             swing,
+            past,
             untestable: diagnosis.untestable.iter().map(untestable).collect(),
             next_experiment: summary.next_experiment(),
             in_words: summary.verdict_in_words().replace('`', ""),

@@ -89,6 +89,13 @@ impl DiagnosisSummary<'_> {
                 significant(swing.amplitude, 2),
                 self.unit(),
             ),
+            Outside::Past(past) => {
+                let (begun, all) = (past.traces.len(), self.diagnosis.labels.len());
+                format!(
+                    "what the specimen remembers of before the recording ({begun} of {all} traces begin pressed and in motion, where the law \
+                     takes it as just touched)"
+                )
+            }
         };
         let share = percent(outside.share(&self.diagnosis.found.base), 2);
         format!("It looks like {what}; that describes {share} of the misfit. ")
