@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::Failure;
 use palpate_present::summary::Preparation;
-use palpate_trace::{Trace, outliers, tare, without};
+use palpate_trace::{Trace, join, outliers, stairs, tare, without};
 
 /// Flags of every command that fits a model or compares it.
 #[derive(clap::Args)]
@@ -12,6 +12,9 @@ pub struct Prepare {
     /// Leave out impossible samples: drop-outs of the motion, single jumps of the signal
     #[arg(long)]
     drop_outliers: bool,
+    /// Take the motion as straight between its steps where the displacement was held or rounded
+    #[arg(long)]
+    join_steps: bool,
     /// Take its mean before the touch off the signal of each trace
     #[arg(long)]
     tare: bool,
@@ -21,7 +24,7 @@ pub struct Prepare {
 pub type Prepared = (Arc<Vec<Trace>>, Preparation);
 
 impl Prepare {
-    /// Looks for impossible samples in the motion of a data set and in `signal`, and does what the flags ask for. The
+    /// Looks for impossible samples in the motion of a data set and in `signal`, and for a displacement in stairs, and does what the flags ask for. The
     /// traces are copied only where a flag changes them.
     pub fn take(&self, traces: Arc<Vec<Trace>>, signal: &str) -> Result<Prepared, Failure> {
         let mut taken = traces;
@@ -33,6 +36,15 @@ impl Prepare {
                 Arc::make_mut(&mut taken)[k] = left;
             }
             found.extend(own);
+        }
+        let stairs = stairs(&taken, signal);
+        if self.join_steps && !stairs.is_empty() {
+            for trace in Arc::make_mut(&mut taken) {
+                let label = trace.label();
+                if let Some(own) = stairs.iter().find(|own| own.trace == label) {
+                    join(trace, own);
+                }
+            }
         }
         let mut tared = Vec::new();
         if self.tare {
@@ -46,13 +58,24 @@ impl Prepare {
                 tared.push((label, zero));
             }
         }
-        let how = Preparation { outliers: found, dropped: self.drop_outliers, tared, refit: None };
+        let how = Preparation {
+            outliers: found,
+            dropped: self.drop_outliers,
+            stairs,
+            joined: self.join_steps,
+            tared,
+            refit: None,
+        };
         Ok((taken, how))
     }
 
     /// The flags that were given, to be put behind the traces of another command.
     pub fn flags(&self) -> String {
-        let given = [(self.drop_outliers, " --drop-outliers"), (self.tare, " --tare")];
+        let given = [
+            (self.drop_outliers, " --drop-outliers"),
+            (self.join_steps, " --join-steps"),
+            (self.tare, " --tare"),
+        ];
         given.into_iter().filter(|(given, _)| *given).map(|(_, flag)| flag).collect()
     }
 }

@@ -56,6 +56,7 @@ mod sampling;
 mod scatter;
 mod segments;
 mod set;
+mod stairs;
 mod stamp;
 #[cfg(feature = "suggest")]
 mod suggest;
@@ -88,6 +89,7 @@ pub use sampling::{Sampling, sampling};
 pub use scatter::scatter;
 pub use segments::{Kind, Segment, segments};
 pub use set::{order, read_set};
+pub use stairs::{Cause, Stairs, join, stairs};
 pub use stamp::Stamp;
 #[cfg(feature = "suggest")]
 pub use suggest::{Proposal, propose, suggest};

@@ -81,7 +81,9 @@ pub use population::{
     SpreadInPopulation, ValueInterval,
 };
 pub use practice::{HiddenEffect, HiddenValue, PracticeAnswer, PracticeRecording, TruthAnswer};
-pub use preparation::{PreparationAnswer, Prepared, RobustAnswer, RobustParameter};
+pub use preparation::{
+    PreparationAnswer, Prepared, RobustAnswer, RobustParameter, StairsAnswer, StairsCause,
+};
 pub use pull_off::{PullOffAnswer, PullOffGrowthAnswer, PullOffLaw, PullOffsAtSpeed};
 pub use ranking::{RankedLaw, RankedParameter, RankingAnswer, SetupAnswer};
 pub use rates::{RateGroup, RateRun, RateTrend, RatesAnswer};

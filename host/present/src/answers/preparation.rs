@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use palpate_trace::Outlier;
+use palpate_trace::{Cause, Outlier, Stairs};
 use serde::Serialize;
 
 use super::finite;
@@ -28,6 +28,10 @@ pub struct PreparationAnswer {
     pub outliers: Vec<OutlierAnswer>,
     /// Whether they were left out.
     pub outliers_dropped: bool,
+    /// Traces whose displacement goes in steps beside a signal that does not.
+    pub displacement_steps: Vec<StairsAnswer>,
+    /// Whether the motion was taken as straight between the steps.
+    pub displacement_steps_joined: bool,
     /// What was taken off the signal of each trace, by its name, in the unit of the signal.
     pub tared: BTreeMap<String, f64>,
     /// How good a fit is without the outliers; absent where none was made.
@@ -54,6 +58,31 @@ pub struct OutlierAnswer {
     pub value: f64,
     /// What its neighbours let expect.
     pub expected: f64,
+}
+
+/// A displacement that goes in steps.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
+pub struct StairsAnswer {
+    /// Name of the trace.
+    pub trace: String,
+    /// Why.
+    pub cause: StairsCause,
+    /// The usual step, mm.
+    pub step_mm: f64,
+    /// Samples that the displacement usually stays for where it moves.
+    pub samples: f64,
+}
+
+/// Why a displacement goes in steps.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[serde(rename_all = "lowercase")]
+pub enum StairsCause {
+    /// It was recorded more slowly than the signal, each value held until the next.
+    Held,
+    /// It was rounded to multiples of the step.
+    Rounded,
 }
 
 /// A fit without the impossible samples.
@@ -129,9 +158,26 @@ impl From<&Preparation> for PreparationAnswer {
         Self {
             outliers: preparation.outliers.iter().map(OutlierAnswer::from).collect(),
             outliers_dropped: preparation.dropped,
+            displacement_steps: preparation.stairs.iter().map(StairsAnswer::from).collect(),
+            displacement_steps_joined: preparation.joined,
             tared: preparation.tared.iter().cloned().collect(),
             without_outliers: refit.map(without),
             robust_refit: refit.and_then(|refit| refit.robust.as_ref()).map(RobustAnswer::from),
+        }
+    }
+}
+
+impl From<&Stairs> for StairsAnswer {
+    fn from(stairs: &Stairs) -> Self {
+        let cause = match stairs.cause {
+            Cause::Held => StairsCause::Held,
+            Cause::Rounded => StairsCause::Rounded,
+        };
+        Self {
+            trace: stairs.trace.clone(),
+            cause,
+            step_mm: stairs.step_mm,
+            samples: stairs.samples,
         }
     }
 }

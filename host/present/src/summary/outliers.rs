@@ -6,7 +6,7 @@ use palpate_fit::whole_motion::{self, MotionFit};
 use palpate_model::Parameter;
 use palpate_report::number::significant;
 use palpate_report::{Callout, Column, Section, Table};
-use palpate_trace::{Outlier, Trace, outliers, without};
+use palpate_trace::{Cause, Outlier, Stairs, Trace, outliers, stairs, without};
 
 /// Most samples that a table lists.
 const MOST_LISTED: usize = 20;
@@ -18,6 +18,10 @@ pub struct Preparation {
     pub outliers: Vec<Outlier>,
     /// Whether they were left out.
     pub dropped: bool,
+    /// Traces whose displacement goes in stairs.
+    pub stairs: Vec<Stairs>,
+    /// Whether they were joined.
+    pub joined: bool,
     /// What was taken off the signal of each trace, by its name.
     pub tared: Vec<(String, f64)>,
     /// What a fit is with the impossible samples and without them.
@@ -143,15 +147,15 @@ impl Preparation {
     /// What is impossible in traces that are taken as they are.
     #[must_use]
     pub fn of(traces: &[Trace], signal: &str) -> Self {
-        Self { outliers: impossible(traces, signal), ..Self::default() }
+        let stairs = stairs(traces, signal);
+        Self { outliers: impossible(traces, signal), stairs, ..Self::default() }
     }
 
     /// The sections of an answer with one before them on the traces, where there is something to tell.
     #[must_use]
     pub fn before(&self, mut sections: Vec<Section>) -> Vec<Section> {
-        if let Some(own) = self.section() {
-            sections.insert(0, own);
-        }
+        let own = [self.section(), self.stairs_section()];
+        sections.splice(0..0, own.into_iter().flatten());
         sections
     }
 
@@ -181,6 +185,36 @@ impl Preparation {
                 .callout(Callout::Warning, "Impossible samples", self.in_words())
                 .table(table),
         )
+    }
+
+    fn stairs_section(&self) -> Option<Section> {
+        let first = self.stairs.first()?;
+        let traces = match self.stairs.len() {
+            1 => format!("of {}", first.trace),
+            count => format!("of {count} traces"),
+        };
+        let step = significant(first.step_mm, 2);
+        let how = match first.cause {
+            Cause::Held => format!(
+                "was recorded more slowly than the signal: where it moves it stays for {} samples, then goes on by {step} mm at once",
+                significant(first.samples, 3)
+            ),
+            Cause::Rounded => format!("is rounded to steps of {step} mm"),
+        };
+        let words = if self.joined {
+            format!(
+                "The displacement {traces} {how}. It was taken as straight between its steps, as asked."
+            )
+        } else {
+            format!(
+                "The displacement {traces} {how}. A law takes each step for a sudden press; `--join-steps` takes the motion as straight between them."
+            )
+        };
+        Some(Section::new("Displacement in steps").callout(
+            Callout::Warning,
+            "Displacement in steps",
+            words,
+        ))
     }
 
     fn in_words(&self) -> String {
