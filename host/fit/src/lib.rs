@@ -43,6 +43,7 @@ pub mod least_squares;
 pub mod levels;
 pub mod line;
 mod log_blocks;
+pub mod loudness;
 mod many_exp;
 pub mod means;
 mod meant;

@@ -4,9 +4,10 @@ use std::fmt;
 
 use super::data::Data;
 use super::least_squares::Stop;
+use super::loudness::{Loudness, Scatter};
 use super::touch::touched_at;
 use super::unknown_past::begun_in_motion;
-use super::whole_motion::{Basis, MotionFit};
+use super::whole_motion::{Basis, MotionFit, predict};
 use palpate_model::{Parameter, Separation};
 use palpate_trace::{Noise, units};
 
@@ -34,6 +35,9 @@ pub enum Warning {
     TooFast { parameter: String, time_constant: f64, interval: f64 },
     /// The residual is more than noise.
     Misfit { rms: f64, noise: f64, basis: Basis },
+    /// The residual is more than the noise off the specimen, but neighbouring samples scatter as far: the noise is so many times louder
+    /// where the specimen is loaded.
+    LouderNoise { rms: f64, noise: f64, louder: f64 },
     /// The signal does not begin at 0.
     Resting { value: f64, unit: String },
     /// Nothing is felt up to a large part of the largest displacement, both in mm: it does not count from the touch.
@@ -97,13 +101,22 @@ impl fmt::Display for Warning {
                     }
                 }
             ),
+            Self::LouderNoise { rms, noise, louder } => write!(
+                f,
+                "the model leaves {rms:.3e}, more than the noise of {noise:.3e} off the specimen, but no more than neighbouring samples scatter: where the specimen is loaded the noise is {louder:.1} times louder"
+            ),
             Self::Resting { value, unit } => {
                 // Five digits.
-                let decimals = (4.0 - value.abs().log10().floor()).clamp(0.0, 9.0) as usize;
+                let decimals = (4.0 - value.abs().log10().floor()).max(0.0);
+                let value = if decimals > MOST_DECIMALS {
+                    format!("{value:.4e}")
+                } else {
+                    format!("{value:.0$}", decimals as usize)
+                };
                 write!(
                     f,
                     "the signal rests at {} before the touch, where the law is 0: take that off with `--tare`, or add the effect `zero-shift`",
-                    format!("{value:.decimals$} {unit}").trim_end()
+                    format!("{value} {unit}").trim_end()
                 )
             }
             Self::TouchedLater { at, largest } => write!(
@@ -132,6 +145,8 @@ impl fmt::Display for Warning {
     }
 }
 
+/// Decimals beyond which a value is written as a power of ten.
+const MOST_DECIMALS: f64 = 9.0;
 const VAGUE: f64 = 0.25;
 const CORRELATED: f64 = 0.99;
 /// Rates closer than this, relatively, have merged.
@@ -172,12 +187,27 @@ pub fn warnings(fit: &MotionFit, data: &Data, noise: Option<&Noise>) -> Vec<Warn
     if let Some(noise) = noise {
         let (rms, noise) = (fit.rms(), noise.standard_deviation);
         if fit.is_misfit(noise) {
-            found.push(Warning::Misfit { rms, noise, basis: fit.basis });
+            let louder = louder(fit, data).filter(|it| !fit.is_misfit(noise * it.overall));
+            found.push(match louder {
+                Some(it) => Warning::LouderNoise { rms, noise, louder: it.loaded },
+                None => Warning::Misfit { rms, noise, basis: fit.basis },
+            });
         }
     }
     each_parameter(fit, data, &mut found);
     pairs(fit, &mut found);
     found
+}
+
+/// How much louder the noise is where the specimen is loaded, by what the fit leaves.
+fn louder(fit: &MotionFit, data: &Data) -> Option<Loudness> {
+    let mut scatter = Scatter::default();
+    let predicted = predict(&fit.chain, &fit.values, data);
+    for (piece, predicted) in data.pieces.iter().zip(predicted) {
+        let residual: Vec<f64> = piece.measured.iter().zip(predicted).map(|(y, f)| y - f).collect();
+        scatter.add(&residual, |k| data.loads(piece.motion.displacement[k]));
+    }
+    scatter.louder()
 }
 
 /// Mean of the signal before the touch, where it is a large part of the range of the signal.

@@ -71,10 +71,13 @@ pub fn stairs(traces: &[Trace], signal: &str) -> Vec<Stairs> {
     let of = |(trace, steps): (&Trace, &Option<Steps>)| {
         let steps = steps.as_ref()?;
         let samples = if cause == Cause::Held { steps.period() } else { steps.usual() as f64 };
-        let stairs = Stairs { trace: trace.label(), cause, step_mm: steps.step(), samples };
-        matters(trace, signal, steps).then_some(stairs)
+        Some(Stairs { trace: trace.label(), cause, step_mm: steps.step(), samples })
     };
-    traces.iter().zip(&each).filter_map(of).collect()
+    let known = || traces.iter().zip(&each);
+    // Where one trace shows it, all were recorded so.
+    let felt = known()
+        .any(|(trace, steps)| steps.as_ref().is_some_and(|steps| matters(trace, signal, steps)));
+    if felt { known().filter_map(of).collect() } else { Vec::new() }
 }
 
 /// The displacement of a trace without stairs: straight lines between the samples at which it steps.

@@ -3,11 +3,13 @@
 //!
 //! The whitened residual is summed in blocks of several lengths. White noise gives block sums whose
 //! mean square is that of the samples; what a model lacks adds up within a block. What the whitening
-//! itself leaves in the noise is in the rest off the specimen as well, so the two are compared.
+//! itself leaves in the noise is in the rest off the specimen as well, so the two are compared. Where neighbouring samples scatter farther
+//! in contact than at rest, the noise is louder there, and the residual is evened out first.
 
 use super::tail::log_tail;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
+use palpate_fit::loudness::{Loudness, Scatter};
 use palpate_fit::problem::Problem;
 use palpate_fit::whitening::Whitening;
 
@@ -25,6 +27,10 @@ pub struct Adequacy {
     pub excess: f64,
     /// Root mean square of the residual, not whitened.
     pub rms: f64,
+    /// How many times the noise is louder than at rest: root mean square over all samples.
+    pub louder: f64,
+    /// The same over the samples in which the specimen is loaded.
+    pub louder_loaded: f64,
     /// Lights: Ljung and Box's chance, Durbin and Watson's statistic, and the chance of the number of
     /// runs of one sign.
     pub lights: Lights,
@@ -51,11 +57,27 @@ struct Sums {
 /// Tests the residual of a problem at a point.
 #[must_use]
 pub fn adequacy(problem: &Problem, point: &[f64], whitening: &Whitening) -> Adequacy {
+    let (even, scatter) = weighed(problem, point, whitening, None);
+    match scatter.louder() {
+        None => even,
+        louder => weighed(problem, point, whitening, louder.as_ref()).0,
+    }
+}
+
+/// Tests the residual, evened out where its noise is louder in contact; and how far its neighbours scatter.
+fn weighed(
+    problem: &Problem,
+    point: &[f64],
+    whitening: &Whitening,
+    louder: Option<&Loudness>,
+) -> (Adequacy, Scatter) {
     let mut touched = [Sums::default(); LENGTHS.len()];
     let mut quiet = [Sums::default(); LENGTHS.len()];
     let mut counts = Counts::default();
     let mut strongest = Strongest::default();
     let (mut square, mut samples): (f64, f64) = (0.0, 0.0);
+    let mut scatter = Scatter::default();
+    let mut index = 0;
     problem.each_piece(&[point.to_vec()], |piece, forces| {
         let mut residual: Vec<f64> =
             piece.measured.iter().zip(&forces[0]).map(|(y, f)| y - f).collect();
@@ -63,6 +85,12 @@ pub fn adequacy(problem: &Problem, point: &[f64], whitening: &Whitening) -> Adeq
         samples += residual.len() as f64;
         whitening.apply(&mut residual);
         let x = &piece.motion.displacement;
+        if let Some(louder) = louder {
+            louder.even_out(index, &mut residual);
+            index += 1;
+        } else {
+            scatter.add(&residual, |k| problem.data().loads(x[k]));
+        }
         for (place, &length) in LENGTHS.iter().enumerate() {
             for (block, x) in residual.chunks_exact(length).zip(x.chunks_exact(length)) {
                 let loaded = x.iter().any(|&x| problem.data().loads(x));
@@ -93,7 +121,10 @@ pub fn adequacy(problem: &Problem, point: &[f64], whitening: &Whitening) -> Adeq
         }
     }
     let p_value = (p_value * LENGTHS.len() as f64).min(1.0).min(strongest.p_value());
-    Adequacy { p_value, excess, rms: (square / samples.max(1.0)).sqrt(), lights: counts.lights() }
+    let (louder, louder_loaded) = louder.map_or((1.0, 1.0), |it| (it.overall, it.loaded));
+    let rms = (square / samples.max(1.0)).sqrt();
+    let lights = counts.lights();
+    (Adequacy { p_value, excess, rms, louder, louder_loaded, lights }, scatter)
 }
 
 /// Lengths of the windows in which a short disturbance is looked for, samples.

@@ -97,7 +97,7 @@ pub fn compared<'a>(
         (Some(seen), Some(noise)) => {
             let problem = Problem::new(&chain, data, &seen.whitening, None);
             let found = adequacy(&problem, &problem.point(&parameters), &seen.whitening);
-            found.p_value >= LEVEL && found.rms < CLOSE * noise.standard_deviation
+            found.p_value >= LEVEL && found.rms < CLOSE * found.louder * noise.standard_deviation
         }
         (None, Some(noise)) => rms(cells.iter()) < NOISE_ONLY * noise.standard_deviation,
         _ => false,

@@ -173,6 +173,7 @@ pub fn diagnose_with(
     if hums && few.is_some() {
         course.say_that_no_mean_shows_the_line();
     }
+    course.say_where_noise_is_louder();
     course.say_what_hardly_shows();
     let given_rms = rows.rms(&rows.point(&values));
     let history = few.as_ref().and_then(|_| block_means(traces));
@@ -231,7 +232,12 @@ impl<'a> Course<'a> {
 
     /// Root mean square of what the last model leaves beyond the noise, in the unit of the signal; 0 where it is noise.
     fn discrepancy(&self) -> f64 {
-        if self.assessed.inexact { beyond_noise(self.found.model(), self.noise) } else { 0.0 }
+        if self.assessed.inexact { beyond_noise(self.found.model(), self.loudness()) } else { 0.0 }
+    }
+
+    /// Root mean square of the noise over all samples, louder in contact where it is, in the unit of the signal.
+    fn loudness(&self) -> f64 {
+        self.noise.level * self.assessed.after.louder
     }
 
     fn single_trace(&self) -> bool {
@@ -246,7 +252,7 @@ impl<'a> Course<'a> {
         let denied = self.search.examine(&mut self.found, exact);
         let named = !self.found.steps.is_empty();
         let missed =
-            named && beyond_held_out(&self.found.evidence, self.noise.level) > HARDLY_PREDICTS;
+            named && beyond_held_out(&self.found.evidence, self.loudness()) > HARDLY_PREDICTS;
         self.inexact = denied.is_some() || missed || (!exact && named);
         if self.inexact {
             self.keep_what_is_borne_out(denied);
@@ -310,6 +316,16 @@ impl<'a> Course<'a> {
             "a line of the mains stands out in these recordings; the means that are searched do not show it: where the rest off the \
              specimen shows the noise, up to {LONG_WITH_HUM} rows are searched as they are, which can name mains-hum"
         ));
+    }
+
+    /// Says where the noise is louder than off the specimen.
+    fn say_where_noise_is_louder(&mut self) {
+        let louder = self.assessed.after.louder_loaded;
+        if louder > 1.0 {
+            self.notes.push(format!(
+                "where the specimen is loaded the noise is {louder:.1} times louder than off it, by the scatter of neighbouring samples: what a model leaves is held against that"
+            ));
+        }
     }
 
     /// Says which effects these traces hardly show, where no effect is named: that they are missing from the

@@ -71,11 +71,11 @@ impl Assessed {
         let leftover = after.excess.max(0.0);
         let named = !found.steps.is_empty();
         let share = if named { leftover / (explained + leftover).max(1.0) } else { 0.0 };
-        let ahead = beyond_held_out(&found.evidence, noise.level);
+        let level = noise.level * after.louder;
+        let ahead = beyond_held_out(&found.evidence, level);
         let unexplained = if after.p_value < LEVEL { share.max(ahead) } else { ahead };
         // Without rest to see noise in, a residual far beyond that of neighbours is not noise.
-        let far =
-            |fitted: &Fitted| fitted.rms().powi(2) - (FAR_BEYOND_NEIGHBOURS * noise.level).powi(2);
+        let far = |fitted: &Fitted| fitted.rms().powi(2) - (FAR_BEYOND_NEIGHBOURS * level).powi(2);
         let (first, last) = (far(&found.base), far(found.model()));
         let guessed = noise.seen == Seen::Residual && last > 0.0;
         let unexplained =
@@ -95,8 +95,8 @@ impl Assessed {
 }
 
 /// Root mean square of what a model leaves beyond the noise, in the unit of the signal.
-pub(super) fn beyond_noise(fitted: &Fitted, noise: &NoiseModel) -> f64 {
-    (fitted.rms().powi(2) - noise.level.powi(2)).max(0.0).sqrt()
+pub(super) fn beyond_noise(fitted: &Fitted, noise: f64) -> f64 {
+    (fitted.rms().powi(2) - noise * noise).max(0.0).sqrt()
 }
 
 /// Part of the misfit on traces left out that the last model leaves there beyond what the uncertainty of its parameters

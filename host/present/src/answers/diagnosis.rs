@@ -421,6 +421,9 @@ pub struct AdequacyAnswer {
     pub durbin_watson: f64,
     /// Number of runs of one sign over that expected; 1 for noise.
     pub runs: f64,
+    /// How many times louder the noise is where the specimen is loaded than off it, by the scatter of neighbouring samples; 1 where it is
+    /// the same.
+    pub louder_loaded: f64,
 }
 
 /// Seeds of everything random in a diagnosis.
@@ -617,6 +620,7 @@ impl From<&Adequacy> for AdequacyAnswer {
             ljung_box: found.lights.ljung_box,
             durbin_watson: found.lights.durbin_watson,
             runs: found.lights.runs,
+            louder_loaded: found.louder_loaded,
         }
     }
 }

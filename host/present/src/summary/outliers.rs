@@ -197,7 +197,7 @@ impl Preparation {
         let how = match first.cause {
             Cause::Held => format!(
                 "was recorded more slowly than the signal: where it moves it stays for {} samples, then goes on by {step} mm at once",
-                significant(first.samples, 3)
+                significant(first.samples, 2)
             ),
             Cause::Rounded => format!("is rounded to steps of {step} mm"),
         };

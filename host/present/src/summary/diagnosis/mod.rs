@@ -36,6 +36,8 @@ use palpate_model::Rung;
 use palpate_report::number::significant;
 use palpate_report::{Block, Callout, Column, Level, Section, Table};
 
+/// Decimals beyond which an error is written as a power of ten.
+const MOST_DECIMALS: f64 = 9.0;
 /// Relative change of the error by a refit that is worth a word.
 const MOVED: f64 = 0.005;
 
@@ -280,8 +282,10 @@ impl<'a> DiagnosisSummary<'a> {
     /// An error with as many decimals as the noise has in three significant digits.
     fn level(&self, rms: f64) -> String {
         let noise = self.noise();
-        let decimals =
-            if noise > 0.0 { (2.0 - noise.log10().floor()).clamp(0.0, 9.0) } else { 5.0 };
+        let decimals = if noise > 0.0 { (2.0 - noise.log10().floor()).max(0.0) } else { 5.0 };
+        if decimals > MOST_DECIMALS {
+            return significant(rms, 3);
+        }
         format!("{rms:.0$}", decimals as usize)
     }
 }
