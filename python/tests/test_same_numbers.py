@@ -21,6 +21,7 @@ ROWS = sorted(TRACES.glob("table-3.1-row-0[123].csv"))
         ("fung", {"terms": "auto", "separation": "free"}, ("--terms", "auto", "--separation", "free")),
         ("latency-power", {"exponent": 3}, ("--exponent", 3)),
         ("kelvin-voigt", {"tare": True}, ("--tare",)),
+        ("fung", {"join_steps": True}, ("--join-steps",)),
     ],
 )
 def test_fit(law: str, options: dict, words: tuple, tmp_path: Path) -> None:

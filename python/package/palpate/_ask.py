@@ -47,6 +47,7 @@ def fit(
     signal: str | None = None,
     tare: bool = False,
     drop_outliers: bool = False,
+    join_steps: bool = False,
 ) -> Fit:
     """Fits a law to load, hold and unload of all traces together: `palpate fit LAW`.
 
@@ -54,7 +55,8 @@ def fit(
     number of exponentials (1 to 4, or `auto`; 2), `separation` what happens where contact breaks (`clamp`), `segments`
     and `exponent` options of the latency models, `elastic` and `relaxation` other responses than power law and
     exponentials, `signal` the column (`force_N`). `tare` takes its mean before the touch off each trace, `drop_outliers`
-    leaves out impossible samples. The answer has the model.
+    leaves out impossible samples, `join_steps` takes the motion as straight between its steps where the displacement was
+    held or rounded. The answer has the model.
     """
     words = options(
         terms=terms,
@@ -66,6 +68,7 @@ def fit(
         signal=signal,
         tare=tare,
         drop_outliers=drop_outliers,
+        join_steps=join_steps,
     )
     with told() as tell:
         return _warned(Fit(_palpate.fit(law, native(data), words, tell)))
@@ -79,6 +82,7 @@ def fit_holds(
     signal: str | None = None,
     tare: bool = False,
     drop_outliers: bool = False,
+    join_steps: bool = False,
 ) -> HoldFits:
     """Fits eq. 3.4 to each hold by itself: `palpate fit fung --hold-only`.
 
@@ -91,6 +95,7 @@ def fit_holds(
         signal=signal,
         tare=tare,
         drop_outliers=drop_outliers,
+        join_steps=join_steps,
     )
     with told() as tell:
         return HoldFits(_palpate.fit("fung", native(data), words, tell))
@@ -104,6 +109,7 @@ def fit_all(
     signal: str | None = None,
     tare: bool = False,
     drop_outliers: bool = False,
+    join_steps: bool = False,
 ) -> Ranking:
     """Fits every law and ranks them by their error on traces left out: `palpate fit --all`."""
     words = options(
@@ -112,43 +118,64 @@ def fit_all(
         signal=signal,
         tare=tare,
         drop_outliers=drop_outliers,
+        join_steps=join_steps,
     )
     with told() as tell:
         return Ranking(_palpate.fit(None, native(data), words, tell))
 
 
 def compare(
-    model: AnyModel, data: Data, *, tare: bool = False, drop_outliers: bool = False
+    model: AnyModel,
+    data: Data,
+    *,
+    tare: bool = False,
+    drop_outliers: bool = False,
+    join_steps: bool = False,
 ) -> Comparison:
     """Says in which traces and regions a model fails, and what the error depends on: `palpate compare`."""
-    words = options(tare=tare, drop_outliers=drop_outliers)
+    words = options(tare=tare, drop_outliers=drop_outliers, join_steps=join_steps)
     with told() as tell:
         return Comparison(_palpate.compare(native_model(model), native(data), words, tell))
 
 
 def diagnose(
-    model: AnyModel, data: Data, *, tare: bool = False, drop_outliers: bool = False
+    model: AnyModel,
+    data: Data,
+    *,
+    tare: bool = False,
+    drop_outliers: bool = False,
+    join_steps: bool = False,
 ) -> Diagnosis:
     """Says which physical effect a model lacks, how sure that is, and what would decide: `palpate diagnose`."""
-    words = options(tare=tare, drop_outliers=drop_outliers)
+    words = options(tare=tare, drop_outliers=drop_outliers, join_steps=join_steps)
     with told() as tell:
         return Diagnosis(_palpate.diagnose(native_model(model), native(data), words, tell))
 
 
 def explore(
-    model: AnyModel, data: Data, *, tare: bool = False, drop_outliers: bool = False
+    model: AnyModel,
+    data: Data,
+    *,
+    tare: bool = False,
+    drop_outliers: bool = False,
+    join_steps: bool = False,
 ) -> Exploration:
     """Adds what is missing, one effect after the other, until only noise is left: `palpate explore`."""
-    words = options(tare=tare, drop_outliers=drop_outliers)
+    words = options(tare=tare, drop_outliers=drop_outliers, join_steps=join_steps)
     with told() as tell:
         return Exploration(_palpate.explore(native_model(model), native(data), words, tell))
 
 
 def discover(
-    model: AnyModel, data: Data, *, tare: bool = False, drop_outliers: bool = False
+    model: AnyModel,
+    data: Data,
+    *,
+    tare: bool = False,
+    drop_outliers: bool = False,
+    join_steps: bool = False,
 ) -> Discovery:
     """Finds a formula for what no effect of the library explains: `palpate discover`."""
-    words = options(tare=tare, drop_outliers=drop_outliers)
+    words = options(tare=tare, drop_outliers=drop_outliers, join_steps=join_steps)
     with told() as tell:
         return Discovery(_palpate.discover(native_model(model), native(data), words, tell))
 
@@ -161,13 +188,14 @@ def add(
     law: str | None = None,
     tare: bool = False,
     drop_outliers: bool = False,
+    join_steps: bool = False,
 ) -> Change:
     """Adds an effect of the library, or a law of one's own, to a model and refits it: `palpate add`.
 
     Where an effect has several laws, the one with the least BIC is taken, or `law`. Raises `Error` with status 1 where
     the error rises.
     """
-    words = options(law=law, tare=tare, drop_outliers=drop_outliers)
+    words = options(law=law, tare=tare, drop_outliers=drop_outliers, join_steps=join_steps)
     with told() as tell:
         return _warned(Change(_palpate.add(effect, native_model(model), native(data), words, tell)))
 
@@ -179,9 +207,10 @@ def drop(
     *,
     tare: bool = False,
     drop_outliers: bool = False,
+    join_steps: bool = False,
 ) -> Change:
     """Takes an effect out of a model and refits what remains: `palpate drop`."""
-    words = options(tare=tare, drop_outliers=drop_outliers)
+    words = options(tare=tare, drop_outliers=drop_outliers, join_steps=join_steps)
     with told() as tell:
         return _warned(Change(_palpate.drop(effect, native_model(model), native(data), words, tell)))
 

@@ -52,6 +52,7 @@ def survey(
     signs: bool = False,
     tare: bool = False,
     drop_outliers: bool = False,
+    join_steps: bool = False,
 ) -> Survey:
     """Puts one question to every group of a large data set: `palpate survey QUESTION`.
 
@@ -98,6 +99,7 @@ def survey(
         signs=signs,
         tare=tare,
         drop_outliers=drop_outliers,
+        join_steps=join_steps,
     )
     native = _palpate.Survey.called([question, *first, *(os.fspath(path) for path in paths), *words])
     fill(native, engine)

@@ -1,0 +1,89 @@
+//! A displacement that was recorded more slowly than the force, or rounded to coarse steps, is told, and joined when asked.
+
+use std::path::Path;
+
+use palpate::model::{BaseLaw, Motion, Separation};
+use palpate::trace::{DISPLACEMENT, FORCE, Trace, write};
+use palpate_tests::answer;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, Normal};
+use serde_json::Value;
+
+const LAW: BaseLaw = BaseLaw::fung(2, Separation::Clamp);
+const TRUTH: [f64; 6] = [0.08, 0.8, 0.25, 0.24, 4.0, 0.55];
+const NOISE: f64 = 0.02;
+const RATE: f64 = 500.0;
+
+/// Writes three presses, the displacement of each as `seen` has it: of the motion and the time.
+fn record(folder: &Path, seen: impl Fn(&dyn Fn(f64) -> f64, f64) -> f64) {
+    let mut random = ChaCha8Rng::seed_from_u64(17);
+    let noise = Normal::new(0.0, NOISE).expect("a distribution");
+    for (number, (deep, speed)) in [(4.0, 5.0), (5.0, 10.0), (6.0, 20.0)].into_iter().enumerate() {
+        let motion = |t: f64| {
+            let back = deep - speed * (t - 1.0 - deep / speed - 4.0);
+            (speed * (t - 1.0)).min(deep).min(back).max(-1.0)
+        };
+        let time: Vec<f64> = (0..4000).map(|k| f64::from(k) / RATE).collect();
+        let x: Vec<f64> = time.iter().map(|&t| motion(t)).collect();
+        let pressed = Motion { time: (&time).into(), displacement: x.into(), rest_before: None };
+        let force = LAW.predict(&TRUTH, &[pressed]).remove(0);
+        let force = force.into_iter().map(|f| f + noise.sample(&mut random)).collect();
+        let x = time.iter().map(|&t| seen(&motion, t)).collect();
+        let mut trace = Trace { time, ..Trace::default() };
+        trace.set_column(DISPLACEMENT, x);
+        trace.set_column(FORCE, force);
+        write(&folder.join(format!("{number}.csv")), &trace).expect("a file");
+    }
+}
+
+fn fitted(folder: &Path, how: &[&str]) -> Value {
+    let fit = ["fit", "fung", ".", "-o", "model.toml", "--force", "--json"];
+    answer(folder, &[&fit[..], how].concat())
+}
+
+/// The verdict with these flags.
+fn verdict(folder: &Path, how: &[&str]) -> String {
+    let diagnose = ["diagnose", "--model", "model.toml", ".", "--json"];
+    let found = answer(folder, &[&diagnose[..], how].concat());
+    found["verdict"].as_str().expect("a word").to_owned()
+}
+
+fn is_told_and_joined(folder: &Path, cause: &str) {
+    let as_it_is = fitted(folder, &[]);
+    let told = as_it_is["displacement_steps"].as_array().unwrap();
+    assert_eq!(told.len(), 3, "{told:?}");
+    assert!(told.iter().all(|it| it["cause"] == cause), "{told:?}");
+    assert_ne!(verdict(folder, &[]), "adequate");
+    let joined = fitted(folder, &["--join-steps"]);
+    assert_eq!(joined["displacement_steps_joined"], true);
+    assert_eq!(verdict(folder, &["--join-steps"]), "adequate");
+    for (name, truth) in ["p", "q", "c1", "c2", "v1", "v2"].into_iter().zip(TRUTH) {
+        let of = &joined["parameters"][name];
+        let (value, error) =
+            (of["value"].as_f64().unwrap(), of["standard_error"].as_f64().unwrap());
+        assert!((value - truth).abs() < 4.0 * error, "{name} = {value} ± {error}, not {truth}");
+    }
+}
+
+#[test]
+fn a_displacement_that_was_held_between_its_records_is_joined() {
+    let folder = tempfile::tempdir().expect("a folder");
+    record(folder.path(), |motion, t| motion((10.0 * t + 1e-9).floor() / 10.0));
+    is_told_and_joined(folder.path(), "held");
+}
+
+#[test]
+fn a_displacement_that_was_rounded_is_joined() {
+    let folder = tempfile::tempdir().expect("a folder");
+    record(folder.path(), |motion, t| (motion(t) / 0.25).round() * 0.25);
+    is_told_and_joined(folder.path(), "rounded");
+}
+
+#[test]
+fn one_that_was_recorded_with_the_force_is_left_alone() {
+    let folder = tempfile::tempdir().expect("a folder");
+    record(folder.path(), |motion, t| motion(t));
+    let fit = fitted(folder.path(), &["--join-steps"]);
+    assert_eq!(fit["displacement_steps"], Value::Array(Vec::new()));
+}
