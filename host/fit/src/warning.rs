@@ -205,7 +205,7 @@ fn louder(fit: &MotionFit, data: &Data) -> Option<Loudness> {
     let predicted = predict(&fit.chain, &fit.values, data);
     for (piece, predicted) in data.pieces.iter().zip(predicted) {
         let residual: Vec<f64> = piece.measured.iter().zip(predicted).map(|(y, f)| y - f).collect();
-        scatter.add(&residual, |k| data.loads(piece.motion.displacement[k]));
+        scatter.add(&residual, &piece.motion.displacement, |x| data.loads(x));
     }
     scatter.louder()
 }

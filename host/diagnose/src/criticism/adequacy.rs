@@ -89,7 +89,7 @@ fn weighed(
             louder.even_out(index, &mut residual);
             index += 1;
         } else {
-            scatter.add(&residual, |k| problem.data().loads(x[k]));
+            scatter.add(&residual, x, |x| problem.data().loads(x));
         }
         for (place, &length) in LENGTHS.iter().enumerate() {
             for (block, x) in residual.chunks_exact(length).zip(x.chunks_exact(length)) {

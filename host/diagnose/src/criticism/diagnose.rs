@@ -210,7 +210,7 @@ impl<'a> Course<'a> {
         let mut notes = Vec::new();
         let (separation, before, found) = likeliest(search, start, &mut notes);
         let known = noise.seen == Seen::OffTheSpecimen;
-        let outside = Outside::of(search, &found.base, known);
+        let outside = Outside::of(search, &found.base, known, before.louder_loaded);
         let assessed = Assessed::of(search, &found, &before, noise, outside.as_ref());
         Self { search, noise, separation, before, found, outside, assessed, inexact: false, notes }
     }
@@ -248,7 +248,9 @@ impl<'a> Course<'a> {
     /// law describes the data to the noise.
     fn keep_what_predicts(&mut self) {
         let inexact = self.single_trace() && self.discrepancy() > 0.0;
-        let exact = self.assessed.verdict != Verdict::Unknown && !inexact;
+        // Scores are held against the noise off the specimen: where it is louder in contact they say too much.
+        let louder = self.assessed.after.louder > 1.0;
+        let exact = self.assessed.verdict != Verdict::Unknown && !inexact && !louder;
         let denied = self.search.examine(&mut self.found, exact);
         let named = !self.found.steps.is_empty();
         let missed =

@@ -25,15 +25,15 @@ const CHANCE: f64 = 1e-4;
 
 impl Outside {
     /// What describes the misfit of a model best of all that is no effect; none that noise alone would show. What comes and goes by itself
-    /// is told from noise only where that is known.
+    /// is told from noise only where that is known; noise that is so many times louder in contact shows more of it.
     #[must_use]
-    pub fn of(search: &Search, fitted: &Fitted, noise_is_known: bool) -> Option<Self> {
+    pub fn of(search: &Search, fitted: &Fitted, noise_is_known: bool, louder: f64) -> Option<Self> {
         let incident = || Incident::of(search.problem, fitted).map(Self::Incident);
         // Means over more than a period show no swing.
         let swing = || Swing::of(search.samples, fitted).map(Self::Swing);
         let known = if noise_is_known { [incident(), swing()] } else { [None, None] };
         let past = Past::of(search.problem, fitted).map(Self::Past);
-        let sure = |it: &Self| it.log_chance() < CHANCE.ln();
+        let sure = |it: &Self| it.log_chance() < CHANCE.ln() * louder * louder;
         let all = known.into_iter().flatten().chain(past).filter(sure);
         all.max_by(|a, b| a.gain().total_cmp(&b.gain()))
     }

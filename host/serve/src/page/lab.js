@@ -272,7 +272,15 @@ export function open(root, api) {
   function rungs() {
     const { comparison, answers } = state;
     const floor = comparison?.only_noise ? [h("p", { class: "lab-floor-reached" }, "At the noise floor: nothing but noise is left.")] : [];
-    return [ladder(state.model, comparison?.noise_rms, comparison?.unit ?? state.unit), change(answers.change), ...floor];
+    return [ladder(state.model, comparison?.noise_rms, comparison?.unit ?? state.unit), change(answers.change), ...floor, ...beware()];
+  }
+
+  /** What to know before trusting the fit, as the command tells it. */
+  function beware() {
+    const { comparison, answers } = state;
+    const steps = comparison?.displacement_steps?.[0];
+    const held = steps && `the displacement of ${steps.trace} goes in steps of ${number(steps.step_mm, 2)} mm, which a law takes for sudden presses`;
+    return [held, ...(answers.fit?.warnings ?? [])].filter(Boolean).map((text) => h("p", { class: "lab-note lab-beware" }, `Beware: ${text}.`));
   }
 
   function change(of) {
