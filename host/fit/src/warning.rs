@@ -4,7 +4,7 @@ use std::fmt;
 
 use super::data::Data;
 use super::least_squares::Stop;
-use super::loudness::{Loudness, Scatter};
+use super::loudness::{Loudness, Scatter, Seen};
 use super::touch::touched_at;
 use super::unknown_past::begun_in_motion;
 use super::whole_motion::{Basis, MotionFit, predict};
@@ -204,8 +204,10 @@ fn louder(fit: &MotionFit, data: &Data) -> Option<Loudness> {
     let mut scatter = Scatter::default();
     let predicted = predict(&fit.chain, &fit.values, data);
     for (piece, predicted) in data.pieces.iter().zip(predicted) {
-        let residual: Vec<f64> = piece.measured.iter().zip(predicted).map(|(y, f)| y - f).collect();
-        scatter.add(&residual, &piece.motion.displacement, |x| data.loads(x));
+        let residual: Vec<f64> =
+            piece.measured.iter().zip(&predicted).map(|(y, f)| y - f).collect();
+        let seen = Seen { x: &piece.motion.displacement, predicted: &predicted };
+        scatter.add(&residual, seen, |x| data.loads(x));
     }
     scatter.louder()
 }

@@ -9,7 +9,7 @@
 use super::tail::log_tail;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
-use palpate_fit::loudness::{Loudness, Scatter};
+use palpate_fit::loudness::{Loudness, Scatter, Seen};
 use palpate_fit::problem::Problem;
 use palpate_fit::whitening::Whitening;
 
@@ -77,7 +77,6 @@ fn weighed(
     let mut strongest = Strongest::default();
     let (mut square, mut samples): (f64, f64) = (0.0, 0.0);
     let mut scatter = Scatter::default();
-    let mut index = 0;
     problem.each_piece(&[point.to_vec()], |piece, forces| {
         let mut residual: Vec<f64> =
             piece.measured.iter().zip(&forces[0]).map(|(y, f)| y - f).collect();
@@ -85,11 +84,10 @@ fn weighed(
         samples += residual.len() as f64;
         whitening.apply(&mut residual);
         let x = &piece.motion.displacement;
-        if let Some(louder) = louder {
-            louder.even_out(index, &mut residual);
-            index += 1;
-        } else {
-            scatter.add(&residual, x, |x| problem.data().loads(x));
+        let seen = Seen { x, predicted: &forces[0] };
+        match louder {
+            Some(louder) => louder.even_out(&mut residual, seen, |x| problem.data().loads(x)),
+            None => scatter.add(&residual, seen, |x| problem.data().loads(x)),
         }
         for (place, &length) in LENGTHS.iter().enumerate() {
             for (block, x) in residual.chunks_exact(length).zip(x.chunks_exact(length)) {

@@ -12,7 +12,7 @@ use super::options::Options;
 use super::outside::Outside;
 use super::residuals::Residuals;
 use super::screen::ABSORBED;
-use super::search::{DECISIVE, Found, Search};
+use super::search::{DECISIVE, Found, SURE, Search};
 use super::verdict::{Assessed, FAR_BEYOND_NEIGHBOURS, beyond_held_out, beyond_noise};
 use palpate_fit::data::{Data, DataError};
 use palpate_fit::least_squares::{Effort, LeastSquares};
@@ -260,6 +260,10 @@ impl<'a> Course<'a> {
             self.keep_what_is_borne_out(denied);
             self.assess();
         }
+        if louder && !self.found.steps.is_empty() {
+            self.found.keep_what_surely_predicts();
+            self.assess();
+        }
     }
 
     /// Keeps the steps that are borne out where no law describes the data to the noise, beside what was
@@ -502,5 +506,5 @@ fn beside_others(found: &mut Found) -> bool {
 /// Whether the mean square error on traces left out falls by more than two standard errors over them.
 fn is_sure(before: &Evidence, after: &Evidence) -> bool {
     let (Some(before), Some(after)) = (&before.held_out, &after.held_out) else { return false };
-    after.gain(before).exceeds(2.0)
+    after.gain(before).exceeds(SURE)
 }

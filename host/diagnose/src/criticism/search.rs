@@ -25,6 +25,8 @@ use palpate_model::effects::{Candidate, Needs, find};
 
 /// Fall of the information criterion that decides between models.
 pub const DECISIVE: f64 = 10.0;
+/// Standard errors over the traces by which a gain on traces left out is sure.
+pub(super) const SURE: f64 = 2.0;
 /// Chance of as much agreement between the parts of the data above which they do not agree.
 const DISAGREEMENT: f64 = 0.1;
 /// Chance of as much agreement about one effect by itself, where the parts agree about any, up to which that speaks for it.
@@ -178,6 +180,20 @@ impl Found {
             let Some(step) = index.checked_sub(1) else { continue };
             let (without, with) = (self.judged(step), self.judged(index));
             if let Some(reason) = rises(without, with) {
+                let denied = refused(&self.steps[step].effect, without, with, reason);
+                return self.go_back_to(step, denied);
+            }
+        }
+    }
+
+    /// Goes back to the rung before the first step whose gain on traces left out is within two standard errors of none.
+    pub(super) fn keep_what_surely_predicts(&mut self) {
+        for step in 0..self.steps.len() {
+            let (without, with) = (self.judged(step), self.judged(step + 1));
+            let errors = without.evidence.held_out.as_ref().zip(with.evidence.held_out.as_ref());
+            let gain = errors.map(|(before, after)| after.gain(before));
+            if let Some(gain) = gain.filter(|gain| !gain.exceeds(SURE)) {
+                let reason = Refusal::HeldOutUncertain(gain);
                 let denied = refused(&self.steps[step].effect, without, with, reason);
                 return self.go_back_to(step, denied);
             }

@@ -205,9 +205,10 @@ impl DiagnosisSummary<'_> {
         text + "."
     }
 
-    /// Whether what remains is larger than noise, however white.
+    /// Whether what remains is larger than noise, however white, louder in contact as it may be.
     pub(super) fn suspect_rest(&self) -> bool {
-        self.diagnosis.found.model().rms() > SUSPECT * self.noise()
+        let noise = self.diagnosis.after.louder * self.noise();
+        self.diagnosis.found.model().rms() > SUSPECT * noise
     }
 
     /// Whether what remains is noise.
