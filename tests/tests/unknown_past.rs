@@ -16,7 +16,7 @@ const BRANCHES: [(f64, f64); 2] = [(0.25, 4.0), (0.24, 0.55)];
 const NOISE: f64 = 0.02;
 /// Seconds before the sines in which the specimen is pressed and held, and in which the sines go on.
 const BEFORE: f64 = 5.0;
-const LONG: f64 = 30.0;
+const LONG: f64 = 12.0;
 
 /// Writes three sines about a pressed state, from the sines on or from the rest before.
 fn record(folder: &Path, from_rest: bool) {

@@ -20,6 +20,8 @@ pub enum Outside {
 
 /// Part of the misfit beyond the noise that it describes where it is what is missing.
 const MOST: f64 = 0.5;
+/// Part of what effects describe that is as much.
+const AS_MUCH: f64 = 0.9;
 /// Chance under noise alone below which it is there.
 const CHANCE: f64 = 1e-4;
 
@@ -71,14 +73,16 @@ impl Outside {
     }
 
     /// Whether it is what a base lacks: it describes most of what that leaves beyond the noise, and decisively
-    /// better than a model with effects, by the information criterion.
+    /// better than a model with effects, by the information criterion. What came before the recording is there for certain, and need
+    /// but describe as much as the effects.
     #[must_use]
     pub fn explains(&self, base: &Fitted, model: &Fitted) -> bool {
-        let numbers = match self {
-            Self::Incident(_) => Incident::NUMBERS,
-            Self::Swing(_) => Swing::NUMBERS,
-            Self::Past(it) => it.numbers(),
-        };
-        self.is_most(base) && base.bic_with(numbers, self.gain()) + DECISIVE < model.bic()
+        let better = |numbers| base.bic_with(numbers, self.gain()) + DECISIVE < model.bic();
+        self.is_most(base)
+            && match self {
+                Self::Incident(_) => better(Incident::NUMBERS),
+                Self::Swing(_) => better(Swing::NUMBERS),
+                Self::Past(it) => it.gain > AS_MUCH * (base.cost - model.cost),
+            }
     }
 }

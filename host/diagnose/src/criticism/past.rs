@@ -75,12 +75,6 @@ impl Past {
         let rates = chosen.iter().map(|&rate| tried[rate]).collect();
         Some(Self { traces, rates, gain: best, log_chance })
     }
-
-    /// Numbers that describe it: rates, and an amplitude of each in each trace.
-    #[must_use]
-    pub fn numbers(&self) -> usize {
-        self.rates.len() * (self.traces.len() + 1)
-    }
 }
 
 /// Rates, 1/s, from the slowest to the fastest, evenly in their logarithm.
