@@ -4,7 +4,9 @@
 use super::fitted::Fitted;
 use super::held_out::{Gain, HeldOut, held_out, over_sections};
 use super::rest::Rest;
+use palpate_fit::data::{Data, Piece};
 use palpate_fit::problem::Problem;
+use palpate_trace::scatter;
 
 /// An effect that was tried and refused.
 #[derive(Clone, Debug)]
@@ -47,6 +49,13 @@ pub enum Refusal {
         /// Its unit.
         unit: String,
     },
+    /// It is a play no wider than the displacement scatters: what it does is to smooth that.
+    WithinScatter {
+        /// The play, mm.
+        width: f64,
+        /// Standard deviation of the scatter, mm.
+        scatter: f64,
+    },
     /// The signal off the specimen denies it: root mean square error there without and with it.
     Rest {
         /// Without it, in the unit of the signal.
@@ -65,7 +74,15 @@ pub struct Evidence {
     pub sections: Option<HeldOut>,
     /// Errors off the specimen.
     pub rest: Rest,
+    /// Width of the play that the last effect is, and the standard deviation of the displacement's scatter, both in mm; none where it is
+    /// another.
+    pub play: Option<(f64, f64)>,
 }
+
+/// Name of the effect that is a play.
+const PLAY: &str = "backlash";
+/// Standard deviations of the displacement's scatter within which a play is no wider than that.
+const WITHIN: f64 = 6.0;
 
 impl Evidence {
     /// Gathers the evidence for a fitted model.
@@ -73,7 +90,8 @@ impl Evidence {
     pub fn of(problem: &Problem, fitted: &Fitted) -> Self {
         let held_out = held_out(problem, fitted);
         let sections = held_out.is_none().then(|| over_sections(problem, fitted));
-        Self { held_out, sections, rest: Rest::of(problem, fitted) }
+        let rest = Rest::of(problem, fitted);
+        Self { held_out, sections, rest, play: play(problem.data(), fitted) }
     }
 
     /// Errors on what the model was not fitted to: traces, or sections of a single one.
@@ -81,6 +99,16 @@ impl Evidence {
     pub fn left_out(&self) -> Option<&HeldOut> {
         self.held_out.as_ref().or(self.sections.as_ref())
     }
+}
+
+/// The play of the last effect beside the scatter of the displacement, mm; none where it is another effect.
+fn play(data: &Data, fitted: &Fitted) -> Option<(f64, f64)> {
+    let last = fitted.chain.effects.len().checked_sub(1)?;
+    let width = fitted.values[fitted.chain.range(last).start];
+    let of = |piece: &Piece| scatter(&piece.motion.time, &piece.motion.displacement).powi(2);
+    let squares = || data.pieces.iter().map(|piece| piece.measured.len() as f64 * of(piece));
+    let is_play = fitted.chain.effects[last].name == PLAY;
+    is_play.then(|| (width, (squares().sum::<f64>() / data.samples() as f64).sqrt()))
 }
 
 /// A fitted model with the evidence for it.
@@ -105,6 +133,9 @@ pub fn weigh(without: Judged, with: Judged, exact: bool) -> Result<(), Refusal> 
     if let Some((parameter, value)) = with.fitted.last_effect_at_bound() {
         let (parameter, unit) = (parameter.name.to_string(), parameter.unit.to_string());
         return Err(Refusal::AtBound { parameter, value, unit });
+    }
+    if let Some((width, scatter)) = with.evidence.play.filter(|(w, s)| *w < WITHIN * s) {
+        return Err(Refusal::WithinScatter { width, scatter });
     }
     if with.evidence.rest.denies(&without.evidence.rest) {
         let (without, with) = (without.evidence.rest.rms(), with.evidence.rest.rms());

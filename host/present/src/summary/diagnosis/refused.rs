@@ -51,6 +51,11 @@ impl DiagnosisSummary<'_> {
                 "{parameter} runs to its bound of {}, beyond which the law is no longer this effect",
                 format!("{} {unit}", significant(*value, 3)).trim_end()
             ),
+            Refusal::WithinScatter { width, scatter } => format!(
+                "its play of {} mm only smooths the displacement, which scatters by {} mm",
+                significant(*width, 2),
+                significant(*scatter, 2)
+            ),
             Refusal::Rest { without, with } => format!(
                 "the signal off the specimen denies it: the error there would rise from {} {unit} to {} {unit}",
                 self.level(*without),
