@@ -6,6 +6,7 @@ pub mod device;
 #[cfg(unix)]
 pub mod emulator;
 pub mod fuzz;
+pub mod held_press;
 pub mod hidden;
 pub mod lab;
 #[cfg(unix)]

@@ -2,16 +2,12 @@
 
 use std::path::Path;
 
-use palpate::model::{BaseLaw, Motion, Separation};
-use palpate::trace::{DISPLACEMENT, FORCE, Trace, write};
-use palpate_tests::answer;
+use palpate_tests::held_press::{force, held_press, keep, times, warnings_and_diagnosis};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use serde_json::Value;
 
-const LAW: BaseLaw = BaseLaw::fung(2, Separation::Clamp);
-const TRUTH: [f64; 6] = [0.08, 0.8, 0.25, 0.24, 4.0, 0.55];
 const RATE: f64 = 200.0;
 
 /// Writes four presses; `noise` is the standard deviation at a force, N, and a speed, mm/s.
@@ -19,24 +15,16 @@ fn record(folder: &Path, noise: impl Fn(f64, f64) -> f64) {
     let mut random = ChaCha8Rng::seed_from_u64(23);
     let presses = [(4.0, 5.0), (5.0, 10.0), (6.0, 20.0), (5.0, 40.0)];
     for (number, (deep, speed)) in presses.into_iter().enumerate() {
-        let motion = |t: f64| {
-            let back = deep - speed * (t - 1.0 - deep / speed - 4.0);
-            (speed * (t - 1.0)).min(deep).min(back).max(-1.0)
-        };
-        let time: Vec<f64> = (0..1600).map(|k| f64::from(k) / RATE).collect();
-        let x: Vec<f64> = time.iter().map(|&t| motion(t)).collect();
-        let pressed = Motion { time: (&time).into(), displacement: (&x).into(), rest_before: None };
-        let force = LAW.predict(&TRUTH, &[pressed]).remove(0);
+        let motion = held_press(deep, speed);
+        let time = times(1600, RATE);
         let mut measure = |(&t, f): (&f64, f64)| {
             let speed = RATE * (motion(t) - motion(t - 1.0 / RATE)).abs();
             let drawn: f64 = StandardNormal.sample(&mut random);
             f + noise(f, speed) * drawn
         };
-        let force = time.iter().zip(force).map(&mut measure).collect();
-        let mut trace = Trace { time, ..Trace::default() };
-        trace.set_column(DISPLACEMENT, x);
-        trace.set_column(FORCE, force);
-        write(&folder.join(format!("{number}.csv")), &trace).expect("a file");
+        let measured: Vec<f64> = time.iter().zip(force(&time, motion)).map(&mut measure).collect();
+        let x: Vec<f64> = time.iter().map(|&t| motion(t)).collect();
+        keep(folder, number, &time, &x, &measured);
     }
 }
 
@@ -44,9 +32,7 @@ fn record(folder: &Path, noise: impl Fn(f64, f64) -> f64) {
 fn answers(noise: impl Fn(f64, f64) -> f64) -> (String, Value) {
     let folder = tempfile::tempdir().expect("a folder");
     record(folder.path(), noise);
-    let fit = answer(folder.path(), &["fit", "fung", ".", "-o", "model.toml", "--json"]);
-    let found = answer(folder.path(), &["diagnose", "--model", "model.toml", ".", "--json"]);
-    (fit["warnings"].to_string(), found)
+    warnings_and_diagnosis(folder.path())
 }
 
 #[test]

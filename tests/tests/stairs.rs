@@ -2,16 +2,13 @@
 
 use std::path::Path;
 
-use palpate::model::{BaseLaw, Motion, Separation};
-use palpate::trace::{DISPLACEMENT, FORCE, Trace, write};
 use palpate_tests::answer;
+use palpate_tests::held_press::{TRUTH, force, held_press, keep, times};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
 use serde_json::Value;
 
-const LAW: BaseLaw = BaseLaw::fung(2, Separation::Clamp);
-const TRUTH: [f64; 6] = [0.08, 0.8, 0.25, 0.24, 4.0, 0.55];
 const NOISE: f64 = 0.02;
 const RATE: f64 = 500.0;
 
@@ -20,20 +17,12 @@ fn record(folder: &Path, seen: impl Fn(&dyn Fn(f64) -> f64, f64) -> f64) {
     let mut random = ChaCha8Rng::seed_from_u64(17);
     let noise = Normal::new(0.0, NOISE).expect("a distribution");
     for (number, (deep, speed)) in [(4.0, 5.0), (5.0, 10.0), (6.0, 20.0)].into_iter().enumerate() {
-        let motion = |t: f64| {
-            let back = deep - speed * (t - 1.0 - deep / speed - 4.0);
-            (speed * (t - 1.0)).min(deep).min(back).max(-1.0)
-        };
-        let time: Vec<f64> = (0..4000).map(|k| f64::from(k) / RATE).collect();
-        let x: Vec<f64> = time.iter().map(|&t| motion(t)).collect();
-        let pressed = Motion { time: (&time).into(), displacement: x.into(), rest_before: None };
-        let force = LAW.predict(&TRUTH, &[pressed]).remove(0);
-        let force = force.into_iter().map(|f| f + noise.sample(&mut random)).collect();
-        let x = time.iter().map(|&t| seen(&motion, t)).collect();
-        let mut trace = Trace { time, ..Trace::default() };
-        trace.set_column(DISPLACEMENT, x);
-        trace.set_column(FORCE, force);
-        write(&folder.join(format!("{number}.csv")), &trace).expect("a file");
+        let motion = held_press(deep, speed);
+        let time = times(4000, RATE);
+        let felt = force(&time, motion).into_iter();
+        let measured: Vec<f64> = felt.map(|f| f + noise.sample(&mut random)).collect();
+        let x: Vec<f64> = time.iter().map(|&t| seen(&motion, t)).collect();
+        keep(folder, number, &time, &x, &measured);
     }
 }
 

@@ -3,8 +3,7 @@
 use std::f64::consts::TAU;
 use std::path::Path;
 
-use palpate::trace::{DISPLACEMENT, FORCE, Trace, write};
-use palpate_tests::answer;
+use palpate_tests::held_press::{keep, warnings_and_diagnosis};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
@@ -24,8 +23,7 @@ fn record(folder: &Path, from_rest: bool) {
     let noise = Normal::new(0.0, NOISE).expect("a distribution");
     for (number, (size, frequency)) in [(1.0, 0.2), (1.5, 0.5), (1.0, 1.0)].into_iter().enumerate()
     {
-        let mut trace = Trace::default();
-        let (mut x, mut force) = (Vec::new(), Vec::new());
+        let (mut times, mut x, mut force) = (Vec::new(), Vec::new(), Vec::new());
         let (mut before, mut states) = (0.0, [0.0; 2]);
         for k in 0..((BEFORE + LONG) / INTERVAL) as u32 {
             let time = INTERVAL * f64::from(k);
@@ -41,14 +39,12 @@ fn record(folder: &Path, from_rest: bool) {
             }
             before = elastic;
             if from_rest || time >= BEFORE {
-                trace.time.push(time);
+                times.push(time);
                 x.push(pressed);
                 force.push(carried + noise.sample(&mut random));
             }
         }
-        trace.set_column(DISPLACEMENT, x);
-        trace.set_column(FORCE, force);
-        write(&folder.join(format!("{number}.csv")), &trace).expect("a file");
+        keep(folder, number, &times, &x, &force);
     }
 }
 
@@ -56,9 +52,7 @@ fn record(folder: &Path, from_rest: bool) {
 fn answers(from_rest: bool) -> (String, serde_json::Value) {
     let folder = tempfile::tempdir().expect("a folder");
     record(folder.path(), from_rest);
-    let fit = answer(folder.path(), &["fit", "fung", ".", "-o", "model.toml", "--json"]);
-    let found = answer(folder.path(), &["diagnose", "--model", "model.toml", ".", "--json"]);
-    (fit["warnings"].to_string(), found)
+    warnings_and_diagnosis(folder.path())
 }
 
 #[test]
