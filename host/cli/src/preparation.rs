@@ -24,8 +24,8 @@ pub struct Prepare {
 pub type Prepared = (Arc<Vec<Trace>>, Preparation);
 
 impl Prepare {
-    /// Looks for impossible samples in the motion of a data set and in `signal`, and for a displacement in stairs, and does what the flags ask for. The
-    /// traces are copied only where a flag changes them.
+    /// Looks for impossible samples in the motion of a data set and in `signal`, and for a displacement in stairs, and does what the
+    /// flags ask for. The traces are copied only where a flag changes them.
     pub fn take(&self, traces: Arc<Vec<Trace>>, signal: &str) -> Result<Prepared, Failure> {
         let mut taken = traces;
         let mut found = Vec::new();

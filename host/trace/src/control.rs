@@ -49,7 +49,7 @@ fn drift(values: &[f64]) -> f64 {
     (mean(&values[values.len() - third..]) - mean(&values[..third])).abs()
 }
 
-fn range(values: &[f64]) -> f64 {
+pub(super) fn range(values: &[f64]) -> f64 {
     let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let least = values.iter().copied().fold(f64::INFINITY, f64::min);
     (most - least).max(f64::MIN_POSITIVE)

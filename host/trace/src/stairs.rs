@@ -1,6 +1,7 @@
 //! A displacement that goes in stairs beside a signal that does not: it was recorded more slowly and held in between, or rounded to
 //! coarse steps. A law takes every step as a sudden press; joined, they are the motion again.
 
+use super::control::range;
 use super::{DISPLACEMENT, Trace, noise};
 
 /// How the displacement of a trace goes in stairs.
@@ -49,35 +50,36 @@ const SPREAD: f64 = 0.289;
 /// The traces of a set whose displacement goes in stairs beside a signal that does not, where that is felt in the signal.
 #[must_use]
 pub fn stairs(traces: &[Trace], signal: &str) -> Vec<Stairs> {
-    let each: Vec<Option<Steps>> = traces.iter().map(|trace| Steps::of(trace, signal)).collect();
-    let all = || each.iter().flatten();
-    // One set, one way of recording: at a single speed both look alike.
-    let alike = |value: &dyn Fn(&Trace, &Steps) -> f64| {
-        let known =
-            traces.iter().zip(&each).filter_map(|(trace, steps)| Some((trace, steps.as_ref()?)));
-        let values: Vec<f64> = known.map(|(trace, steps)| value(trace, steps)).collect();
-        let (low, high) = range(&values);
-        high < ALIKE * low
-    };
-    let seconds =
-        |trace: &Trace, steps: &Steps| steps.period() * trace.duration() / trace.len() as f64;
-    let cause = if all().all(Steps::are_in_time) && alike(&seconds) {
-        Cause::Held
-    } else if all().all(Steps::are_in_size) && alike(&|_, steps| steps.least()) {
-        Cause::Rounded
-    } else {
-        return Vec::new();
-    };
-    let of = |(trace, steps): (&Trace, &Option<Steps>)| {
-        let steps = steps.as_ref()?;
-        let samples = if cause == Cause::Held { steps.period() } else { steps.usual() as f64 };
-        Some(Stairs { trace: trace.label(), cause, step_mm: steps.step(), samples })
-    };
-    let known = || traces.iter().zip(&each);
+    let steps = |trace| Steps::of(trace, signal).map(|steps| (trace, steps));
+    let known: Vec<(&Trace, Steps)> = traces.iter().filter_map(steps).collect();
+    let Some(cause) = cause(&known) else { return Vec::new() };
     // Where one trace shows it, all were recorded so.
-    let felt = known()
-        .any(|(trace, steps)| steps.as_ref().is_some_and(|steps| matters(trace, signal, steps)));
-    if felt { known().filter_map(of).collect() } else { Vec::new() }
+    if !known.iter().any(|(trace, steps)| matters(trace, signal, steps)) {
+        return Vec::new();
+    }
+    let of = |(trace, steps): &(&Trace, Steps)| {
+        let samples = if cause == Cause::Held { steps.period() } else { steps.usual() as f64 };
+        Stairs { trace: trace.label(), cause, step_mm: steps.step(), samples }
+    };
+    known.iter().map(of).collect()
+}
+
+/// Why the displacements of a set go in stairs: one set, one way of recording. At a single speed both look alike.
+fn cause(known: &[(&Trace, Steps)]) -> Option<Cause> {
+    let alike = |value: fn(&Trace, &Steps) -> f64| {
+        let values = || known.iter().map(|(trace, steps)| value(trace, steps));
+        values().fold(0.0, f64::max) < ALIKE * values().fold(f64::INFINITY, f64::min)
+    };
+    let seconds: fn(&Trace, &Steps) -> f64 =
+        |trace, steps| steps.period() * trace.duration() / trace.len() as f64;
+    let all = |are: fn(&Steps) -> bool| known.iter().all(|(_, steps)| are(steps));
+    if all(Steps::are_in_time) && alike(seconds) {
+        Some(Cause::Held)
+    } else if all(Steps::are_in_size) && alike(|_, steps| steps.least()) {
+        Some(Cause::Rounded)
+    } else {
+        None
+    }
 }
 
 /// The displacement of a trace without stairs: straight lines between the samples at which it steps.
@@ -102,8 +104,7 @@ struct Steps {
 
 impl Steps {
     fn of_motion(x: &[f64]) -> Option<Self> {
-        let count = x.windows(2).filter(|pair| pair[0] != pair[1]).count();
-        if 2 * count > x.len() {
+        if 2 * changes(x) > x.len() {
             return None;
         }
         let at: Vec<usize> = (1..x.len()).filter(|&k| x[k] != x[k - 1]).collect();
@@ -116,8 +117,7 @@ impl Steps {
     fn of(trace: &Trace, signal: &str) -> Option<Self> {
         let steps = Self::of_motion(trace.displacement()?)?;
         let values = trace.column(signal)?;
-        let changes = values.windows(2).filter(|pair| pair[0] != pair[1]).count();
-        (changes >= MORE_OFTEN * steps.at.len()).then_some(steps)
+        (changes(values) >= MORE_OFTEN * steps.at.len()).then_some(steps)
     }
 
     /// Samples between neighbouring steps.
@@ -172,6 +172,11 @@ impl Steps {
     }
 }
 
+/// How often a value differs from the one before.
+fn changes(values: &[f64]) -> usize {
+    values.windows(2).filter(|pair| pair[0] != pair[1]).count()
+}
+
 /// Whether it is so of most.
 fn mostly<T>(all: impl Iterator<Item = T>, is_so: impl Fn(T) -> bool) -> bool {
     let (good, count) = all.fold((0.0, 0.0), |(good, count), one| {
@@ -180,22 +185,12 @@ fn mostly<T>(all: impl Iterator<Item = T>, is_so: impl Fn(T) -> bool) -> bool {
     good >= MOST * count
 }
 
-/// The least and the largest.
-fn range(values: &[f64]) -> (f64, f64) {
-    let none = (f64::INFINITY, f64::NEG_INFINITY);
-    values.iter().fold(none, |(low, high), value| (low.min(*value), high.max(*value)))
-}
-
 /// Whether the signal would show where in a step the displacement is.
 fn matters(trace: &Trace, signal: &str, steps: &Steps) -> bool {
-    let width = |values: &[f64]| {
-        let (low, high) = range(values);
-        high - low
-    };
     let (Some(x), Some(values)) = (trace.displacement(), trace.column(signal)) else {
         return false;
     };
-    let felt = SPREAD * steps.step() * width(values) / width(x);
+    let felt = SPREAD * steps.step() * range(values) / range(x);
     noise(trace, signal).map_or(true, |noise| felt > MATTERS * noise.standard_deviation)
 }
 

@@ -79,10 +79,13 @@ impl Own {
         Stretch { problem, index, predicted, size: self.residual.len(), columns, residual }
     }
 
-    /// Of these directions alone.
-    fn only(&self, places: &[usize]) -> Self {
+    /// What these directions alone take off the sum of squares; none where they are no numbers.
+    fn explained(&self, places: &[usize]) -> Option<f64> {
         let products = self.products.select_rows(places).select_columns(places);
-        Self { levels: self.levels, products, residual: self.residual.select_rows(places) }
+        let residual = self.residual.select_rows(places);
+        let of = Self { levels: self.levels, products, residual: residual.clone() };
+        let Beside { scale, moved, .. } = of.solved()?;
+        Some(moved.dot(&residual.component_mul(&scale)))
     }
 
     /// Solves for what the model can do; none where its derivatives are no numbers.
@@ -155,16 +158,18 @@ pub(super) struct Falls {
     own: Own,
     /// Place of the first of the directions.
     first: usize,
+    /// What the model does by itself.
+    alone: f64,
 }
 
 /// Prepares so many more directions: `more` gives those of a stretch, by its index and the times of its samples, s, each with its place
-/// among them.
+/// among them; none where the model's derivatives are no numbers.
 pub(super) fn sum_of_squares_falls(
     problem: &Problem,
     point: &[f64],
     count: usize,
     more: impl Fn(usize, &[f64]) -> Columns,
-) -> Falls {
+) -> Option<Falls> {
     let traces = problem.data().labels.len();
     let mut own = Own::new(point.len(), traces + count);
     let first = point.len() + traces;
@@ -175,22 +180,16 @@ pub(super) fn sum_of_squares_falls(
         let _ = own.add(problem, (index, piece), residual, columns);
         index += 1;
     });
-    Falls { own, first }
+    let alone = own.explained(&(0..first).collect::<Vec<_>>())?;
+    Some(Falls { own, first, alone })
 }
 
 impl Falls {
     /// Fall of the sum of squares with these directions at once; none where they are no numbers, or the model does the same by itself.
     pub(super) fn with(&self, chosen: &[usize]) -> Option<f64> {
-        let alone: Vec<usize> = (0..self.first).collect();
         let more = chosen.iter().map(|place| self.first + place);
-        let both: Vec<usize> = alone.iter().copied().chain(more).collect();
-        let explained = |places: &[usize]| {
-            let of = self.own.only(places);
-            let residual = of.residual.clone();
-            let Beside { scale, moved, .. } = of.solved()?;
-            Some(moved.dot(&residual.component_mul(&scale)))
-        };
-        Some(explained(&both)? - explained(&alone)?)
+        let both: Vec<usize> = (0..self.first).chain(more).collect();
+        Some(self.own.explained(&both)? - self.alone)
     }
 }
 

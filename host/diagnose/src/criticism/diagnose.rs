@@ -505,6 +505,5 @@ fn beside_others(found: &mut Found) -> bool {
 
 /// Whether the mean square error on traces left out falls by more than two standard errors over them.
 fn is_sure(before: &Evidence, after: &Evidence) -> bool {
-    let (Some(before), Some(after)) = (&before.held_out, &after.held_out) else { return false };
-    after.gain(before).exceeds(SURE)
+    after.gain(before).is_some_and(|gain| gain.exceeds(SURE))
 }

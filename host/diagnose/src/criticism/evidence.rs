@@ -94,6 +94,12 @@ impl Evidence {
         Self { held_out, sections, rest, play: play(problem.data(), fitted) }
     }
 
+    /// By how much it predicts traces left out better than a model with this evidence; none for a single trace.
+    #[must_use]
+    pub fn gain(&self, before: &Self) -> Option<Gain> {
+        Some(self.held_out.as_ref()?.gain(before.held_out.as_ref()?))
+    }
+
     /// Errors on what the model was not fitted to: traces, or sections of a single one.
     #[must_use]
     pub fn left_out(&self) -> Option<&HeldOut> {

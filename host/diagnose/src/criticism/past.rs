@@ -47,7 +47,7 @@ impl Past {
             let decay = |v: &f64| time.iter().map(|t| (-v * (t - time[0])).exp()).collect();
             tried.iter().enumerate().map(|(k, v)| (k * count + own, decay(v))).collect()
         };
-        let falls = sum_of_squares_falls(&problem, &fitted.point, count * tried.len(), decays);
+        let falls = sum_of_squares_falls(&problem, &fitted.point, count * tried.len(), decays)?;
         let gain = |chosen: &[usize]| {
             let columns = chosen.iter().flat_map(|rate| rate * count..(rate + 1) * count);
             falls.with(&columns.collect::<Vec<_>>())

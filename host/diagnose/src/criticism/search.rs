@@ -190,8 +190,7 @@ impl Found {
     pub(super) fn keep_what_surely_predicts(&mut self) {
         for step in 0..self.steps.len() {
             let (without, with) = (self.judged(step), self.judged(step + 1));
-            let errors = without.evidence.held_out.as_ref().zip(with.evidence.held_out.as_ref());
-            let gain = errors.map(|(before, after)| after.gain(before));
+            let gain = with.evidence.gain(without.evidence);
             if let Some(gain) = gain.filter(|gain| !gain.exceeds(SURE)) {
                 let reason = Refusal::HeldOutUncertain(gain);
                 let denied = refused(&self.steps[step].effect, without, with, reason);
