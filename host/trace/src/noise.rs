@@ -16,7 +16,7 @@ const MIN_REST_SAMPLES: usize = 50;
 pub struct Noise {
     /// Standard deviation of one sample, in the column's unit.
     pub standard_deviation: f64,
-    /// Correlation of neighbouring samples, −1 to 1; only where noise was seen by itself.
+    /// Correlation of neighbouring samples, −1 to 1; only where noise was seen by itself, 50 samples in a row.
     pub lag1: Option<f64>,
     /// Samples it was estimated from.
     pub samples: usize,
@@ -111,6 +111,30 @@ fn of_rest(values: &[f64]) -> Option<Noise> {
         standard_deviation: (squares / (count - 1) as f64).sqrt(),
         lag1: Some(neighbours / squares),
         samples: count,
+        source: Source::BeforeTouch,
+    })
+}
+
+/// Noise in the rests before the touch of all traces together, each about a mean of its own, where one alone has too few
+/// samples; none for fewer than 50 beyond the means. Their neighbours' correlation is not estimated: a short rest's own mean takes most
+/// of it away.
+pub(super) fn of_rests(traces: &[Trace], column: &str) -> Option<Noise> {
+    let (mut squares, mut samples, mut means) = (0.0, 0, 0);
+    for trace in traces {
+        let Some((values, quiet)) = changing(trace, column).ok().zip(before_touch(trace)) else {
+            continue;
+        };
+        let quiet = &values[quiet];
+        let mean = quiet.iter().sum::<f64>() / quiet.len().max(1) as f64;
+        squares += quiet.iter().map(|y| (y - mean) * (y - mean)).sum::<f64>();
+        samples += quiet.len();
+        means += usize::from(!quiet.is_empty());
+    }
+    let free = samples - means;
+    (free >= MIN_REST_SAMPLES && squares > 0.0).then(|| Noise {
+        standard_deviation: (squares / free as f64).sqrt(),
+        lag1: None,
+        samples,
         source: Source::BeforeTouch,
     })
 }

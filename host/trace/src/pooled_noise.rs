@@ -1,15 +1,21 @@
 //! The noise of a data set.
 
+use super::noise::of_rests;
 use super::{Noise, Source, Trace, noise};
 
 /// Noise of a column over all traces of a set, from the best source that any of them offers: rest
-/// before the touch, else holds, else the whole traces. None where no trace tells.
+/// before the touch, in one trace or in many short ones together, else holds, else the whole traces.
+/// None where no trace tells.
 #[must_use]
 pub fn pooled_noise(traces: &[Trace], column: &str) -> Option<Noise> {
     let found: Vec<Noise> = traces.iter().filter_map(|trace| noise(trace, column).ok()).collect();
-    [Source::BeforeTouch, Source::Holds, Source::WholeTrace].into_iter().find_map(|source| {
+    let of = |source| {
         pool(&found.iter().copied().filter(|noise| noise.source == source).collect::<Vec<_>>())
-    })
+    };
+    of(Source::BeforeTouch)
+        .or_else(|| of_rests(traces, column))
+        .or_else(|| of(Source::Holds))
+        .or_else(|| of(Source::WholeTrace))
 }
 
 /// Mean variance and mean correlation, each trace weighing as its samples.
@@ -55,6 +61,24 @@ mod tests {
         let with_a_late_start = [quiet_then_pressed(100, 1.0), quiet_then_pressed(5, 50.0)];
         let noise = pooled_noise(&with_a_late_start, FORCE).unwrap();
         assert!((noise.standard_deviation - 1.0).abs() < 0.05);
+    }
+
+    #[test]
+    fn short_rests_of_many_traces_tell_together_what_none_tells_alone() {
+        // Five samples of rest in each, then a press that bends more between samples than the noise.
+        let short = |shift: f64| {
+            let mut trace = quiet_then_pressed(5, 1.0);
+            let bent = |(k, y): (usize, &f64)| y + shift + (k.saturating_sub(5) as f64).powi(2);
+            let force = trace.force().unwrap().iter().enumerate().map(bent).collect();
+            trace.set_column(FORCE, force);
+            trace
+        };
+        let traces: Vec<Trace> = (0..20).map(|k| short(f64::from(k))).collect();
+        let noise = pooled_noise(&traces, FORCE).unwrap();
+        assert_eq!((noise.source, noise.lag1), (Source::BeforeTouch, None));
+        assert!((noise.standard_deviation - 1.0).abs() < 0.15, "{noise:?}");
+        let few = pooled_noise(&traces[..5], FORCE).unwrap();
+        assert_eq!(few.source, Source::WholeTrace);
     }
 
     #[test]
