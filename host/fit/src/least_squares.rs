@@ -137,7 +137,7 @@ impl Effort {
     /// Enough to choose between models.
     pub const QUICK: Self = Self { iterations: 16, cost: 1e-6, damping: 1e-3 };
     /// Enough for a law that is far from straight.
-    pub const LONG: Self = Self { iterations: 40, cost: 1e-6, damping: 1e-3 };
+    pub const LONG: Self = Self { iterations: 200, cost: 1e-6, damping: 1e-3 };
 }
 
 /// Cosine between the residual and any free column of J at which the gradient counts as vanished.

@@ -58,6 +58,20 @@ pub struct Screen {
 }
 
 impl Screen {
+    /// The least chance of all candidates.
+    #[must_use]
+    pub fn least_chance(&self) -> f64 {
+        self.chance.iter().copied().fold(1.0, f64::min)
+    }
+
+    /// The chance on which a step of a candidate rests: its own up to a level, beyond that the least of all. An effect far from zero
+    /// strength shows in no score; its step rests on the misfit that the others show.
+    #[must_use]
+    pub fn chance_of_step(&self, candidate: usize, level: f64) -> f64 {
+        let own = self.chance[candidate];
+        if own > level { self.least_chance() } else { own }
+    }
+
     /// Effects that it could not test, with the reason.
     #[must_use]
     pub fn untestable(&self, candidates: &[Candidate]) -> Vec<(String, String)> {

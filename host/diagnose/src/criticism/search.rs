@@ -273,13 +273,18 @@ impl Search<'_> {
     pub fn run(&self, base: Fitted) -> Found {
         let mut found = self.begin(base);
         let mut budget = 0.5 * self.options.false_alarms;
+        let mut looked_through = false;
         loop {
             while found.steps.len() < self.options.max_effects && self.advance(&mut found, budget) {
                 budget *= 0.5;
             }
-            if !self.polish(&mut found) {
+            if self.polish(&mut found) {
+                continue;
+            }
+            if looked_through || !self.look_through(&mut found) {
                 break;
             }
+            looked_through = true;
         }
         self.order(&mut found);
         self.drop_minor(&mut found);
@@ -479,7 +484,7 @@ impl Search<'_> {
 
     /// Adds the effect that lowers the error on traces left out most, if one is borne out.
     fn step_up(&self, found: &mut Found) -> bool {
-        let least = found.last.chance.iter().copied().fold(1.0, f64::min);
+        let least = found.last.least_chance();
         if least > 0.5 * self.options.false_alarms {
             return false;
         }
@@ -583,7 +588,7 @@ impl Search<'_> {
 
     /// Adds the effect that is missed most, if one is missed beyond the chance of `budget`.
     fn advance(&self, found: &mut Found, budget: f64) -> bool {
-        let least = found.last.chance.iter().copied().fold(1.0, f64::min);
+        let least = found.last.least_chance();
         if least > budget {
             return false;
         }
@@ -602,9 +607,7 @@ impl Search<'_> {
             step.fresh = false;
         }
         let (model, effect) = (winner.fitted.clone(), winner.effect.clone());
-        // An effect far from zero strength shows in no score: its step rests on the misfit that the others show.
-        let own = found.last.chance[winner.candidate];
-        let p_value = if own > budget { least } else { own };
+        let p_value = found.last.chance_of_step(winner.candidate, budget);
         found.models.push(model);
         found.steps.push(Step { effect, p_value, rivals, credible: Vec::new(), fresh: true });
         found.last = self.screen(found.model());
@@ -851,10 +854,16 @@ impl Search<'_> {
                     }
                 }
                 _ => {
-                    // The model at hand may be the better fit with the same effect.
-                    if let Some(own) = rivals.iter_mut().find(|rival| rival.effect == effect) {
-                        own.fitted = found.model().clone();
-                    }
+                    // The model at hand may be the better fit with the same effect, or one that the screen did not foretell.
+                    let candidate =
+                        self.candidates.iter().position(|candidate| candidate.name == effect);
+                    rivals.retain(|rival| rival.effect != effect);
+                    rivals.extend(candidate.map(|candidate| Rival {
+                        candidate,
+                        effect,
+                        fitted: found.model().clone(),
+                        won: 0.0,
+                    }));
                     rivals.sort_by(by_criterion);
                     found.steps[index].rivals = rivals;
                     found.steps[index].fresh = true;
@@ -877,27 +886,61 @@ impl Search<'_> {
         let named = |direction: &&Direction| {
             names.contains(&self.candidates[direction.candidate].name.as_str())
         };
-        let directions: Vec<&Direction> = found.first.directions.iter().filter(named).collect();
+        let directions: Vec<Direction> =
+            found.first.directions.iter().filter(named).cloned().collect();
+        self.put_in_place(found, &directions, DECISIVE)
+    }
+
+    /// The same with every law of the library, where what was found is several effects or leaves more than noise: of a law whose misfit
+    /// the base law has taken on, the straight line of the screen foretells little.
+    fn look_through(&self, found: &mut Found) -> bool {
+        let single = found.steps.len() < 2;
+        if found.steps.is_empty() || (single && self.leaves_noise(found.model())) {
+            return false;
+        }
+        let mut directions: Vec<&Direction> = Vec::new();
+        for direction in found.first.directions.iter().filter(|direction| direction.gain > 0.0) {
+            let law = (direction.candidate, direction.form);
+            match directions.iter_mut().find(|it| (it.candidate, it.form) == law) {
+                Some(best) if best.gain < direction.gain => *best = direction,
+                Some(_) => {}
+                None => directions.push(direction),
+            }
+        }
+        let directions: Vec<Direction> = directions.into_iter().cloned().collect();
+        self.put_in_place(found, &directions, if single { -DECISIVE } else { DECISIVE })
+    }
+
+    /// Puts the best of these laws in the place of all effects that were found, if the information criterion rises by no more than
+    /// `rise`.
+    fn put_in_place(&self, found: &mut Found, directions: &[Direction], rise: f64) -> bool {
         let mut tried: Vec<(&Direction, Chain, Solution)> = directions
             .par_iter()
             .map(|direction| {
                 let (chain, trial) = self.try_out(&found.base, direction);
-                (*direction, chain, trial)
+                (direction, chain, trial)
             })
             .collect();
         tried.sort_by(|a, b| a.2.normal.cost.total_cmp(&b.2.normal.cost));
         let explained = found.base.cost - found.model().cost;
-        tried.retain(|(.., trial)| found.base.cost - trial.normal.cost > ALONE * explained);
+        let gain = |trial: &Solution| found.base.cost - trial.normal.cost;
+        for (direction, _, trial) in tried.iter().take(8) {
+            let candidate = &self.candidates[direction.candidate];
+            let law = &candidate.forms[direction.form].applied.law;
+            tracing::debug!("tried alone: {} ({law}): gain {:.1}", candidate.name, gain(trial));
+        }
+        tried.retain(|(.., trial)| gain(trial) > ALONE * explained);
         tried.truncate(2);
         let rivals = self.refitted(&found.base, tried, Effort::LONG);
         let Some(best) = rivals.first() else { return false };
-        if best.fitted.bic() > found.model().bic() + DECISIVE {
+        if best.fitted.bic() > found.model().bic() + rise {
             return false;
         }
         let effect = best.effect.clone();
-        let p_value = found.first.chance[best.candidate];
+        let p_value = found.first.chance_of_step(best.candidate, self.options.false_alarms);
+        tracing::debug!("in the place of {} effects: {effect}", found.steps.len());
         found.models = vec![best.fitted.clone()];
-        found.steps = vec![Step { effect, p_value, rivals, credible: Vec::new(), fresh: true }];
+        found.steps = vec![Step { effect, p_value, rivals, credible: Vec::new(), fresh: false }];
         found.last = self.screen(found.model());
         true
     }
