@@ -110,6 +110,7 @@ impl Compressed {
             left_out: Vec::new(),
             reference_temperature: None,
             channels: Vec::new(),
+            unordered: data.unordered,
             effects: data.effects.clone(),
             laws: data.laws.clone(),
             below: data.below,

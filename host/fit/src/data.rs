@@ -135,6 +135,8 @@ pub struct Data<'a> {
     pub reference_temperature: Option<f64>,
     /// Columns of the other channels that every trace has: what could leak into the signal.
     pub channels: Vec<&'static str>,
+    /// Whether there are several traces and neither their heads nor a common clock say in which order they were recorded.
+    pub unordered: bool,
     /// The effects that can be tried on it.
     pub effects: Effects,
     /// The base laws that a model of it may name.
@@ -229,6 +231,7 @@ impl<'a> Data<'a> {
             left_out: Vec::new(),
             reference_temperature: mean_temperature(traces),
             channels: others(traces, signal),
+            unordered: unordered(traces),
             effects: Effects::library(),
             laws: Laws::library(),
             below: None,
@@ -478,6 +481,7 @@ impl<'a> Data<'a> {
     pub fn scales(&self) -> Scales {
         let mut scales = Scales {
             has_temperature: self.reference_temperature.is_some(),
+            unordered: self.unordered,
             compression: self.largest_compression(),
             duration: self.longest(),
             interval: self.shortest_interval(),
@@ -600,6 +604,13 @@ fn begins(traces: &[Trace]) -> Vec<f64> {
         });
         ends.collect()
     })
+}
+
+/// Whether nothing says in which order several traces were recorded.
+fn unordered(traces: &[Trace]) -> bool {
+    let numbered = traces.iter().all(|trace| trace.head.setup.sequence.is_some());
+    let timed = traces.iter().all(|trace| trace.head.setup.start_s.is_some());
+    traces.len() > 1 && !numbered && !timed
 }
 
 /// Mean temperature over all samples of a set, °C; none where a trace has none.

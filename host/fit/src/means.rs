@@ -116,6 +116,7 @@ impl Means {
             left_out: data.left_out.clone(),
             reference_temperature: data.reference_temperature,
             channels: data.channels.clone(),
+            unordered: data.unordered,
             effects: data.effects.clone(),
             laws: data.laws.clone(),
             below: data.below,

@@ -227,8 +227,9 @@ fn drawn(
     random: &mut ChaCha8Rng,
 ) -> Option<(Applied, Vec<f64>)> {
     effect.needs.missing(setting).is_none().then_some(())?;
+    let laws: Vec<_> = effect.laws_on(&setting.scales).collect();
     (0..DRAWS).find_map(|_| {
-        let law = effect.laws.choose(random)?;
+        let law = *laws.choose(random)?;
         let applied = law.applied(effect, setting);
         let shapes = shapes(law, setting, random);
         let parts = parts(law, applied.strengths, random);

@@ -44,7 +44,7 @@ pub fn candidates(setting: &Setting, own: &[StoredEffect]) -> Result<Vec<Candida
         };
         Ok(Candidate {
             name: effect.name.into(),
-            forms: effect.laws.iter().map(form).collect(),
+            forms: effect.laws_on(&setting.scales).map(form).collect(),
             missing: effect.needs.missing(setting),
         })
     });

@@ -1,7 +1,18 @@
 //! `cyclic-softening`: every loading leaves the specimen a little softer.
 
-use super::{Count, Covariate, Effect, Law, Needs, Role, Shape, Sign, Strength};
+use super::memory::loadings_in_trace;
+use super::{Count, Covariate, Effect, Law, Needs, RECOVERED, Role, Shape, Sign, Strength};
 use crate::{Act, Stage};
+
+const SOFTENING: Strength = Strength {
+    name: "softening",
+    unit: "",
+    meaning: "part of the elastic response lost each time 1 + n grows by a factor e",
+    sign: Sign::Positive,
+    typical: |_| 0.01,
+    most: |scales| 0.9 / (1.0 + scales.loadings.max(1.0)).ln(),
+    count: Count::Fixed(&[]),
+};
 
 /// The effect.
 pub const EFFECT: Effect = Effect {
@@ -17,15 +28,7 @@ pub const EFFECT: Effect = Effect {
         Law {
             name: "reference",
             formula: "N → N (1 − s ln(1 + n))",
-            strength: Strength {
-                name: "softening",
-                unit: "",
-                meaning: "part of the elastic response lost each time 1 + n grows by a factor e",
-                sign: Sign::Positive,
-                typical: |_| 0.01,
-                most: |scales| 0.9 / (1.0 + scales.loadings.max(1.0)).ln(),
-                count: Count::Fixed(&[]),
-            },
+            strength: SOFTENING,
             shapes: &[],
             act: Act::Elastic(|scene, parameters, _, _, elastic| {
                 for (elastic, loadings) in elastic.iter_mut().zip(scene.loadings.iter()) {
@@ -55,6 +58,18 @@ pub const EFFECT: Effect = Effect {
             act: Act::Elastic(|scene, parameters, _, _, elastic| {
                 for (elastic, loadings) in elastic.iter_mut().zip(scene.loadings.iter()) {
                     *elastic *= 1.0 + parameters[0] * (-loadings / parameters[1]).exp_m1();
+                }
+            }),
+        },
+        Law {
+            name: RECOVERED,
+            formula: "N → N (1 − s ln(1 + n)), n within the trace",
+            strength: SOFTENING,
+            shapes: &[],
+            act: Act::Elastic(|scene, parameters, remembered, _, elastic| {
+                let loadings = loadings_in_trace(scene, remembered);
+                for (elastic, loadings) in elastic.iter_mut().zip(loadings) {
+                    *elastic *= 1.0 - parameters[0] * loadings.ln_1p();
                 }
             }),
         },

@@ -26,6 +26,17 @@ pub struct Effect {
     pub laws: &'static [Law],
 }
 
+/// Name of the law of a specimen that forgets between traces, as a new one does. It is tried where nothing says that one trace was
+/// recorded after the other.
+pub const RECOVERED: &str = "recovered";
+
+impl Effect {
+    /// The laws that are tried on a data set of these scales.
+    pub fn laws_on(&self, scales: &Scales) -> impl Iterator<Item = &Law> {
+        self.laws.iter().filter(|law| law.name != RECOVERED || scales.unordered)
+    }
+}
+
 /// One law of an effect.
 pub struct Law {
     /// Name of this form: `reference`, or what sets it apart.
@@ -141,6 +152,8 @@ pub enum Needs {
 pub struct Scales {
     /// Whether temperature was recorded.
     pub has_temperature: bool,
+    /// Whether there are several traces and nothing says in which order they were recorded.
+    pub unordered: bool,
     /// Largest size of the signal, N.
     pub force: f64,
     /// Largest compression, mm.

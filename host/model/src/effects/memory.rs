@@ -9,6 +9,25 @@ pub(super) fn largest(remembered: &mut Remembered, value: f64) -> f64 {
     remembered[0]
 }
 
+/// Largest value so far in the trace at hand, this one among them; not below 0.
+pub(super) fn largest_in_trace(scene: &Scene, remembered: &mut Remembered, value: f64) -> f64 {
+    let trace = scene.trace as f64;
+    if remembered.first() != Some(&trace) {
+        *remembered = vec![trace, 0.0];
+    }
+    remembered[1] = remembered[1].max(value);
+    remembered[1]
+}
+
+/// Number of loadings completed in the trace at hand before each of its samples.
+pub(super) fn loadings_in_trace(scene: &Scene, remembered: &mut Remembered) -> Vec<f64> {
+    let (trace, first) = (scene.trace as f64, scene.loadings.first().copied().unwrap_or(0.0));
+    if remembered.first() != Some(&trace) {
+        *remembered = vec![trace, first];
+    }
+    scene.loadings.iter().map(|loadings| loadings - remembered[1]).collect()
+}
+
 /// Which way a path leads, from −1 to 1: after each turn the sign settles exponentially over `length`
 /// of path and stays as it is where the path rests (Dahl 1968). It starts from `start`.
 pub(super) fn direction(

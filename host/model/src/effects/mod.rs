@@ -46,7 +46,7 @@ mod zero_shift;
 
 pub use candidates::{Candidate, Form, candidates};
 pub use declaration::{
-    Count, Effect, Grid, Law, Needs, Role, Scales, Setting, Shape, Sign, Strength,
+    Count, Effect, Grid, Law, Needs, RECOVERED, Role, Scales, Setting, Shape, Sign, Strength,
 };
 pub use library::{Effects, LIBRARY, find, meant};
 pub use published::{PublishedError, read_laws};

@@ -1,7 +1,7 @@
 //! `mullins`: the specimen is softer where it has been before.
 
-use super::memory::largest;
-use super::{Count, Covariate, Effect, Law, Needs, Role, Shape, Sign, Strength};
+use super::memory::{largest, largest_in_trace};
+use super::{Count, Covariate, Effect, Law, Needs, RECOVERED, Role, Shape, Sign, Strength};
 use crate::{Act, Remembered, Scene, Stage};
 
 const DEPTH: Strength = Strength {
@@ -12,6 +12,14 @@ const DEPTH: Strength = Strength {
     typical: |_| 0.05,
     most: |_| 0.95,
     count: Count::Fixed(&[]),
+};
+
+const WIDTH: Shape = Shape {
+    name: "width",
+    unit: "mm",
+    meaning: "distance below the largest compression over which it sets in",
+    grid: |scales| [0.03, 0.15, 0.6].map(|part| part * scales.compression).to_vec(),
+    role: Role::Fitted(|scales| (0.01 * scales.compression, 10.0 * scales.compression)),
 };
 
 /// The effect.
@@ -29,14 +37,10 @@ pub const EFFECT: Effect = Effect {
             name: "reference",
             formula: "N → N (1 − r tanh((x_max − x)/w))",
             strength: DEPTH,
-            shapes: &[Shape {
-                name: "width",
-                unit: "mm",
-                meaning: "distance below the largest compression over which it sets in",
-                grid: |scales| [0.03, 0.15, 0.6].map(|part| part * scales.compression).to_vec(),
-                role: Role::Fitted(|scales| (0.01 * scales.compression, 10.0 * scales.compression)),
-            }],
-            act: Act::Elastic(by_distance),
+            shapes: &[WIDTH],
+            act: Act::Elastic(|_, parameters, remembered, x, elastic| {
+                soften(parameters, x, elastic, |x| largest(remembered, x));
+            }),
         },
         Law {
             name: "energy",
@@ -64,20 +68,24 @@ pub const EFFECT: Effect = Effect {
             }],
             act: Act::Elastic(by_part),
         },
+        Law {
+            name: RECOVERED,
+            formula: "N → N (1 − r tanh((x_max − x)/w)), x_max of the trace",
+            strength: DEPTH,
+            shapes: &[WIDTH],
+            act: Act::Elastic(|scene, parameters, remembered, x, elastic| {
+                soften(parameters, x, elastic, |x| largest_in_trace(scene, remembered, x));
+            }),
+        },
     ],
 };
 
-fn by_distance(
-    _: &Scene,
-    parameters: &[f64],
-    remembered: &mut Remembered,
-    x: &[f64],
-    elastic: &mut [f64],
-) {
+/// By the distance below the largest compression.
+fn soften(parameters: &[f64], x: &[f64], elastic: &mut [f64], mut largest: impl FnMut(f64) -> f64) {
     let (depth, width) = (parameters[0], parameters[1]);
     for (&x, elastic) in x.iter().zip(elastic) {
         let x = x.abs();
-        *elastic *= 1.0 - depth * ((largest(remembered, x) - x) / width).tanh();
+        *elastic *= 1.0 - depth * ((largest(x) - x) / width).tanh();
     }
 }
 

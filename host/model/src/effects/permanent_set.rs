@@ -1,8 +1,8 @@
 //! `permanent-set`: the specimen stays shorter than it was.
 
-use super::memory::largest;
+use super::memory::{largest, largest_in_trace};
 use super::shapes::FULL_COMPRESSION;
-use super::{Count, Covariate, Effect, Law, Needs, Role, Shape, Sign, Strength};
+use super::{Count, Covariate, Effect, Law, Needs, RECOVERED, Role, Shape, Sign, Strength};
 use crate::{Act, Stage};
 
 const SET: Strength = Strength {
@@ -91,6 +91,17 @@ pub const EFFECT: Effect = Effect {
             act: Act::Compression(|scene, parameters, remembered, x| {
                 for (x, loadings) in x.iter_mut().zip(scene.loadings.iter()) {
                     *x -= parameters[0] * largest(remembered, *x) * loadings.ln_1p();
+                }
+            }),
+        },
+        Law {
+            name: RECOVERED,
+            formula: "x → x − s x_max, x_max of the trace",
+            strength: SET,
+            shapes: &[],
+            act: Act::Compression(|scene, parameters, remembered, x| {
+                for x in x {
+                    *x -= parameters[0] * largest_in_trace(scene, remembered, *x);
                 }
             }),
         },
