@@ -1,9 +1,6 @@
 //! Traces of which nothing says that one was recorded after the other: each may be of a specimen that has recovered, or of a new one.
 
-use std::path::Path;
-
-use palpate_tests::answer;
-use palpate_tests::held_press::{TRUTH, held_press, times};
+use palpate_tests::held_press::{TRUTH, held_press, times, warnings_and_diagnosis};
 use palpate_tests::specimens;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -52,12 +49,7 @@ fn diagnosed(elastic: impl Fn(f64, f64) -> f64, head: impl Fn(usize) -> String) 
         let rows = rows.map(|((t, x), f)| [*t, *x, f + noise.sample(&mut random)]);
         specimens::write(folder.path(), &format!("{number}.csv"), &head(number), rows);
     }
-    ask(folder.path())
-}
-
-fn ask(folder: &Path) -> Value {
-    answer(folder, &["fit", "fung", ".", "-o", "model.toml", "--json"]);
-    answer(folder, &["diagnose", "--model", "model.toml", ".", "--json"])
+    warnings_and_diagnosis(folder.path()).1
 }
 
 fn is_named(found: &Value, effect: &str) {

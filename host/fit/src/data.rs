@@ -8,7 +8,9 @@ use palpate_model::effects::{Effects, Scales, Setting};
 use palpate_model::{
     Channel, Gauge, GaugeError, Model, Motion, MotionError, Past, Scene, Separation, Span,
 };
-use palpate_trace::{FORCE, GAUGES, SignalError, TANGENTIAL, TEMPERATURE, Trace, elapsed, runs};
+use palpate_trace::{
+    FORCE, GAUGES, SignalError, TANGENTIAL, TEMPERATURE, Trace, elapsed, ordered_by, runs,
+};
 
 use super::line::line_near;
 use super::slope::{acceleration, slope, velocity};
@@ -231,7 +233,7 @@ impl<'a> Data<'a> {
             left_out: Vec::new(),
             reference_temperature: mean_temperature(traces),
             channels: others(traces, signal),
-            unordered: unordered(traces),
+            unordered: traces.len() > 1 && ordered_by(traces).is_none(),
             effects: Effects::library(),
             laws: Laws::library(),
             below: None,
@@ -604,13 +606,6 @@ fn begins(traces: &[Trace]) -> Vec<f64> {
         });
         ends.collect()
     })
-}
-
-/// Whether nothing says in which order several traces were recorded.
-fn unordered(traces: &[Trace]) -> bool {
-    let numbered = traces.iter().all(|trace| trace.head.setup.sequence.is_some());
-    let timed = traces.iter().all(|trace| trace.head.setup.start_s.is_some());
-    traces.len() > 1 && !numbered && !timed
 }
 
 /// Mean temperature over all samples of a set, °C; none where a trace has none.

@@ -88,7 +88,7 @@ pub use read::{SIZE_LIMIT, parse, read, read_all, read_head};
 pub use sampling::{Sampling, sampling};
 pub use scatter::scatter;
 pub use segments::{Kind, Segment, segments};
-pub use set::{order, read_set};
+pub use set::{order, ordered_by, read_set};
 pub use stairs::{Cause, Stairs, join, stairs};
 pub use stamp::Stamp;
 #[cfg(feature = "suggest")]

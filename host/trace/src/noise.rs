@@ -104,8 +104,7 @@ fn of_rest(values: &[f64]) -> Option<Noise> {
     if count < MIN_REST_SAMPLES {
         return None;
     }
-    let mean = values.iter().sum::<f64>() / count as f64;
-    let squares: f64 = values.iter().map(|y| (y - mean) * (y - mean)).sum();
+    let (mean, squares) = mean_and_squares(values);
     let neighbours: f64 = values.windows(2).map(|pair| (pair[0] - mean) * (pair[1] - mean)).sum();
     (squares > 0.0).then(|| Noise {
         standard_deviation: (squares / (count - 1) as f64).sqrt(),
@@ -113,6 +112,12 @@ fn of_rest(values: &[f64]) -> Option<Noise> {
         samples: count,
         source: Source::BeforeTouch,
     })
+}
+
+/// The mean, and the sum of squares about it.
+fn mean_and_squares(values: &[f64]) -> (f64, f64) {
+    let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
+    (mean, values.iter().map(|y| (y - mean) * (y - mean)).sum())
 }
 
 /// Noise in the rests before the touch of all traces together, each about a mean of its own, where one alone has too few
@@ -125,8 +130,7 @@ pub(super) fn of_rests(traces: &[Trace], column: &str) -> Option<Noise> {
             continue;
         };
         let quiet = &values[quiet];
-        let mean = quiet.iter().sum::<f64>() / quiet.len().max(1) as f64;
-        squares += quiet.iter().map(|y| (y - mean) * (y - mean)).sum::<f64>();
+        squares += mean_and_squares(quiet).1;
         samples += quiet.len();
         means += usize::from(!quiet.is_empty());
     }

@@ -80,25 +80,42 @@ fn folder(path: &Path) -> Result<Vec<PathBuf>, Error> {
     if files.is_empty() { Err(Error::EmptyFolder { path: path.into() }) } else { Ok(files) }
 }
 
+/// Keys of the head by which a set is ordered.
+const SEQUENCE: &str = "sequence";
+const START: &str = "start_s";
+
+fn sequence(trace: &Trace) -> Option<i64> {
+    trace.head.setup.sequence
+}
+
+fn start(trace: &Trace) -> Option<f64> {
+    trace.head.setup.start_s
+}
+
+/// The key of the heads that says in which order traces were recorded; none where no key is in all of them.
+#[must_use]
+pub fn ordered_by(traces: &[Trace]) -> Option<&'static str> {
+    if traces.iter().all(|trace| sequence(trace).is_some()) {
+        Some(SEQUENCE)
+    } else {
+        traces.iter().all(|trace| start(trace).is_some()).then_some(START)
+    }
+}
+
 /// Puts a set into the order in which it was recorded, if its heads say it, or the one clock that ran through all of it.
 ///
 /// # Errors
 /// [`Error::SameOrder`].
 pub fn order(traces: &mut [Trace]) -> Result<(), Error> {
     begin_by_the_clock(traces);
-    let sequence = |trace: &Trace| trace.head.setup.sequence;
-    let start = |trace: &Trace| trace.head.setup.start_s;
-    let key = if traces.iter().all(|trace| sequence(trace).is_some()) {
+    let Some(key) = ordered_by(traces) else { return Ok(()) };
+    if key == SEQUENCE {
         traces.sort_by_key(sequence);
-        "sequence"
-    } else if traces.iter().all(|trace| start(trace).is_some()) {
-        traces.sort_by(|a, b| start(a).unwrap_or(0.0).total_cmp(&start(b).unwrap_or(0.0)));
-        "start_s"
     } else {
-        return Ok(());
-    };
+        traces.sort_by(|a, b| start(a).unwrap_or(0.0).total_cmp(&start(b).unwrap_or(0.0)));
+    }
     let value = |trace: &Trace| match key {
-        "sequence" => sequence(trace).map(|number| number.to_string()),
+        SEQUENCE => sequence(trace).map(|number| number.to_string()),
         _ => start(trace).map(|time| time.to_string()),
     };
     let name = |trace: &Trace| trace.path.clone().unwrap_or_else(|| trace.label().into());
@@ -116,11 +133,8 @@ pub fn order(traces: &mut [Trace]) -> Result<(), Error> {
 /// Notes in each head when its trace began, where no head says anything of the order and the stamps are of one clock: no two traces then
 /// share a time. Clocks that begin anew with each trace do.
 fn begin_by_the_clock(traces: &mut [Trace]) {
-    let ordered = |trace: &Trace| {
-        trace.is_empty()
-            || trace.head.setup.sequence.is_some()
-            || trace.head.setup.start_s.is_some()
-    };
+    let ordered =
+        |trace: &Trace| trace.is_empty() || sequence(trace).is_some() || start(trace).is_some();
     if traces.len() < 2 || traces.iter().any(ordered) {
         return;
     }

@@ -331,6 +331,11 @@ impl Search<'_> {
         None
     }
 
+    /// The candidate of this name.
+    fn candidate(&self, effect: &str) -> Option<usize> {
+        self.candidates.iter().position(|candidate| candidate.name == effect)
+    }
+
     fn evidence(&self, fitted: &Fitted) -> Evidence {
         Evidence::of(self.problem, fitted)
     }
@@ -463,8 +468,7 @@ impl Search<'_> {
         let effect = other.steps[index].effect.clone();
         let (without, with) =
             (found.judged(found.steps.len()), Judged { fitted: &fitted, evidence: &evidence });
-        let candidate = self.candidates.iter().position(|candidate| candidate.name == effect);
-        let Some(candidate) = candidate else { return };
+        let Some(candidate) = self.candidate(&effect) else { return };
         let p_value = self.voted(&found.last)[candidate];
         let exact = self.leaves_noise(&fitted);
         if let Err(reason) = weigh_where(exact, without, with, p_value) {
@@ -855,8 +859,7 @@ impl Search<'_> {
                 }
                 _ => {
                     // The model at hand may be the better fit with the same effect, or one that the screen did not foretell.
-                    let candidate =
-                        self.candidates.iter().position(|candidate| candidate.name == effect);
+                    let candidate = self.candidate(&effect);
                     rivals.retain(|rival| rival.effect != effect);
                     rivals.extend(candidate.map(|candidate| Rival {
                         candidate,

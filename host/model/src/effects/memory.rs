@@ -11,21 +11,25 @@ pub(super) fn largest(remembered: &mut Remembered, value: f64) -> f64 {
 
 /// Largest value so far in the trace at hand, this one among them; not below 0.
 pub(super) fn largest_in_trace(scene: &Scene, remembered: &mut Remembered, value: f64) -> f64 {
-    let trace = scene.trace as f64;
-    if remembered.first() != Some(&trace) {
-        *remembered = vec![trace, 0.0];
-    }
-    remembered[1] = remembered[1].max(value);
-    remembered[1]
+    let largest = of_trace(scene, remembered, 0.0);
+    *largest = largest.max(value);
+    *largest
 }
 
 /// Number of loadings completed in the trace at hand before each of its samples.
 pub(super) fn loadings_in_trace(scene: &Scene, remembered: &mut Remembered) -> Vec<f64> {
-    let (trace, first) = (scene.trace as f64, scene.loadings.first().copied().unwrap_or(0.0));
+    let first = scene.loadings.first().copied().unwrap_or(0.0);
+    let before = *of_trace(scene, remembered, first);
+    scene.loadings.iter().map(|loadings| loadings - before).collect()
+}
+
+/// What is remembered of the trace at hand; it is `first` where the trace begins.
+fn of_trace<'a>(scene: &Scene, remembered: &'a mut Remembered, first: f64) -> &'a mut f64 {
+    let trace = scene.trace as f64;
     if remembered.first() != Some(&trace) {
         *remembered = vec![trace, first];
     }
-    scene.loadings.iter().map(|loadings| loadings - remembered[1]).collect()
+    &mut remembered[1]
 }
 
 /// Which way a path leads, from −1 to 1: after each turn the sign settles exponentially over `length`
