@@ -39,6 +39,10 @@ const SERIES_TOLERANCE: f64 = 1e-8;
 const SHORTEST_SERIES: f64 = 0.03;
 /// Part of its own time, and of the way to rest, that a state may go by one series.
 const SERIES_REACH: f64 = 0.4;
+/// Decays by the linear law of the balance after which a state is there, to the last digit.
+const SETTLED: f64 = 60.0;
+/// Part of the drive that may be needed to come to rest first: more than enough decays are left after it.
+const BEYOND_REST: f64 = 0.25;
 /// Largest number whose exponential is one.
 const LARGEST_EXPONENT: f64 = 700.0;
 
@@ -155,15 +159,43 @@ impl Growth {
         if change == 0.0 {
             return self.alone(x, turns);
         }
+        match self.series(x, change, turns) {
+            Ok(x) => x,
+            Err(reached) => self
+                .settled(reached, change, turns)
+                .unwrap_or_else(|| self.in_parts(reached, change, turns)),
+        }
+    }
+
+    /// The state at which decay and drive are in balance, where a state, `reached` after a part of the interval, surely comes to it
+    /// within the rest.
+    fn settled(self, (x, done): (f64, f64), change: f64, turns: f64) -> Option<f64> {
+        let balance = match self {
+            Self::Power(power, full) if power > 0.0 => {
+                full * ((change / full).abs() / turns).powf(1.0 / (1.0 + power)) * change.signum()
+            }
+            Self::Sinh(strength, full) => {
+                let steep = strength / full;
+                (steep * change / turns).asinh() / steep
+            }
+            _ => return None,
+        };
+        // The rate only grows with the state: from either side the way to the balance is no slower than by this linear law, and from
+        // beyond rest no longer than the drive alone takes to rest.
+        let decays = (1.0 - done) * change / balance;
+        let beyond_rest = -x * change.signum();
+        (decays >= SETTLED && beyond_rest <= BEYOND_REST * change.abs() * (1.0 - done))
+            .then_some(balance)
+    }
+
+    /// Where a state goes that was `reached` after a part of the interval, part by part.
+    fn in_parts(self, reached: (f64, f64), change: f64, turns: f64) -> f64 {
         let step = |x: f64, part: f64| {
             let change = part * change;
             let decays = self.turns(x + 0.5 * change, part * turns);
             x * (-decays).exp() + change * mean_decay(decays)
         };
-        let (mut x, mut done) = match self.series(x, change, turns) {
-            Ok(x) => return x,
-            Err(reached) => reached,
-        };
+        let (mut x, mut done) = reached;
         // A first step that crosses rest could mistake itself.
         let first = (FIRST_PART / (turns * self.at(change))).clamp(SHORTEST_PART, 1.0);
         let mut part = first.min(1.0 - done);
@@ -256,6 +288,33 @@ impl Growth {
 mod tests {
     use super::*;
     use proptest::prelude::*;
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(32))]
+
+        /// Decay and drive are in balance long before a stiff interval ends: going there at once is going there in many parts.
+        #[test]
+        fn a_stiff_state_comes_to_its_balance(
+            x in 0.0..2.0f64,
+            change in 1e-3..1.0f64,
+            turns in 5.0..1e3f64,
+            strength in 5.0..20.0f64,
+        ) {
+            const PARTS: u32 = 4_000;
+            let growth = Growth::Sinh(strength, 1.0);
+            let balance = growth.settled((x, 0.0), change, turns);
+            // In so many parts a faster decay is not followed.
+            if let Some(balance) = balance.filter(|balance| change / balance < 0.1 * f64::from(PARTS)) {
+                prop_assert_eq!(growth.driven(x, change, turns), balance);
+                let part = 1.0 / f64::from(PARTS);
+                let found = (0..PARTS).fold(x, |x, _| {
+                    let free = growth.alone(x, 0.5 * part * turns) + part * change;
+                    growth.alone(free, 0.5 * part * turns)
+                });
+                prop_assert!((found - balance).abs() <= 2e-3 * balance, "{balance} or {found}");
+            }
+        }
+    }
 
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(20_000))]
