@@ -52,6 +52,12 @@ impl Means {
     /// all samples can be searched as well.
     #[must_use]
     pub fn of(data: &Data, noise: Option<f64>) -> Option<Self> {
+        Self::finer(data, noise, 1.0)
+    }
+
+    /// The same with blocks over which so many times less may change.
+    #[must_use]
+    pub fn finer(data: &Data, noise: Option<f64>, times: f64) -> Option<Self> {
         let samples = data.samples();
         if samples <= SHORT {
             return None;
@@ -69,6 +75,7 @@ impl Means {
             noise,
             longest: data.longest() / fewest,
             either: data.below.is_some(),
+            finer: times,
         };
         let stretch = |piece: &Piece| Blocks::of(data, piece, reach);
         let found = Self { stretches: data.pieces.iter().map(stretch).collect() };

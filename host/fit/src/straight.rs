@@ -45,6 +45,8 @@ pub(super) struct Reach {
     pub longest: f64,
     /// Whether the specimen is loaded to either side.
     pub either: bool,
+    /// By how much less than usual may change within a block.
+    pub finer: f64,
 }
 
 /// A quantity along a stretch.
@@ -81,10 +83,10 @@ pub(super) fn begins(
             || touches(k)
             || touches(k - 1)
             || touches(k + 1)
-            || (x[k] - x[begin]).abs() > MOVES * (reach.compression + off(x[k]))
-            || (speed(k) - speed(begin)).abs() > TURNS
+            || (x[k] - x[begin]).abs() > MOVES / reach.finer * (reach.compression + off(x[k]))
+            || (speed(k) - speed(begin)).abs() > TURNS / reach.finer
             || time[k] - time[begin] > reach.longest;
-        if apart || !straight(time, &probes, begin, k, reach.noise) {
+        if apart || !straight(time, &probes, begin, k, reach) {
             begins.push(k);
             begin = k;
         }
@@ -94,13 +96,14 @@ pub(super) fn begins(
 }
 
 /// Whether every probe is straight from one sample to another.
-fn straight(time: &[f64], probes: &[Probe], from: usize, to: usize, noise: f64) -> bool {
+fn straight(time: &[f64], probes: &[Probe], from: usize, to: usize, reach: Reach) -> bool {
     if to - from < 2 {
         return true;
     }
     let middle = from.midpoint(to);
     let part = (time[middle] - time[from]) / (time[to] - time[from]);
-    let bends = (noise / ((to - from + 1) as f64).sqrt()).clamp(BENDS.0, BENDS.1);
+    let bends = reach.noise / ((to - from + 1) as f64).sqrt();
+    let bends = bends.clamp(BENDS.0, BENDS.1) / reach.finer;
     probes.iter().all(|Probe { values, range, scatter }| {
         let line = values[from] + part * (values[to] - values[from]);
         (values[middle] - line).abs() <= bends * range + scatter
@@ -164,6 +167,7 @@ mod tests {
         noise: USUAL_NOISE,
         longest: f64::INFINITY,
         either: false,
+        finer: 1.0,
     };
 
     /// A rest of a second, a press at 4 mm/s, a hold, a release, and a rest.

@@ -7,6 +7,9 @@ mod cpu;
 #[path = "../missing_effect/share.rs"]
 mod share;
 
+use std::error::Error;
+use std::path::PathBuf;
+
 use clap::Parser;
 use palpate::discover::{Discovery, Outcome, discover};
 use palpate::fit::data::Data;
@@ -14,7 +17,7 @@ use palpate::fit::whole_motion::fit;
 use palpate::model::{BaseLaw, Model, Separation};
 use palpate_tests::hidden::laws::beyond::{BEYOND, Beyond, beyond};
 use palpate_tests::hidden::laws::{CROSSTALK, EFFECTS};
-use palpate_tests::hidden::{DataSet, Day, LawKind, NoiseKind, Scenario, generate};
+use palpate_tests::hidden::{DataSet, Day, LawKind, NoiseKind, Scenario, folder, generate};
 use share::Share;
 
 /// Looks for formulas on simulated data sets and counts.
@@ -32,6 +35,9 @@ struct Call {
     /// Only this effect beyond the library.
     #[arg(long)]
     effect: Option<String>,
+    /// Write the sets to this folder, and look for nothing.
+    #[arg(long)]
+    dump: Option<PathBuf>,
     /// Seed of all data sets.
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -63,22 +69,32 @@ struct Told {
     seconds: f64,
 }
 
-fn main() {
+fn main() -> Result<(), Box<dyn Error>> {
     let call = Call::parse();
     for (place, group) in GROUPS.iter().enumerate() {
         if call.only.as_ref().is_some_and(|only| only != group) {
             continue;
         }
-        let told: Vec<Told> = (call.from..call.from + call.sets)
-            .map(|index| {
-                let seed = (call.seed << 40) ^ ((place as u64) << 32) ^ ((index as u64) << 10);
-                let told = told(&set(group, index, seed, call.effect.as_deref()));
+        let sets = (call.from..call.from + call.sets).map(|index| {
+            let seed = (call.seed << 40) ^ ((place as u64) << 32) ^ ((index as u64) << 10);
+            (index, set(group, index, seed, call.effect.as_deref()))
+        });
+        if let Some(folder) = &call.dump {
+            for (index, set) in sets {
+                folder::write_traces(&folder.join(format!("{group}-{index:04}")), &set)?;
+            }
+            continue;
+        }
+        let told: Vec<Told> = sets
+            .map(|(_, set)| {
+                let told = told(&set);
                 println!("{}", line(&told));
                 told
             })
             .collect();
         count(group, &told);
     }
+    Ok(())
 }
 
 fn set(group: &str, index: usize, seed: u64, effect: Option<&str>) -> DataSet {

@@ -200,7 +200,7 @@ impl Found {
     }
 
     /// Takes back what comes after so many steps, the first of which was denied.
-    fn go_back_to(&mut self, steps: usize, denied: Refused) {
+    pub(crate) fn go_back_to(&mut self, steps: usize, denied: Refused) {
         self.steps.truncate(steps);
         self.models.truncate(steps);
         self.evidence.truncate(steps + 1);
@@ -243,7 +243,7 @@ impl Found {
     }
 
     /// The model after so many steps, with its evidence.
-    fn judged(&self, steps: usize) -> Judged<'_> {
+    pub(crate) fn judged(&self, steps: usize) -> Judged<'_> {
         let fitted = steps.checked_sub(1).map_or(&self.base, |last| &self.models[last]);
         Judged { fitted, evidence: &self.evidence[steps] }
     }
@@ -1076,7 +1076,7 @@ fn rises(without: Judged, with: Judged) -> Option<Refusal> {
 }
 
 /// What is told of a model that was refused.
-fn refused(effect: &str, without: Judged, with: Judged, reason: Refusal) -> Refused {
+pub(crate) fn refused(effect: &str, without: Judged, with: Judged, reason: Refusal) -> Refused {
     let held_out = |judged: Judged| judged.evidence.held_out.as_ref().map(|held_out| held_out.rms);
     Refused {
         effect: effect.to_owned(),

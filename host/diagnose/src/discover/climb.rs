@@ -9,11 +9,11 @@ use rayon::prelude::*;
 use super::grammar::{Grammar, Term};
 use super::simplify;
 use crate::criticism::agreement;
-use crate::criticism::evidence::{Evidence, Judged, Refusal, Refused, weigh};
+use crate::criticism::evidence::{Evidence, Judged, Refusal, weigh};
 use crate::criticism::fitted::Fitted;
 use crate::criticism::held_out::{held_out_in_one_step, over_sections};
 use crate::criticism::screen::{DRAWS, Direction, Screen, screen};
-use crate::criticism::search::{DECISIVE, Found, Rival, Search, Step};
+use crate::criticism::search::{DECISIVE, Found, Rival, Search, Step, refused};
 use nalgebra::DMatrix;
 use palpate_fit::least_squares::{Effort, Solution};
 use palpate_model::Chain;
@@ -87,6 +87,7 @@ impl Climb<'_> {
             refused: Vec::new(),
         };
         while self.step_up(&mut found) {
+            tracing::debug!("step: {:?}", found.steps.last().map(|step| &step.effect));
             let enough = found.steps.len() >= self.search.options.max_effects
                 || self.search.leaves_noise(found.model());
             if enough {
@@ -95,7 +96,31 @@ impl Climb<'_> {
             found.last = self.screened(found.model());
         }
         self.without_the_superfluous(&mut found);
+        self.confirm(&mut found);
         found
+    }
+
+    /// Refits to all samples what was found on their means, and takes back every step from the first one that they deny.
+    fn confirm(&self, found: &mut Found) {
+        let Search { problem, samples, .. } = *self.search;
+        if !problem.stands_for_samples() {
+            return;
+        }
+        let models = std::iter::once(&mut found.base).chain(&mut found.models);
+        for (fitted, evidence) in models.zip(&mut found.evidence) {
+            let chain = fitted.chain.clone();
+            *fitted = Fitted::new(&samples.with_chain(&chain), &fitted.point, Effort::QUICK);
+            *evidence = Evidence::of(samples, fitted);
+        }
+        let denied = (0..found.steps.len()).find_map(|index| {
+            let (without, with) = (found.judged(index), found.judged(index + 1));
+            let exact = self.search.leaves_noise(with.fitted);
+            let reason = weigh(without, with, exact).err()?;
+            Some((index, refused(&found.steps[index].effect, without, with, reason)))
+        });
+        if let Some((index, refused)) = denied {
+            found.go_back_to(index, refused);
+        }
     }
 
     fn term(&self, index: usize) -> &Term {
@@ -162,7 +187,9 @@ impl Climb<'_> {
         for it in &weighed {
             match self.weigh(without, it, told.agreement[it.rival.candidate]) {
                 Ok(()) => borne_out.push(it),
-                Err(reason) => refusals.push(refused(without, it, reason)),
+                Err(reason) => {
+                    refusals.push(refused(&it.rival.effect, without, it.judged(), reason));
+                }
             }
         }
         let Some((chosen, as_good)) = self.best_of(&borne_out) else {
@@ -276,7 +303,7 @@ impl Climb<'_> {
     /// What speaks against a term. Where it leaves more than noise, its fit must gain by the samples that are independent in what it
     /// leaves, and the parts of the data must agree.
     fn weigh(&self, without: Judged, it: &Weighed, agreement: Option<f64>) -> Result<(), Refusal> {
-        let with = Judged { fitted: &it.rival.fitted, evidence: &it.evidence };
+        let with = it.judged();
         weigh(without, with, it.exact)?;
         if it.exact {
             return Ok(());
@@ -413,6 +440,10 @@ impl Climb<'_> {
 }
 
 impl Weighed {
+    fn judged(&self) -> Judged<'_> {
+        Judged { fitted: &self.rival.fitted, evidence: &self.evidence }
+    }
+
     /// Its error on what it was not fitted to.
     fn error(&self) -> f64 {
         self.evidence.left_out().map_or(f64::INFINITY, |errors| errors.rms)
@@ -455,17 +486,6 @@ fn side_by_side(parts: &[DMatrix<f64>]) -> DMatrix<f64> {
     let columns = parts.iter().map(DMatrix::ncols).sum();
     let values = parts.iter().flat_map(|part| part.iter().copied());
     DMatrix::from_iterator(rows, columns, values)
-}
-
-fn refused(without: Judged, it: &Weighed, reason: Refusal) -> Refused {
-    let held_out = |evidence: &Evidence| evidence.held_out.as_ref().map(|held_out| held_out.rms);
-    Refused {
-        effect: it.rival.effect.clone(),
-        law: "own".into(),
-        reason,
-        rms: (without.fitted.rms(), it.rival.fitted.rms()),
-        held_out: held_out(without.evidence).zip(held_out(&it.evidence)),
-    }
 }
 
 #[cfg(test)]

@@ -2,11 +2,12 @@
 //!
 //! - [`reach`]: the quantities that a term may depend on.
 //! - [`shape`]: how; `curves`: in any shape. `place`: where in the chain. [`grammar`]: every combination.
-//! - `climb`: the search over all terms; `simplify`: from a free curve to laws near it.
+//! - `blocks`: the means on which the search goes. `climb`: the search over all terms; `simplify`: from a free curve to laws near it.
 //! - [`formula`]: a term that was found, with the evidence for it.
 //! - [`surface`]: what the residual depends on without any law: one quantity, or two together.
 //! - [`causes`]: what such a term can come from.
 
+mod blocks;
 pub mod causes;
 mod climb;
 mod curves;
@@ -90,8 +91,14 @@ pub fn discover(
     let base = diagnosis.found.base.clone();
     let whitening = diagnosis.noise.whitening.clone();
     let chain = base.chain.clone();
-    let problem = Problem::new(&chain, &data, &whitening, None);
+    let samples = Problem::new(&chain, &data, &whitening, None);
     let left = Residuals::new(&chain, &base.values, &data);
+    let blocks = blocks::of(&samples, &base, &diagnosis.noise);
+    let few = blocks.as_ref().map(|blocks| blocks.data(&data));
+    let problem = match blocks.as_ref().zip(few.as_ref()) {
+        Some((blocks, few)) => samples.on_weighted_means(blocks, few),
+        None => samples.with_chain(&chain),
+    };
     let (dependences, surfaces) = (dependences(&left), surfaces(&left));
     let mut discovery = Discovery {
         outcome: match diagnosis.verdict {
@@ -111,7 +118,7 @@ pub fn discover(
     };
     let known = discovery.diagnosis.verdict != Verdict::Unknown;
     let library = &discovery.diagnosis.found;
-    let last = problem.with_chain(&library.model().chain);
+    let last = samples.with_chain(&library.model().chain);
     let rest = adequacy(&last, &library.model().point, &whitening);
     if known && (library.steps.is_empty() || rest.p_value >= LEVEL) {
         return Ok(discovery);
@@ -123,11 +130,11 @@ pub fn discover(
     let candidates: Vec<Candidate> =
         grammar.terms.iter().map(|term| term.candidate.clone()).collect();
     let search = Search {
-        data: &data,
+        data: few.as_ref().unwrap_or(&data),
         candidates: &candidates,
         whitening: &whitening,
         problem: &problem,
-        samples: &problem,
+        samples: &samples,
         options: &discovery.diagnosis.options,
         rows: None,
     };
@@ -135,24 +142,28 @@ pub fn discover(
     let found = match known {
         // The library has the name; what it leaves may have a formula.
         true => climb.from(library.model()),
-        false => best_climb(&climb, library),
+        false => best_climb(&climb, library, discovery.diagnosis.noise.level),
     };
     if known && found.steps.is_empty() {
         return Ok(discovery);
     }
-    discovery.take(&found, &grammar.terms, &problem, &data);
+    discovery.take(&found, &grammar.terms, &samples, &data);
     Ok(discovery)
 }
 
+/// Error on traces left out, in noises, from which on nothing can predict much better.
+const CLOSE: f64 = 1.05;
+
 /// The climb from the model without effects; or from what the library explains of it, where that predicts traces left out better by
 /// more than its uncertainty over the traces: an effect of the library that was named for want of a better one is no part of a formula.
-fn best_climb(climb: &Climb, library: &Found) -> Found {
+fn best_climb(climb: &Climb, library: &Found, noise: f64) -> Found {
     let alone = climb.from(&library.base);
-    if library.steps.is_empty() || climb.search.leaves_noise(alone.model()) {
+    let left_out = |found: &Found| found.evidence.last().and_then(|it| it.left_out().cloned());
+    let close = left_out(&alone).is_some_and(|errors| errors.rms <= CLOSE * noise);
+    if library.steps.is_empty() || close || climb.search.leaves_noise(alone.model()) {
         return alone;
     }
     let beside = climb.from(library.model());
-    let left_out = |found: &Found| found.evidence.last().and_then(|it| it.left_out().cloned());
     let better = match (left_out(&beside), left_out(&alone)) {
         (Some(beside), Some(alone)) => beside.gain(&alone).exceeds(1.0),
         _ => false,
