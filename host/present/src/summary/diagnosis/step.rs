@@ -159,17 +159,23 @@ impl DiagnosisSummary<'_> {
     fn rival(&self, step: &Step, rival: &Rival) -> [String; 5] {
         let law = rival.law().unwrap_or_default();
         let form = if law == "reference" { String::new() } else { format!(" ({law})") };
+        let behind = rival.fitted.bic() - step.rivals[0].fitted.bic();
+        let is_refused = || self.diagnosis.found.refused.iter().any(|it| it.effect == rival.effect);
         let told = if rival.effect == step.effect {
             "named"
         } else if step.credible.contains(&rival.effect) {
             "no"
-        } else {
+        } else if behind >= 0.0 {
             "yes"
+        } else if is_refused() {
+            "refused"
+        } else {
+            "predicts worse"
         };
         [
             format!("{}{form}", rival.effect),
             self.level(rival.fitted.rms()),
-            format!("{:.0}", rival.fitted.bic() - step.rivals[0].fitted.bic()),
+            format!("{behind:.0}"),
             format!("{:.0} %", 100.0 * rival.won),
             told.to_owned(),
         ]
