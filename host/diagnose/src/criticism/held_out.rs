@@ -89,8 +89,6 @@ impl Gain {
 /// Excess over the foretold sum of squares, in variances of the residual, up to which one step counts
 /// as a refit.
 const SAME: f64 = 1.0;
-/// Fall of the sum of squares in a step, in the same, from which on a refit goes no further.
-const SETTLED: f64 = 0.1;
 /// Change of the prediction by one step, over the residual, up to which nothing need be predicted anew.
 const SMALL: f64 = 0.01;
 
@@ -220,19 +218,12 @@ fn left_out(
     let (mut cost, mut aparts) = others.apart(&point);
     let variance = rest.cost / (fitted.samples as f64).max(1.0);
     if in_earnest && (cost.is_nan() || cost > foretold.max(0.0) + SAME * variance) {
-        // A step that leaves more than there was may lead astray: the search begins where it came from as well.
-        let stayed = (cost.is_nan() || cost > rest.cost).then(|| {
-            let mut stayed = fitted.point.clone();
-            all_own.iter().for_each(|&j| stayed[j] = 0.0);
-            stayed
-        });
-        let found = std::iter::once(point).chain(stayed);
-        let settled = SETTLED / (fitted.samples as f64).max(1.0);
-        let effort = Effort { cost: settled.max(Effort::QUICK.cost), ..Effort::QUICK };
-        let found = found.map(|start| minimise_with(&others, &start, effort));
-        point = found
-            .min_by(|a, b| a.normal.cost.total_cmp(&b.normal.cost))
-            .map_or_else(Vec::new, |best| best.point);
+        // A step that leaves more than there was is none to go on from.
+        if cost.is_nan() || cost > rest.cost {
+            point.clone_from(&fitted.point);
+            all_own.iter().for_each(|&j| point[j] = 0.0);
+        }
+        point = minimise_with(&others, &point, Effort::QUICK).point;
         (cost, aparts) = others.apart(&point);
     }
     if !cost.is_finite() {

@@ -200,7 +200,7 @@ impl Found {
     }
 
     /// Takes back what comes after so many steps, the first of which was denied.
-    pub(crate) fn go_back_to(&mut self, steps: usize, denied: Refused) {
+    fn go_back_to(&mut self, steps: usize, denied: Refused) {
         self.steps.truncate(steps);
         self.models.truncate(steps);
         self.evidence.truncate(steps + 1);
@@ -243,7 +243,7 @@ impl Found {
     }
 
     /// The model after so many steps, with its evidence.
-    pub(crate) fn judged(&self, steps: usize) -> Judged<'_> {
+    fn judged(&self, steps: usize) -> Judged<'_> {
         let fitted = steps.checked_sub(1).map_or(&self.base, |last| &self.models[last]);
         Judged { fitted, evidence: &self.evidence[steps] }
     }

@@ -96,31 +96,10 @@ impl Climb<'_> {
             found.last = self.screened(found.model());
         }
         self.without_the_superfluous(&mut found);
-        self.confirm(&mut found);
+        if let Some(rows) = self.search.rows {
+            found.score(self.search, rows);
+        }
         found
-    }
-
-    /// Refits to all samples what was found on their means, and takes back every step from the first one that they deny.
-    fn confirm(&self, found: &mut Found) {
-        let Search { problem, samples, .. } = *self.search;
-        if !problem.stands_for_samples() {
-            return;
-        }
-        let models = std::iter::once(&mut found.base).chain(&mut found.models);
-        for (fitted, evidence) in models.zip(&mut found.evidence) {
-            let chain = fitted.chain.clone();
-            *fitted = Fitted::new(&samples.with_chain(&chain), &fitted.point, Effort::QUICK);
-            *evidence = Evidence::of(samples, fitted);
-        }
-        let denied = (0..found.steps.len()).find_map(|index| {
-            let (without, with) = (found.judged(index), found.judged(index + 1));
-            let exact = self.search.leaves_noise(with.fitted);
-            let reason = weigh(without, with, exact).err()?;
-            Some((index, refused(&found.steps[index].effect, without, with, reason)))
-        });
-        if let Some((index, refused)) = denied {
-            found.go_back_to(index, refused);
-        }
     }
 
     fn term(&self, index: usize) -> &Term {

@@ -34,6 +34,7 @@ use crate::criticism::residuals::Residuals;
 use crate::criticism::search::{Found, Search};
 use palpate_fit::data::Data;
 use palpate_fit::problem::Problem;
+use palpate_fit::whitening::Whitening;
 use palpate_model::effects::Candidate;
 use palpate_model::{Model, Rung};
 use palpate_trace::{Trace, block_means};
@@ -86,19 +87,24 @@ pub fn discover(
     signal_unit: &str,
 ) -> Result<Discovery, DiagnoseError> {
     let diagnosis = diagnose(model, traces)?;
-    let means = block_means(traces);
-    let data = Data::of_model(model, means.as_deref().unwrap_or(traces))?;
+    let all = Data::of_model(model, traces)?;
     let base = diagnosis.found.base.clone();
     let whitening = diagnosis.noise.whitening.clone();
     let chain = base.chain.clone();
-    let samples = Problem::new(&chain, &data, &whitening, None);
-    let left = Residuals::new(&chain, &base.values, &data);
-    let blocks = blocks::of(&samples, &base, &diagnosis.noise);
-    let few = blocks.as_ref().map(|blocks| blocks.data(&data));
+    let blocks = blocks::of(&Problem::new(&chain, &all, &whitening, None), &base, &diagnosis.noise);
+    // Without them a long recording is searched on means of its rests alone.
+    let at_rest = if blocks.is_none() { block_means(traces) } else { None };
+    let thinned = at_rest.as_deref().map(|traces| Data::of_model(model, traces)).transpose()?;
+    let data = thinned.as_ref().unwrap_or(&all);
+    let few = blocks.as_ref().map(|blocks| blocks.data(data));
+    let searched = few.as_ref().unwrap_or(data);
+    let (samples, white) = (Problem::new(&chain, data, &whitening, None), Whitening::none());
+    let rows = Problem::new(&chain, data, &white, None);
     let problem = match blocks.as_ref().zip(few.as_ref()) {
         Some((blocks, few)) => samples.on_weighted_means(blocks, few),
         None => samples.with_chain(&chain),
     };
+    let left = Residuals::new(&chain, &base.values, data);
     let (dependences, surfaces) = (dependences(&left), surfaces(&left));
     let mut discovery = Discovery {
         outcome: match diagnosis.verdict {
@@ -124,19 +130,19 @@ pub fn discover(
         return Ok(discovery);
     }
     let residuals = left.values();
-    let reach = |quantity| Reach::of(quantity, &data, &left.predicted, &residuals);
+    let reach = |quantity| Reach::of(quantity, data, &left.predicted, &residuals);
     let reaches: Vec<Option<Reach>> = QUANTITIES.iter().map(reach).collect();
     let grammar = Grammar::new(&reaches, signal_unit);
     let candidates: Vec<Candidate> =
         grammar.terms.iter().map(|term| term.candidate.clone()).collect();
     let search = Search {
-        data: few.as_ref().unwrap_or(&data),
+        data: searched,
         candidates: &candidates,
         whitening: &whitening,
         problem: &problem,
         samples: &samples,
         options: &discovery.diagnosis.options,
-        rows: None,
+        rows: few.is_some().then_some(&rows),
     };
     let climb = Climb { search: &search, grammar: &grammar };
     let found = match known {
@@ -147,7 +153,7 @@ pub fn discover(
     if known && found.steps.is_empty() {
         return Ok(discovery);
     }
-    discovery.take(&found, &grammar.terms, &samples, &data);
+    discovery.take(&found, &grammar.terms, &problem, searched);
     Ok(discovery)
 }
 
