@@ -212,16 +212,15 @@ fn left_out(
         };
         return traces.iter().zip(uncertain).map(error).collect();
     }
-    for &j in &all_own {
-        point[j] = 0.0;
-    }
+    let without_own = |point: &mut [f64]| all_own.iter().for_each(|&j| point[j] = 0.0);
+    without_own(&mut point);
     let (mut cost, mut aparts) = others.apart(&point);
     let variance = rest.cost / (fitted.samples as f64).max(1.0);
     if in_earnest && (cost.is_nan() || cost > foretold.max(0.0) + SAME * variance) {
         // A step that leaves more than there was is none to go on from.
         if cost.is_nan() || cost > rest.cost {
             point.clone_from(&fitted.point);
-            all_own.iter().for_each(|&j| point[j] = 0.0);
+            without_own(&mut point);
         }
         point = minimise_with(&others, &point, Effort::QUICK).point;
         (cost, aparts) = others.apart(&point);

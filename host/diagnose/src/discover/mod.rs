@@ -91,15 +91,18 @@ pub fn discover(
     let base = diagnosis.found.base.clone();
     let whitening = diagnosis.noise.whitening.clone();
     let chain = base.chain.clone();
-    let blocks = blocks::of(&Problem::new(&chain, &all, &whitening, None), &base, &diagnosis.noise);
+    let whole = Problem::new(&chain, &all, &whitening, None);
+    let blocks = blocks::of(&whole, &base, &diagnosis.noise);
     // Without them a long recording is searched on means of its rests alone.
     let at_rest = if blocks.is_none() { block_means(traces) } else { None };
     let thinned = at_rest.as_deref().map(|traces| Data::of_model(model, traces)).transpose()?;
-    let data = thinned.as_ref().unwrap_or(&all);
+    let samples =
+        thinned.as_ref().map_or(whole, |data| Problem::new(&chain, data, &whitening, None));
+    let data = samples.data();
     let few = blocks.as_ref().map(|blocks| blocks.data(data));
     let searched = few.as_ref().unwrap_or(data);
-    let (samples, white) = (Problem::new(&chain, data, &whitening, None), Whitening::none());
-    let rows = Problem::new(&chain, data, &white, None);
+    let white = Whitening::none();
+    let rows = few.is_some().then(|| Problem::new(&chain, data, &white, None));
     let problem = match blocks.as_ref().zip(few.as_ref()) {
         Some((blocks, few)) => samples.on_weighted_means(blocks, few),
         None => samples.with_chain(&chain),
@@ -142,7 +145,7 @@ pub fn discover(
         problem: &problem,
         samples: &samples,
         options: &discovery.diagnosis.options,
-        rows: few.is_some().then_some(&rows),
+        rows: rows.as_ref(),
     };
     let climb = Climb { search: &search, grammar: &grammar };
     let found = match known {
