@@ -55,6 +55,26 @@ const AT_A_TIME: usize = 1024;
 /// Step of a derivative, relative to the coordinate and to its range.
 const STEP: (f64, f64) = (1e-6, 1e-8);
 
+/// Part of the largest signal of a stretch by which a step of a derivative moves none of its samples but across a jump of a law, and
+/// how many times as far as its neighbours it moves one there.
+const LEAP: f64 = 3e-5;
+const ALONE: f64 = 30.0;
+
+/// Lets samples that a step moves across a jump, farther than `least` and alone, follow their neighbours: the jump says nothing of the
+/// slope.
+fn smooth_jumps(differences: &mut [f64], least: f64) {
+    for k in 0..differences.len() {
+        if differences[k].abs() <= least {
+            continue;
+        }
+        let before = k.checked_sub(1).map_or(0.0, |k| differences[k]);
+        let after = differences.get(k + 1).copied().unwrap_or(0.0);
+        if differences[k].abs() > ALONE * before.abs().max(after.abs()) {
+            differences[k] = 0.5 * (before + after);
+        }
+    }
+}
+
 impl<'a> Problem<'a> {
     /// The residuals of `chain`, whitened, on every trace but those left out.
     #[must_use]
@@ -581,6 +601,7 @@ impl<'a> Problem<'a> {
             } else {
                 self.advance(&mut run, index, &mut elasticity, &mut base);
             }
+            let size = base.iter().fold(0.0, |most: f64, force| most.max(force.abs()));
             let mut difference = |j: usize, run: &mut Run| {
                 let mut force = self.spare.take();
                 if run.carried.is_some() && self.acts_after(j) {
@@ -590,8 +611,10 @@ impl<'a> Problem<'a> {
                     self.advance(run, index, &mut elasticity, &mut force);
                 }
                 for (force, base) in force.iter_mut().zip(&base) {
-                    *force = (*force - base) / steps[j];
+                    *force -= base;
                 }
+                smooth_jumps(&mut force, LEAP * size);
+                force.iter_mut().for_each(|force| *force /= steps[j]);
                 columns.push((j, force));
             };
             for (j, run) in &mut others {
@@ -1049,6 +1072,19 @@ impl LeastSquares for Problem<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_sample_that_a_step_moves_across_a_jump_follows_its_neighbours() {
+        let smoothed = |mut differences: Vec<f64>| {
+            smooth_jumps(&mut differences, 1e-4);
+            differences
+        };
+        assert_eq!(smoothed(vec![1e-6, 0.02, 3e-6]), [1e-6, 2e-6, 3e-6]);
+        assert_eq!(smoothed(vec![0.0, -0.02]), [0.0, 0.0]);
+        for smooth in [vec![1e-3, 2e-3, 1e-3], vec![0.0, 9e-5, 0.0], vec![0.02, 0.02, 0.0]] {
+            assert_eq!(smoothed(smooth.clone()), smooth);
+        }
+    }
     use crate::whole_motion::predict;
     use palpate_model::effects::candidates;
     use palpate_model::{BaseLaw, Separation};
