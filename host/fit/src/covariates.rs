@@ -34,7 +34,7 @@ impl Data<'_> {
             }
         };
         Some(match covariate {
-            Covariate::Displacement => (&motion.displacement[..]).into(),
+            Covariate::Displacement => near(&motion.displacement, self.farthest_off()),
             Covariate::Velocity => velocity(),
             Covariate::Direction => directions(&velocity()).into(),
             Covariate::Acceleration => acceleration(),
@@ -51,9 +51,28 @@ impl Data<'_> {
     }
 }
 
+/// Displacements, none farther off the specimen than this, mm.
+fn near(displacement: &[f64], farthest: f64) -> Cow<'_, [f64]> {
+    if displacement.iter().all(|x| *x >= farthest) {
+        return displacement.into();
+    }
+    displacement.iter().map(|x| x.max(farthest)).collect()
+}
+
 /// Signs of a velocity; 0 at rest.
 fn directions(velocity: &[f64]) -> Vec<f64> {
     let fastest = velocity.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
     let direction = |v: &f64| if v.abs() > REST * fastest { v.signum() } else { 0.0 };
     velocity.iter().map(direction).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nothing_is_farther_off_the_specimen_than_tells_anything() {
+        assert_eq!(near(&[-100.0, -3.0, 5.0], -5.0)[..], [-5.0, -3.0, 5.0]);
+        assert_eq!(near(&[-100.0, 5.0], f64::NEG_INFINITY)[..], [-100.0, 5.0]);
+    }
 }

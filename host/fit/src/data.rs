@@ -575,6 +575,16 @@ impl<'a> Data<'a> {
         ASIDE * self.largest_compression()
     }
 
+    /// Displacement, mm, off the specimen up to which it tells anything: as far as the specimen is compressed at most. A tool may go many
+    /// times as far, and the range in which something happens would be the smaller for it.
+    #[must_use]
+    pub fn farthest_off(&self) -> f64 {
+        match self.largest_compression() {
+            largest if largest > 0.0 && self.below.is_none() => -largest,
+            _ => f64::NEG_INFINITY,
+        }
+    }
+
     /// Longest stretch, s.
     #[must_use]
     pub fn longest(&self) -> f64 {
