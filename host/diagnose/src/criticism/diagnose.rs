@@ -7,7 +7,7 @@ use super::experiment::{deciding, repeating};
 use super::fitted::Fitted;
 use super::held_out::HeldOut;
 use super::hum::power_of_line;
-use super::noise::{NoiseModel, Seen, noise_model, residual_noise, samples_at_rest};
+use super::noise::{NoiseModel, noise_model, residual_noise, samples_at_rest};
 use super::options::Options;
 use super::outside::Outside;
 use super::residuals::Residuals;
@@ -209,7 +209,7 @@ impl<'a> Course<'a> {
     fn likeliest(search: &'a Search<'a>, noise: &'a NoiseModel, start: &[f64]) -> Self {
         let mut notes = Vec::new();
         let (separation, before, found) = likeliest(search, start, &mut notes);
-        let known = noise.seen == Seen::OffTheSpecimen;
+        let known = noise.is_known();
         let outside = Outside::of(search, &found.base, known, before.louder_loaded);
         let assessed = Assessed::of(search, &found, &before, noise, outside.as_ref());
         Self { search, noise, separation, before, found, outside, assessed, inexact: false, notes }
@@ -280,7 +280,7 @@ impl<'a> Course<'a> {
 
     /// A single trace that does not show its noise singles out no effect.
     fn name_nothing_alone_without_noise(&mut self) {
-        let guessed = self.noise.seen == Seen::Residual && self.single_trace();
+        let guessed = !self.noise.is_known() && self.single_trace();
         if !guessed || !beside_others(&mut self.found) {
             return;
         }
@@ -434,7 +434,7 @@ fn stand_for_rows(
 /// Whether what a law leaves dwarfs the scatter of neighbours, so that it tells nothing of the noise.
 fn dwarfs(noise: &NoiseModel) -> bool {
     let misfit = noise.whitening.standard_deviation();
-    noise.seen == Seen::Residual && misfit > FAR_BEYOND_NEIGHBOURS * noise.level
+    !noise.is_known() && misfit > FAR_BEYOND_NEIGHBOURS * noise.level
 }
 
 /// The noise for want of rest, from what the base leaves.

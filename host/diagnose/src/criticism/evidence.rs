@@ -88,10 +88,22 @@ impl Evidence {
     /// Gathers the evidence for a fitted model.
     #[must_use]
     pub fn of(problem: &Problem, fitted: &Fitted) -> Self {
-        let held_out = held_out(problem, fitted);
-        let sections = held_out.is_none().then(|| over_sections(problem, fitted));
-        let rest = Rest::of(problem, fitted);
-        Self { held_out, sections, rest, play: play(problem.data(), fitted) }
+        let mut evidence = Self::without_refits(problem, fitted);
+        evidence.leave_out(problem, fitted);
+        evidence
+    }
+
+    /// What needs no refit: nothing of traces left out.
+    #[must_use]
+    pub fn without_refits(problem: &Problem, fitted: &Fitted) -> Self {
+        let (rest, play) = (Rest::of(problem, fitted), play(problem.data(), fitted));
+        Self { held_out: None, sections: None, rest, play }
+    }
+
+    /// Adds the errors on traces, or on sections of a single one, left out.
+    pub fn leave_out(&mut self, problem: &Problem, fitted: &Fitted) {
+        self.held_out = held_out(problem, fitted);
+        self.sections = self.held_out.is_none().then(|| over_sections(problem, fitted));
     }
 
     /// By how much it predicts traces left out better than a model with this evidence; none for a single trace.
@@ -133,6 +145,15 @@ pub struct Judged<'a> {
 /// # Errors
 /// What speaks against the effect.
 pub fn weigh(without: Judged, with: Judged, exact: bool) -> Result<(), Refusal> {
+    weigh_fit(without, with)?;
+    weigh_left_out(without, with, exact)
+}
+
+/// The same by what needs no refit.
+///
+/// # Errors
+/// What speaks against the effect.
+pub fn weigh_fit(without: Judged, with: Judged) -> Result<(), Refusal> {
     if with.fitted.rms() >= without.fitted.rms() {
         return Err(Refusal::FittedError);
     }
@@ -147,6 +168,14 @@ pub fn weigh(without: Judged, with: Judged, exact: bool) -> Result<(), Refusal> 
         let (without, with) = (without.evidence.rest.rms(), with.evidence.rest.rms());
         return Err(Refusal::Rest { without, with });
     }
+    Ok(())
+}
+
+/// The same by the errors on traces, or on sections of a single one, left out.
+///
+/// # Errors
+/// What speaks against the effect.
+pub fn weigh_left_out(without: Judged, with: Judged, exact: bool) -> Result<(), Refusal> {
     let (Some(before), Some(after)) = (&without.evidence.held_out, &with.evidence.held_out) else {
         let error = |judged: Judged| judged.evidence.left_out().map_or(0.0, |errors| errors.rms);
         let falls = exact || error(with) < error(without);

@@ -2,7 +2,6 @@
 
 use super::diagnose::Diagnosis;
 use super::fitted::Fitted;
-use super::noise::Seen;
 use palpate_fit::data::Data;
 use palpate_model::effects::store;
 use palpate_model::{FitRecord, Model, Rung, StoredEffect};
@@ -59,13 +58,12 @@ fn meaning(model: &Model, name: &str) -> Option<String> {
 
 fn record(diagnosis: &Diagnosis, fitted: &Fitted, data: &Data, unit: &str) -> FitRecord {
     let noise = &diagnosis.noise;
-    let seen = noise.seen == Seen::OffTheSpecimen;
     FitRecord {
         traces: data.labels.clone(),
         samples: fitted.rows(),
         unit: unit.into(),
         residual_rms: fitted.rms(),
-        noise_rms: seen.then_some(noise.level),
+        noise_rms: noise.is_known().then_some(noise.level),
         r_squared: 1.0 - fitted.rms().powi(2) / variance(data),
         largest_compression_mm: Some(data.largest_compression()),
         stop: format!(

@@ -62,6 +62,22 @@ impl HeldOut {
         self
     }
 
+    /// Whether a model predicts worse than this by more than so many standard errors, whatever refits without traces would tell: fitted to
+    /// all it leaves as much more already.
+    #[must_use]
+    pub fn surely_beats(&self, fitted: &Fitted, standard_errors: f64) -> bool {
+        let several = fitted.blocks.iter().any(|block| block.trace > 0);
+        let mut sums = vec![(0.0, 0.0); self.squares.len()];
+        for (index, block) in fitted.blocks.iter().enumerate() {
+            if let Some((square, count)) = sums.get_mut(if several { block.trace } else { index }) {
+                *square += block.raw.cost;
+                *count += block.samples as f64;
+            }
+        }
+        let left: Vec<f64> = sums.iter().map(|(square, count)| square / count.max(1.0)).collect();
+        Gain::of(&left, &self.squares).exceeds(standard_errors)
+    }
+
     /// What this model gains over another in mean squares of the error of each trace.
     #[must_use]
     pub fn gain(&self, other: &Self) -> Gain {

@@ -19,6 +19,12 @@ pub struct NoiseModel {
 }
 
 impl NoiseModel {
+    /// Whether it was seen where nothing touches, so that nothing that the model lacks is in it.
+    #[must_use]
+    pub fn is_known(&self) -> bool {
+        self.seen == Seen::OffTheSpecimen
+    }
+
     /// Its size, and the correlation of neighbours, as other parts of the program take it.
     #[must_use]
     pub fn in_short(&self) -> Noise {

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use super::adequacy::{LEVEL, adequacy};
 use super::agreement;
-use super::evidence::{Evidence, Judged, Refusal, Refused, weigh};
+use super::evidence::{Evidence, Judged, Refusal, Refused, weigh, weigh_fit, weigh_left_out};
 use super::fitted::Fitted;
 use super::held_out::{held_out_in_one_step, held_out_on, over_sections};
 use super::options::Options;
@@ -28,7 +28,7 @@ pub const DECISIVE: f64 = 10.0;
 /// Standard errors over the traces by which a gain on traces left out is sure.
 pub(super) const SURE: f64 = 2.0;
 /// Chance of as much agreement between the parts of the data above which they do not agree.
-const DISAGREEMENT: f64 = 0.1;
+pub(crate) const DISAGREEMENT: f64 = 0.1;
 /// Chance of as much agreement about one effect by itself, where the parts agree about any, up to which that speaks for it.
 const OWN_AGREEMENT: f64 = 0.05;
 /// Rivals that are refitted without each trace in earnest: those that one step speaks for most.
@@ -121,6 +121,22 @@ impl Rival {
     pub fn law(&self) -> Option<&str> {
         let mut effects = self.fitted.chain.effects.iter();
         effects.find(|effect| effect.name == self.effect).map(|effect| effect.law.as_str())
+    }
+}
+
+/// A rival that is borne out.
+struct Borne {
+    /// Which.
+    rival: usize,
+    evidence: Evidence,
+    /// Whether what it leaves is noise.
+    exact: bool,
+}
+
+impl Borne {
+    /// Its error on what it was not fitted to.
+    fn error(&self) -> f64 {
+        self.evidence.left_out().map_or(f64::INFINITY, |errors| errors.rms)
     }
 }
 
@@ -409,6 +425,10 @@ impl Search<'_> {
     #[must_use]
     pub fn borne_out(&self, likeliest: &Found) -> Found {
         let climbed = self.without_idle(self.climb(likeliest.base.clone()));
+        // No order of its effects predicts better than all of them leave, fitted to all.
+        if climbed.held_out_rms().is_some_and(|error| error < likeliest.model().rms()) {
+            return climbed;
+        }
         match self.reordered(likeliest) {
             Some(reordered) if reordered.held_out_rms() < climbed.held_out_rms() => reordered,
             _ => climbed,
@@ -471,7 +491,9 @@ impl Search<'_> {
         let Some(candidate) = self.candidate(&effect) else { return };
         let p_value = self.voted(&found.last)[candidate];
         let exact = self.leaves_noise(&fitted);
-        if let Err(reason) = weigh_where(exact, without, with, p_value) {
+        let weighed = weigh_without_refits(exact, without, with, Some(p_value))
+            .and_then(|()| weigh_left_out(without, with, exact));
+        if let Err(reason) = weighed {
             let refused = refused(&effect, without, with, reason);
             found.refuse([refused]);
             return;
@@ -497,50 +519,30 @@ impl Search<'_> {
         // Where the law is inexact, noise alone is no measure of chance: the parts of the data vote.
         let agreement = self.voted(&found.last);
         self.most_promising(&mut rivals, &agreement);
-        let evidence: Vec<Evidence> =
-            rivals.iter().map(|rival| self.evidence(&rival.fitted)).collect();
-        let exact: Vec<bool> =
-            rivals.iter().map(|rival| self.leaves_noise(&rival.fitted)).collect();
+        rivals.retain(|it| found.last.chance[it.candidate] <= 0.5 * self.options.false_alarms);
         let without = found.judged(found.steps.len());
-        let mut borne_out: Vec<usize> = Vec::new();
-        let mut refusals: Vec<Refused> = Vec::new();
-        for (index, (rival, evidence)) in rivals.iter().zip(&evidence).enumerate() {
-            let with = Judged { fitted: &rival.fitted, evidence };
-            if found.last.chance[rival.candidate] > 0.5 * self.options.false_alarms {
-                continue;
-            }
-            match weigh_where(exact[index], without, with, agreement[rival.candidate]) {
-                Ok(()) => borne_out.push(index),
-                Err(reason) => refusals.push(refused(&rival.effect, without, with, reason)),
-            }
-        }
-        let error = |index: usize| evidence[index].left_out().map_or(f64::INFINITY, |it| it.rms);
-        borne_out.sort_by(|&a, &b| error(a).total_cmp(&error(b)));
-        for &index in &borne_out {
-            tracing::debug!("borne out: {}, left out {:.6e}", rivals[index].effect, error(index));
-        }
+        let (borne_out, refusals) = self.borne_out_of(without, &rivals, &agreement);
         found.refuse(refusals);
-        let Some(&ahead) = borne_out.first() else { return false };
-        let as_good = |best: usize, index: usize, standard_errors: f64| {
-            let both = evidence[best].left_out().zip(evidence[index].left_out());
+        let Some(ahead) = borne_out.first() else { return false };
+        let as_good = |best: &Borne, other: &Borne, standard_errors: f64| {
+            let both = best.evidence.left_out().zip(other.evidence.left_out());
             both.is_some_and(|(best, other)| !best.gain(other).exceeds(standard_errors))
         };
         // Where none predicts surely better, one that the parts agree on by the measure of the whole library.
         let library = agreement::chances(&found.last, self.candidates);
-        let agreed =
-            |&&index: &&usize| exact[index] || library[rivals[index].candidate] <= DISAGREEMENT;
-        let sure = borne_out.iter().filter(agreed).find(|&&index| as_good(ahead, index, 2.0));
-        let best = sure.copied().unwrap_or(ahead);
-        let as_good = borne_out.iter().filter(|&&index| as_good(best, index, 1.0));
-        let mut names: Vec<String> = as_good.map(|&index| rivals[index].effect.clone()).collect();
-        let effect = rivals[best].effect.clone();
+        let agreed = |it: &&Borne| it.exact || library[rivals[it.rival].candidate] <= DISAGREEMENT;
+        let sure = borne_out.iter().filter(agreed).find(|it| as_good(ahead, it, SURE));
+        let best = sure.unwrap_or(ahead);
+        let names_of = borne_out.iter().filter(|it| as_good(best, it, 1.0));
+        let mut names: Vec<String> = names_of.map(|it| rivals[it.rival].effect.clone()).collect();
+        let effect = rivals[best.rival].effect.clone();
         names.retain(|name| *name != effect);
         names.insert(0, effect.clone());
-        let candidate = rivals[best].candidate;
-        let p_value = if exact[best] { found.last.chance[candidate] } else { agreement[candidate] };
-        found.models.push(rivals[best].fitted.clone());
-        found.evidence.push(evidence[best].clone());
-        rivals.swap(0, best);
+        let candidate = rivals[best.rival].candidate;
+        let p_value = if best.exact { found.last.chance[candidate] } else { agreement[candidate] };
+        found.models.push(rivals[best.rival].fitted.clone());
+        found.evidence.push(best.evidence.clone());
+        rivals.swap(0, best.rival);
         rivals[1..].sort_by(by_criterion);
         found.refused.retain(|refused| refused.effect != effect);
         found.steps.push(Step { effect, p_value, rivals, credible: names, fresh: true });
@@ -549,6 +551,62 @@ impl Search<'_> {
             found.last = self.screen(found.model());
         }
         holds
+    }
+
+    /// The rivals that are borne out, the one that predicts best first, and what speaks against others. Where one predicts surely better
+    /// than another leaves that is fitted to all, leaving traces out of that one would tell nothing.
+    fn borne_out_of(
+        &self,
+        without: Judged,
+        rivals: &[Rival],
+        agreement: &[f64],
+    ) -> (Vec<Borne>, Vec<Refused>) {
+        let mut order: Vec<usize> = (0..rivals.len()).collect();
+        order.sort_by(|&a, &b| rivals[a].fitted.rms().total_cmp(&rivals[b].fitted.rms()));
+        let (mut borne_out, mut refusals): (Vec<Borne>, Vec<Refused>) = (Vec::new(), Vec::new());
+        for index in order {
+            let Rival { candidate, effect, fitted, .. } = &rivals[index];
+            let beats = |it: &Borne| {
+                it.evidence.left_out().is_some_and(|errors| errors.surely_beats(fitted, SURE))
+            };
+            if borne_out.iter().any(beats) {
+                continue;
+            }
+            let exact = self.leaves_noise(fitted);
+            let (evidence, refusal) =
+                self.weigh(without, fitted, exact, Some(agreement[*candidate]));
+            match refusal {
+                Ok(()) => borne_out.push(Borne { rival: index, evidence, exact }),
+                Err(reason) => {
+                    let with = Judged { fitted, evidence: &evidence };
+                    refusals.push(refused(effect, without, with, reason));
+                }
+            }
+        }
+        borne_out.sort_by(|a, b| a.error().total_cmp(&b.error()));
+        for it in &borne_out {
+            tracing::debug!("borne out: {}, left out {:.6e}", rivals[it.rival].effect, it.error());
+        }
+        (borne_out, refusals)
+    }
+
+    /// The evidence for a rival, and what speaks against it. Refits without traces take most of the time: there are none where
+    /// something else refuses it.
+    pub(crate) fn weigh(
+        &self,
+        without: Judged,
+        fitted: &Fitted,
+        exact: bool,
+        agreement: Option<f64>,
+    ) -> (Evidence, Result<(), Refusal>) {
+        let mut evidence = Evidence::without_refits(self.problem, fitted);
+        let with = Judged { fitted, evidence: &evidence };
+        if let Err(reason) = weigh_without_refits(exact, without, with, agreement) {
+            return (evidence, Err(reason));
+        }
+        evidence.leave_out(self.problem, fitted);
+        let refusal = weigh_left_out(without, Judged { fitted, evidence: &evidence }, exact);
+        (evidence, refusal)
     }
 
     /// Chance of as much agreement between the parts of the data about each candidate: about any of the library, or about it by itself
@@ -807,7 +865,7 @@ impl Search<'_> {
         let form = &self.candidates[direction.candidate].forms[direction.form];
         let chain = from.chain.with(form.applied.clone());
         let problem = self.problem.with_chain(&chain);
-        // A forecast beyond the reach of its straight line would start worse than half of it.
+        // A forecast beyond the reach of its straight line would start worse than half of it, or than none.
         let part = |part: f64| -> Vec<f64> {
             let model = from.point.iter().zip(&direction.shift).map(|(x, step)| x + part * step);
             let strengths = direction.strengths.iter().map(|strength| part * strength);
@@ -815,7 +873,12 @@ impl Search<'_> {
             point.zip(problem.bounds()).map(|(x, (lower, upper))| x.clamp(*lower, *upper)).collect()
         };
         let (whole, half) = (part(1.0), part(0.5));
-        let start = if problem.cost(&whole) <= problem.cost(&half) { whole } else { half };
+        let (of_whole, of_half) = (problem.cost(&whole), problem.cost(&half));
+        let start = match of_whole.min(of_half) {
+            least if least >= from.cost => part(0.0),
+            least if least == of_whole => whole,
+            _ => half,
+        };
         let found = minimise_with(&problem, &start, Effort::TRIAL);
         (chain, found)
     }
@@ -1050,19 +1113,24 @@ fn is_minor(base: &Fitted, without: &Fitted, with: &Fitted) -> bool {
     share(|fitted| fitted.cost) < MINOR && share(|fitted| fitted.rms().powi(2)) < MINOR
 }
 
-/// Weighs a model with one more effect by whether what it leaves is noise.
-fn weigh_where(exact: bool, without: Judged, with: Judged, agreement: f64) -> Result<(), Refusal> {
-    if exact { weigh(without, with, true) } else { weigh_inexact(without, with, agreement) }
-}
-
-/// Weighs a rival where what it leaves need not be noise: the fit must gain by the samples that are
-/// independent in it, whatever the number of all.
-fn weigh_inexact(without: Judged, with: Judged, agreement: f64) -> Result<(), Refusal> {
-    weigh(without, with, false)?;
+/// Weighs a rival by what needs no refit. Where what it leaves need not be noise, the fit must gain by the samples that are
+/// independent in it, whatever the number of all, and the parts of the data must agree.
+pub(crate) fn weigh_without_refits(
+    exact: bool,
+    without: Judged,
+    with: Judged,
+    agreement: Option<f64>,
+) -> Result<(), Refusal> {
+    weigh_fit(without, with)?;
+    if exact {
+        return Ok(());
+    }
     if !with.fitted.beats_inexact(without.fitted, DECISIVE) {
         return Err(Refusal::FitUncertain);
     }
-    if agreement > DISAGREEMENT { Err(Refusal::Disagreement(agreement)) } else { Ok(()) }
+    agreement
+        .filter(|chance| *chance > DISAGREEMENT)
+        .map_or(Ok(()), |chance| Err(Refusal::Disagreement(chance)))
 }
 
 /// The error of the fit or on traces left out where one more effect makes it rise.

@@ -4,7 +4,7 @@ use super::adequacy::{Adequacy, LEVEL, adequacy};
 use super::evidence::Evidence;
 use super::fitted::Fitted;
 use super::held_out::HeldOut;
-use super::noise::{NoiseModel, Seen};
+use super::noise::NoiseModel;
 use super::options::Options;
 use super::outside::Outside;
 use super::search::{Found, Search, Step};
@@ -77,7 +77,7 @@ impl Assessed {
         // Without rest to see noise in, a residual far beyond that of neighbours is not noise.
         let far = |fitted: &Fitted| fitted.rms().powi(2) - (FAR_BEYOND_NEIGHBOURS * level).powi(2);
         let (first, last) = (far(&found.base), far(found.model()));
-        let guessed = noise.seen == Seen::Residual && last > 0.0;
+        let guessed = !noise.is_known() && last > 0.0;
         let unexplained =
             if guessed { unexplained.max((last / first).min(1.0)) } else { unexplained };
         let verdict = match verdict(found, before, unexplained, search.options) {

@@ -7,7 +7,7 @@ use palpate_diagnose::criticism::compare::Cell;
 use palpate_diagnose::criticism::diagnose::Verdict;
 use palpate_diagnose::criticism::evidence::Refused;
 use palpate_diagnose::criticism::incident::Change;
-use palpate_diagnose::criticism::noise::{NoiseModel, Seen};
+use palpate_diagnose::criticism::noise::NoiseModel;
 use palpate_diagnose::criticism::outside::Outside;
 use palpate_diagnose::criticism::search::Rival;
 use palpate_diagnose::criticism::swing::Swing;
@@ -607,7 +607,7 @@ impl From<&NoiseModel> for NoiseAnswer {
             standard_deviation: noise.level,
             autoregression: noise.whitening.coefficients().to_vec(),
             flicker: noise.whitening.flicker() > 0.0,
-            seen_off_the_specimen: noise.seen == Seen::OffTheSpecimen,
+            seen_off_the_specimen: noise.is_known(),
             samples: noise.samples,
         }
     }
