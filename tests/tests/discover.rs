@@ -1,6 +1,7 @@
 //! A formula is found for what no effect of the library explains, on data from the generator in `src/hidden`, which shares no
 //! physics with the library and no grammar with the search.
 
+use std::f64::consts::TAU;
 use std::time::Instant;
 
 use palpate::answers::{self, DiscoveryAnswer};
@@ -9,9 +10,14 @@ use palpate::fit::data::Data;
 use palpate::fit::whole_motion::fit;
 use palpate::model::{BaseLaw, Model, Separation};
 use palpate::summary::{DiscoverySummary, NextCommand, Preparation};
+use palpate::trace::{Column, DISPLACEMENT, FORCE, Trace};
 use palpate_tests::follows_schema;
+use palpate_tests::held_press::{force, times};
 use palpate_tests::hidden::laws::{OUTSIDE, OUTSIDE_MORE};
 use palpate_tests::hidden::{DataSet, Day, LawKind, NoiseKind, Scenario, generate};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
 
 const LAW: BaseLaw = BaseLaw::fung(2, Separation::Clamp);
 
@@ -48,7 +54,7 @@ fn held_out(discovery: &Discovery, set: &DataSet) -> f64 {
 
 /// The answer for programs.
 fn printed(discovery: &Discovery, set: &DataSet) -> serde_json::Value {
-    let labels: Vec<String> = set.traces.iter().map(palpate::trace::Trace::label).collect();
+    let labels: Vec<String> = set.traces.iter().map(Trace::label).collect();
     let next = NextCommand { model: "model.toml".into(), traces: "set".into() };
     let summary = DiscoverySummary::new(discovery, &labels, next, None);
     let preparation = Preparation::of(&set.traces, set.truth.signal);
@@ -67,6 +73,49 @@ fn the_teeth_of_a_drive_are_a_wave_over_the_displacement() {
     assert_eq!((formula.term.shape.name, formula.term.quantity.symbol), ("periodic in", "x"));
     assert!(held_out(&discovery, &set) < 1.15, "{:?}", discovery.ladder);
     follows_schema("discover", &printed(&discovery, &set));
+}
+
+#[test]
+fn what_goes_on_after_each_stop_is_a_wave_that_dies_away() {
+    let set = thinned_set(8, 42, &[("swing-out", LawKind::Beyond)], 2.0);
+    let discovery = ask(&set);
+    let Outcome::Formulas(formulas) = &discovery.outcome else {
+        panic!("{:?}", discovery.outcome);
+    };
+    let term = &formulas[0].term;
+    let told = (term.shape.name, term.quantity.name);
+    assert_eq!(told, ("dying wave over", "time since the motion stopped"));
+}
+
+/// Presses that begin in motion, by a drive with a wave of 0.8 mm, and that go 60 mm off the specimen.
+#[test]
+fn a_wave_is_found_where_the_tool_goes_far_off_the_specimen() {
+    let mut random = ChaCha8Rng::seed_from_u64(17);
+    let time = times(1600, 200.0);
+    let presses = [(4.0, 8.0), (5.0, 12.0), (6.0, 16.0), (6.5, 10.0), (7.0, 14.0), (8.0, 9.0)];
+    let mut trace = |(deep, speed): (f64, f64)| {
+        let motion = move |t: f64| (speed * (t - 1.5)).min(deep).min(deep - 30.0 * (t - 6.0));
+        let mut measure = |(t, force): (&f64, f64)| {
+            let drawn: f64 = StandardNormal.sample(&mut random);
+            let wave = 0.05 * (TAU * motion(*t) / 0.8).sin();
+            force + 0.02 * drawn + if motion(*t) > 0.0 { wave } else { 0.0 }
+        };
+        let force = time.iter().zip(force(&time, motion)).map(&mut measure).collect();
+        let x = time.iter().map(|t| motion(*t)).collect();
+        let column = |name: &str, values| Column { name: name.into(), values };
+        let columns = vec![column(FORCE, force), column(DISPLACEMENT, x)];
+        Trace { time: time.clone(), columns, ..Trace::default() }
+    };
+    let traces = presses.map(&mut trace);
+    let base = fit(LAW, &Data::of(&traces, FORCE).unwrap()).unwrap();
+    let model = Model::of(&LAW, FORCE, &base.values, &base.standard_errors);
+    let discovery = discover(&model, &traces, "N").unwrap();
+    let Outcome::Formulas(formulas) = &discovery.outcome else {
+        panic!("{:?}", discovery.outcome);
+    };
+    assert_eq!(formulas[0].term.quantity.symbol, "x");
+    let period = formulas[0].law.parameters["period"].value;
+    assert!((period - 0.8).abs() < 0.01, "{period}");
 }
 
 #[test]

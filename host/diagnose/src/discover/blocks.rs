@@ -1,10 +1,11 @@
 //! Means on which a search goes as far as on all samples: what changes within a block must be noise.
 
 use crate::criticism::fitted::Fitted;
-use crate::criticism::noise::{NoiseModel, Seen};
+use crate::criticism::noise::NoiseModel;
 use palpate_fit::least_squares::LeastSquares;
 use palpate_fit::means::Means;
 use palpate_fit::problem::Problem;
+use palpate_fit::whitening::Whitening;
 
 /// How fine the blocks are that are tried in turn, and the part of the noise that what a model leaves may add to it within them: finer
 /// ones are the last before all samples.
@@ -12,18 +13,22 @@ const BLOCKS: [(f64, f64); 2] = [(1.0, 0.06), (4.0, 0.2)];
 /// Part by which sums of squares over means and over samples may differ.
 const APART: f64 = 0.04;
 
-/// The means on which a search goes as far as on all samples: those of a known noise, where a model leaves no more than noise within
-/// their blocks.
+/// The means on which a search goes as far as on all samples: those within whose blocks there is no more than noise.
 pub(super) fn of(samples: &Problem, base: &Fitted, noise: &NoiseModel) -> Option<Means> {
-    if noise.seen != Seen::OffTheSpecimen {
-        return None;
-    }
+    // What a model leaves is no measure of what is within blocks: where it stands for the noise, the scatter of neighbours is.
+    let white = Whitening::none();
+    let plain = Problem::new(samples.chain, samples.data(), &white, None);
+    let (judged, one) = match noise.is_known() {
+        true => (samples, 1.0),
+        false => (&plain, noise.level.powi(2)),
+    };
     BLOCKS.into_iter().find_map(|(finer, hidden)| {
         let means = Means::finer(samples.data(), Some(noise.level), finer)?;
         let few = means.data(samples.data());
         let on_means = samples.on_weighted_means(&means, &few);
         let (rows, count) = (samples.rows(), means.len());
-        let within = on_means.unseen() / (rows - count) as f64;
+        let unseen = judged.on_weighted_means(&means, &few).unseen();
+        let within = unseen / (rows - count) as f64 / one;
         let over = on_means.cost(&base.point) / samples.cost(&base.point) - 1.0;
         tracing::debug!(
             "{count} means of {rows} samples: {within:.3} noises within, sums of squares apart by {over:.4}"
@@ -41,9 +46,9 @@ mod tests {
     use rand_distr::{Distribution, StandardNormal};
 
     use super::*;
+    use crate::criticism::noise::Seen;
     use palpate_fit::data::Data;
     use palpate_fit::least_squares::Effort;
-    use palpate_fit::whitening::Whitening;
     use palpate_model::{BaseLaw, Chain, Separation};
     use palpate_trace::{Column, DISPLACEMENT, FORCE, Trace};
 

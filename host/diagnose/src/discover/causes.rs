@@ -19,7 +19,21 @@ pub struct Cause {
 }
 
 /// Causes; the first that fits is told.
-pub const CAUSES: [Cause; 20] = [
+pub const CAUSES: [Cause; 22] = [
+    Cause {
+        shapes: &[],
+        quantities: &["since((0.5 - abs(sign(v))) * total(abs(v)))"],
+        stages: &[],
+        cause: "what moved goes on after each stop: the frame swings out, the drive settles, a fluid comes to rest",
+        experiment: "stop from three speeds at one place, on the specimen and off it",
+    },
+    Cause {
+        shapes: &[],
+        quantities: &["F * v"],
+        stages: &[],
+        cause: "the work that is done turns to heat in the specimen or the sensor",
+        experiment: "repeat one press without pauses, then with pauses ten times as long",
+    },
     Cause {
         shapes: &["periodic"],
         quantities: &["x", "total"],

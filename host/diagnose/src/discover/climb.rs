@@ -9,11 +9,11 @@ use rayon::prelude::*;
 use super::grammar::{Grammar, Term};
 use super::simplify;
 use crate::criticism::agreement;
-use crate::criticism::evidence::{Evidence, Judged, Refusal, weigh};
+use crate::criticism::evidence::{Evidence, Judged, Refusal};
 use crate::criticism::fitted::Fitted;
 use crate::criticism::held_out::{held_out_in_one_step, over_sections};
 use crate::criticism::screen::{DRAWS, Direction, Screen, screen};
-use crate::criticism::search::{DECISIVE, Found, Rival, Search, Step, refused};
+use crate::criticism::search::{DECISIVE, DISAGREEMENT, Found, Rival, Search, Step, refused};
 use nalgebra::DMatrix;
 use palpate_fit::least_squares::{Effort, Solution};
 use palpate_model::Chain;
@@ -29,13 +29,12 @@ const OF_A_TERM: usize = 2;
 const CURVES: usize = 3;
 /// A start is tried from this part of the best foretold gain on.
 const WORTH: f64 = 0.1;
-/// Most terms that are refitted, of those that gain this part of the best after a few steps.
-const REFITTED: usize = 6;
+/// Most terms that are refitted, in all and of one quantity at one stage, of those that gain this part of the best after a few steps.
+const REFITTED: usize = 7;
+const ALIKE: usize = 2;
 const CLOSE: f64 = 0.3;
 /// Terms whose traces left out are predicted by refits in earnest: those that one step speaks for most.
 const IN_EARNEST: usize = 2;
-/// Chance of as much agreement between the parts of the data above which they do not agree.
-const DISAGREEMENT: f64 = 0.1;
 /// Standard errors over the traces that a term on which parts have not voted has to gain, and a free curve over every law.
 const SURE: f64 = 2.0;
 
@@ -60,11 +59,19 @@ struct Trial {
     fit: Solution,
 }
 
-/// A term refitted beside the last model, with the evidence for it.
-struct Weighed {
+/// A term refitted beside the last model.
+struct Tried {
     rival: Rival,
-    evidence: Evidence,
     /// Whether what it leaves is noise.
+    exact: bool,
+    /// Whether it is weighed whatever comes of the others.
+    promising: bool,
+}
+
+/// The same with the evidence for it.
+struct Weighed<'a> {
+    rival: &'a Rival,
+    evidence: Evidence,
     exact: bool,
 }
 
@@ -157,17 +164,24 @@ impl Climb<'_> {
             return false;
         }
         let mut told = self.told(&found.last);
-        let mut weighed = self.tried(found, &mut told);
-        weighed.retain(|it| told.chance[it.rival.candidate] <= level);
+        let mut tried = self.tried(found, &mut told);
+        tried.retain(|it| told.chance[it.rival.candidate] <= level);
         let without =
             Judged { fitted: found.model(), evidence: &found.evidence[found.steps.len()] };
         let mut refusals = Vec::new();
-        let mut borne_out: Vec<&Weighed> = Vec::new();
-        for it in &weighed {
-            match self.weigh(without, it, told.agreement[it.rival.candidate]) {
+        let mut borne_out: Vec<Weighed> = Vec::new();
+        for Tried { rival, exact, promising } in &tried {
+            if !(*promising || borne_out.is_empty()) {
+                continue;
+            }
+            let agreement = told.agreement[rival.candidate];
+            let (evidence, refusal) = self.search.weigh(without, &rival.fitted, *exact, None);
+            let it = Weighed { rival, evidence, exact: *exact };
+            match refusal.and_then(|()| it.gains_surely(without, agreement)) {
                 Ok(()) => borne_out.push(it),
                 Err(reason) => {
-                    refusals.push(refused(&it.rival.effect, without, it.judged(), reason));
+                    tracing::debug!("refused: {} ({reason:?})", rival.effect);
+                    refusals.push(refused(&rival.effect, without, it.judged(), reason));
                 }
             }
         }
@@ -180,7 +194,7 @@ impl Climb<'_> {
         let p_value = voted.unwrap_or(told.chance[candidate]);
         let (effect, model) = (chosen.rival.effect.clone(), chosen.rival.fitted.clone());
         let evidence = chosen.evidence.clone();
-        let rivals = weighed.iter().map(|it| it.rival.clone()).collect();
+        let rivals = tried.iter().map(|it| it.rival.clone()).collect();
         found.refuse(refusals);
         found.refused.retain(|refused| refused.effect != effect);
         found.models.push(model);
@@ -190,19 +204,21 @@ impl Climb<'_> {
     }
 
     /// The best of the terms that are borne out, and the names of those that predict traces left out as well.
-    fn best_of<'b>(&self, borne_out: &[&'b Weighed]) -> Option<(&'b Weighed, Vec<String>)> {
+    fn best_of<'b>(&self, borne_out: &'b [Weighed<'b>]) -> Option<(&'b Weighed<'b>, Vec<String>)> {
+        let all: Vec<&Weighed> = borne_out.iter().collect();
         let laws: Vec<&Weighed> =
-            borne_out.iter().copied().filter(|it| !self.is_free(it.rival.candidate)).collect();
-        let ahead =
-            |of: &[&'b Weighed]| of.iter().copied().min_by(|a, b| a.error().total_cmp(&b.error()));
-        let best = ahead(borne_out)?;
+            all.iter().copied().filter(|it| !self.is_free(it.rival.candidate)).collect();
+        let ahead = |of: &[&'b Weighed<'b>]| {
+            of.iter().copied().min_by(|a, b| a.error().total_cmp(&b.error()))
+        };
+        let best = ahead(&all)?;
         // A free curve has to predict better than every law, and surely.
         let best = match ahead(&laws) {
             Some(law) if law.exact || !best.gains_over(law, SURE) => law,
             _ => best,
         };
         let mut as_good: Vec<&Weighed> =
-            borne_out.iter().copied().filter(|it| !best.gains_over(it, 1.0)).collect();
+            all.into_iter().filter(|it| !best.gains_over(it, 1.0)).collect();
         let is_free = self.is_free(best.rival.candidate);
         as_good.retain(|it| is_free || !self.is_free(it.rival.candidate));
         as_good.sort_by(|a, b| a.rival.fitted.bic().total_cmp(&b.rival.fitted.bic()));
@@ -220,8 +236,8 @@ impl Climb<'_> {
         Told { chance, agreement }
     }
 
-    /// The terms that are worth it, refitted, with the evidence for each.
-    fn tried(&self, found: &Found, told: &mut Told) -> Vec<Weighed> {
+    /// The terms that are worth it, refitted.
+    fn tried(&self, found: &Found, told: &mut Told) -> Vec<Tried> {
         let from = found.model();
         let (laws, curves) = self.worth_a_try(&found.last);
         let mut laws = self.trials(from, &laws);
@@ -237,24 +253,16 @@ impl Climb<'_> {
             }
         }
         laws.extend(self.trials(from, &near.iter().collect::<Vec<_>>()));
-        let mut weighed = self.with_evidence(self.refitted(from, laws));
+        let mut tried = self.refitted(from, laws);
         // Where a law leaves only noise no curve is wanted, which takes long to refit.
-        if !weighed.iter().any(|it| it.exact) {
+        if !tried.iter().any(|it| it.exact && it.promising) {
             let likeliest =
                 curves.into_iter().min_by(|a, b| a.fit.normal.cost.total_cmp(&b.fit.normal.cost));
-            let curve = self.refitted(from, likeliest.into_iter().collect());
-            weighed.extend(self.with_evidence(curve));
+            tried.extend(self.refitted(from, likeliest.into_iter().collect()));
         }
-        weighed
-    }
-
-    fn with_evidence(&self, rivals: Vec<Rival>) -> Vec<Weighed> {
-        let weighed = |rival: Rival| Weighed {
-            evidence: Evidence::of(self.search.problem, &rival.fitted),
-            exact: self.search.leaves_noise(&rival.fitted),
-            rival,
-        };
-        rivals.into_iter().map(weighed).collect()
+        // Those that promise less come last.
+        tried.sort_by_key(|it| !it.promising);
+        tried
     }
 
     /// Laws near a free curve, as starts.
@@ -277,29 +285,6 @@ impl Climb<'_> {
             shift: shift.clone(),
         };
         near.into_iter().map(start).collect()
-    }
-
-    /// What speaks against a term. Where it leaves more than noise, its fit must gain by the samples that are independent in what it
-    /// leaves, and the parts of the data must agree.
-    fn weigh(&self, without: Judged, it: &Weighed, agreement: Option<f64>) -> Result<(), Refusal> {
-        let with = it.judged();
-        weigh(without, with, it.exact)?;
-        if it.exact {
-            return Ok(());
-        }
-        if !with.fitted.beats_inexact(without.fitted, DECISIVE) {
-            return Err(Refusal::FitUncertain);
-        }
-        if let Some(chance) = agreement.filter(|chance| *chance > DISAGREEMENT) {
-            return Err(Refusal::Disagreement(chance));
-        }
-        let gain = with.evidence.left_out().zip(without.evidence.left_out());
-        match gain.map(|(after, before)| after.gain(before)) {
-            Some(gain) if agreement.is_none() && !gain.exceeds(SURE) => {
-                Err(Refusal::HeldOutUncertain(gain))
-            }
-            _ => Ok(()),
-        }
     }
 
     /// The starts that the screen foretells most for, of laws and of free curves.
@@ -330,23 +315,29 @@ impl Climb<'_> {
             Trial { term: direction.candidate, chain, fit }
         };
         let tried: Vec<Trial> = chosen.par_iter().map(trial).collect();
+        for it in &tried {
+            let gain = from.cost - it.fit.normal.cost;
+            tracing::debug!("tried: {}: gain {gain:.1}", self.term(it.term).candidate.name);
+        }
         tried.into_iter().filter(|trial| trial.fit.normal.cost.is_finite()).collect()
     }
 
     /// The terms that gain most after a few steps, refitted; of these the ones that traces left out, each in one step from the fit to
     /// all, and the likelihood speak for most.
-    fn refitted(&self, from: &Fitted, mut tried: Vec<Trial>) -> Vec<Rival> {
+    fn refitted(&self, from: &Fitted, mut tried: Vec<Trial>) -> Vec<Tried> {
         tried.sort_by(|a, b| a.fit.normal.cost.total_cmp(&b.fit.normal.cost));
         let gain = |trial: &Trial| from.cost - trial.fit.normal.cost;
         let most = tried.first().map_or(0.0, gain);
         let mut seen: Vec<usize> = Vec::new();
         tried.retain(|trial| {
-            let is_new = !seen.contains(&trial.term);
-            let close = gain(trial) >= CLOSE * most;
-            if is_new && close {
+            let alike =
+                seen.iter().filter(|term| self.term(**term).acts_like(self.term(trial.term)));
+            let is_new = !seen.contains(&trial.term) && alike.count() < ALIKE;
+            let kept = is_new && gain(trial) >= CLOSE * most && seen.len() < REFITTED;
+            if kept {
                 seen.push(trial.term);
             }
-            is_new && close && seen.len() <= REFITTED
+            kept
         });
         let mut rivals: Vec<Rival> = tried
             .into_par_iter()
@@ -362,7 +353,7 @@ impl Climb<'_> {
         self.most_promising(rivals)
     }
 
-    fn most_promising(&self, rivals: Vec<Rival>) -> Vec<Rival> {
+    fn most_promising(&self, rivals: Vec<Rival>) -> Vec<Tried> {
         let problem = self.search.problem;
         let error = |rival: &Rival| {
             let left_out = held_out_in_one_step(problem, &rival.fitted);
@@ -374,8 +365,12 @@ impl Climb<'_> {
             errors.iter().take(IN_EARNEST).map(|(index, _)| *index).collect();
         // The likeliest may do better once it is refitted in earnest.
         kept.push(0);
-        let place = |(index, rival)| kept.contains(&index).then_some(rival);
-        rivals.into_iter().enumerate().filter_map(place).collect()
+        let seen = |(index, rival): (usize, Rival)| Tried {
+            exact: self.search.leaves_noise(&rival.fitted),
+            promising: kept.contains(&index),
+            rival,
+        };
+        rivals.into_iter().enumerate().map(seen).collect()
     }
 
     /// Takes away every term beside which a later one has made it superfluous: without it, everything refitted, traces left out are
@@ -418,7 +413,22 @@ impl Climb<'_> {
     }
 }
 
-impl Weighed {
+impl Weighed<'_> {
+    /// Refuses a term that leaves more than noise, on which the parts of the data do not agree, and whose gain on traces left out is
+    /// not sure.
+    fn gains_surely(&self, without: Judged, agreement: Option<f64>) -> Result<(), Refusal> {
+        if self.exact || agreement.is_some_and(|chance| chance <= DISAGREEMENT) {
+            return Ok(());
+        }
+        let gain = self.evidence.left_out().zip(without.evidence.left_out());
+        match (gain.map(|(after, before)| after.gain(before)), agreement) {
+            (Some(gain), _) if gain.exceeds(SURE) => Ok(()),
+            (Some(gain), None) => Err(Refusal::HeldOutUncertain(gain)),
+            (_, Some(chance)) => Err(Refusal::Disagreement(chance)),
+            (None, None) => Ok(()),
+        }
+    }
+
     fn judged(&self) -> Judged<'_> {
         Judged { fitted: &self.rival.fitted, evidence: &self.evidence }
     }

@@ -35,9 +35,14 @@ impl Term {
         format!("{} {}{}", self.shape.name, self.quantity.name, self.factor.name)
     }
 
-    /// Whether another depends on the same quantity at the same stage, multiplied by the same.
+    /// Whether another depends on the same quantity at the same stage.
+    pub(super) fn acts_like(&self, other: &Self) -> bool {
+        self.stage == other.stage && self.quantity == other.quantity
+    }
+
+    /// The same, multiplied by the same.
     pub(super) fn beside(&self, other: &Self) -> bool {
-        self.stage == other.stage && self.quantity == other.quantity && self.factor == other.factor
+        self.acts_like(other) && self.factor == other.factor
     }
 }
 

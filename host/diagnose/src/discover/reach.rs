@@ -43,12 +43,18 @@ const fn quantity(
 }
 
 /// Every quantity.
-pub const QUANTITIES: [Quantity; 20] = [
+pub const QUANTITIES: [Quantity; 22] = [
     quantity("x", "displacement", "mm", Kind::Fast),
     quantity("v", "velocity", "mm/s", Kind::Rate),
     Quantity { symbol: "F", name: "force", unit: None, kind: Kind::Fast },
     quantity("t", "time in the trace", "s", Kind::Clock),
     quantity("since(x)", "time since the touch", "s", Kind::Clock),
+    quantity(
+        "since((0.5 - abs(sign(v))) * total(abs(v)))",
+        "time since the motion stopped",
+        "s",
+        Kind::Clock,
+    ),
     quantity("total(abs(v))", "way travelled", "mm", Kind::Clock),
     quantity("t_set", "time in the data set", "s", Kind::Slow),
     quantity("T", "temperature", "K", Kind::Slow),
@@ -57,6 +63,7 @@ pub const QUANTITIES: [Quantity; 20] = [
     quantity("sign(v)", "direction of the motion", "", Kind::Plain),
     quantity("abs(v)", "speed", "mm/s", Kind::Plain),
     quantity("a", "acceleration", "mm/s²", Kind::Plain),
+    quantity("F * v", "power", "N mm/s", Kind::Plain),
     quantity("x * v", "displacement times velocity", "mm²/s", Kind::Plain),
     quantity("x * sign(v)", "displacement times direction", "mm", Kind::Plain),
     quantity("x * T", "displacement times temperature", "mm K", Kind::Plain),
@@ -120,7 +127,11 @@ impl Reach {
         predicted: &[Vec<f64>],
         left: &[Vec<f64>],
     ) -> Option<Self> {
-        let values = values(quantity, data, predicted)?;
+        let mut values = values(quantity, data, predicted)?;
+        if quantity.symbol == "x" {
+            let farthest = data.farthest_off();
+            values.iter_mut().flatten().for_each(|x| *x = x.max(farthest));
+        }
         let all = || values.iter().flatten().copied();
         let (least, most) =
             (all().fold(f64::INFINITY, f64::min), all().fold(f64::NEG_INFINITY, f64::max));

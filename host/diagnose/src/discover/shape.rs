@@ -43,6 +43,8 @@ pub(super) enum Family {
     DyingWave,
     /// Of what was before.
     Memory,
+    /// Of the square of what was before.
+    SquareMemory,
     /// A curve of any shape.
     Free,
 }
@@ -103,10 +105,17 @@ const PHASE: ShapeParameter = ShapeParameter {
     bounds: |_| (-7.0, 7.0),
 };
 
+const DELAY: ShapeParameter = ShapeParameter {
+    name: "time",
+    unit: Unit::Seconds,
+    grid: |reach| reach.times.to_vec(),
+    bounds: |reach| (0.2 * reach.times[0], 20.0 * reach.times[3]),
+};
+
 const ONE: fn(&Reach) -> f64 = |_| 1.0;
 
 /// Every shape but free curves.
-pub const SHAPES: [Shape; 10] = [
+pub const SHAPES: [Shape; 11] = [
     Shape {
         name: "proportional to",
         family: Family::Straight,
@@ -217,13 +226,19 @@ pub const SHAPES: [Shape; 10] = [
         text: "lag({c}, time)",
         value: None,
         power: 1,
-        parameters: &[ShapeParameter {
-            name: "time",
-            unit: Unit::Seconds,
-            grid: |reach| reach.times.to_vec(),
-            bounds: |reach| (0.2 * reach.times[0], 20.0 * reach.times[3]),
-        }],
+        parameters: &[DELAY],
         size: |reach| reach.size(),
+        slow: false,
+    },
+    Shape {
+        name: "behind the square of",
+        family: Family::SquareMemory,
+        words: "follows the square of the {c} with a delay of {time}, by {size}",
+        text: "lag({c}^2, time)",
+        value: None,
+        power: 2,
+        parameters: &[DELAY],
+        size: |reach| reach.size().powi(2),
         slow: false,
     },
 ];
@@ -250,14 +265,14 @@ impl Shape {
 
     /// Whether a quantity can be tried in it.
     pub(super) fn suits(&self, quantity: &Quantity, reach: &Reach) -> bool {
-        use Family::{Curve, Decay, DyingWave, Memory, Straight};
+        use Family::{Curve, Decay, DyingWave, Memory, SquareMemory, Straight};
         // An exponential of what goes far below 0 is no decay.
         if matches!(self.family, Decay | DyingWave) && reach.least < -0.1 * reach.span() {
             return false;
         }
         match quantity.kind {
             Kind::Fast => self.family != DyingWave,
-            Kind::Clock => self.family != Memory,
+            Kind::Clock => !matches!(self.family, Memory | SquareMemory),
             Kind::Slow => self.slow,
             Kind::Rate => matches!(self.family, Straight | Curve | Decay | Memory),
             Kind::Plain => matches!(self.family, Straight | Memory),
