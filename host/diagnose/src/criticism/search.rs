@@ -865,7 +865,8 @@ impl Search<'_> {
         let form = &self.candidates[direction.candidate].forms[direction.form];
         let chain = from.chain.with(form.applied.clone());
         let problem = self.problem.with_chain(&chain);
-        // A forecast beyond the reach of its straight line would start worse than half of it, or than none.
+        // A forecast beyond the reach of its straight line would start worse than half of it; where even that is worse than none, the
+        // search goes on from both.
         let part = |part: f64| -> Vec<f64> {
             let model = from.point.iter().zip(&direction.shift).map(|(x, step)| x + part * step);
             let strengths = direction.strengths.iter().map(|strength| part * strength);
@@ -874,13 +875,14 @@ impl Search<'_> {
         };
         let (whole, half) = (part(1.0), part(0.5));
         let (of_whole, of_half) = (problem.cost(&whole), problem.cost(&half));
-        let start = match of_whole.min(of_half) {
-            least if least >= from.cost => part(0.0),
-            least if least == of_whole => whole,
-            _ => half,
-        };
+        let start = if of_whole <= of_half { whole } else { half };
         let found = minimise_with(&problem, &start, Effort::TRIAL);
-        (chain, found)
+        if of_whole.min(of_half) < from.cost {
+            return (chain, found);
+        }
+        let from_none = minimise_with(&problem, &part(0.0), Effort::TRIAL);
+        let fell = from_none.normal.cost < found.normal.cost || found.normal.cost.is_nan();
+        (chain, if fell { from_none } else { found })
     }
 
     /// Asks of every effect whether another would do better in its place, and whether it is still
