@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 use std::time::Instant;
 
 use palpate::answers::{self, DiscoveryAnswer};
+use palpate::discover::formula::Formula;
 use palpate::discover::{Discovery, Outcome, discover};
 use palpate::fit::data::Data;
 use palpate::fit::whole_motion::fit;
@@ -40,10 +41,22 @@ fn thinned_set(part: usize, seed: u64, hidden: &[(&str, LawKind)], r: f64) -> Da
 
 /// Fits the base law and looks for a formula.
 fn ask(set: &DataSet) -> Discovery {
-    let signal = set.truth.signal;
-    let base = fit(LAW, &Data::of(&set.traces, signal).unwrap()).unwrap();
+    ask_of(&set.traces, set.truth.signal)
+}
+
+/// The same of the traces of a test.
+fn ask_of(traces: &[Trace], signal: &str) -> Discovery {
+    let base = fit(LAW, &Data::of(traces, signal).unwrap()).unwrap();
     let model = Model::of(&LAW, signal, &base.values, &base.standard_errors);
-    discover(&model, &set.traces, "N").unwrap()
+    discover(&model, traces, "N").unwrap()
+}
+
+/// The formulas that were found.
+fn formulas(discovery: &Discovery) -> &[Formula] {
+    let Outcome::Formulas(formulas) = &discovery.outcome else {
+        panic!("{:?}", discovery.outcome);
+    };
+    formulas
 }
 
 /// Error on traces left out of the last model, over the noise that the generator added.
@@ -66,10 +79,7 @@ fn the_teeth_of_a_drive_are_a_wave_over_the_displacement() {
     // A wave of a millimetre at 60 mm/s still has four samples.
     let set = thinned_set(2, 31, &[("cogging", LawKind::Outside)], 1.0);
     let discovery = ask(&set);
-    let Outcome::Formulas(formulas) = &discovery.outcome else {
-        panic!("{:?}", discovery.outcome);
-    };
-    let formula = &formulas[0];
+    let formula = &formulas(&discovery)[0];
     assert_eq!((formula.term.shape.name, formula.term.quantity.symbol), ("periodic in", "x"));
     assert!(held_out(&discovery, &set) < 1.15, "{:?}", discovery.ladder);
     follows_schema("discover", &printed(&discovery, &set));
@@ -79,10 +89,7 @@ fn the_teeth_of_a_drive_are_a_wave_over_the_displacement() {
 fn what_goes_on_after_each_stop_is_a_wave_that_dies_away() {
     let set = thinned_set(8, 42, &[("swing-out", LawKind::Beyond)], 2.0);
     let discovery = ask(&set);
-    let Outcome::Formulas(formulas) = &discovery.outcome else {
-        panic!("{:?}", discovery.outcome);
-    };
-    let term = &formulas[0].term;
+    let term = &formulas(&discovery)[0].term;
     let told = (term.shape.name, term.quantity.name);
     assert_eq!(told, ("dying wave over", "time since the motion stopped"));
 }
@@ -107,14 +114,10 @@ fn a_wave_is_found_where_the_tool_goes_far_off_the_specimen() {
         Trace { time: time.clone(), columns, ..Trace::default() }
     };
     let traces = presses.map(&mut trace);
-    let base = fit(LAW, &Data::of(&traces, FORCE).unwrap()).unwrap();
-    let model = Model::of(&LAW, FORCE, &base.values, &base.standard_errors);
-    let discovery = discover(&model, &traces, "N").unwrap();
-    let Outcome::Formulas(formulas) = &discovery.outcome else {
-        panic!("{:?}", discovery.outcome);
-    };
-    assert_eq!(formulas[0].term.quantity.symbol, "x");
-    let period = formulas[0].law.parameters["period"].value;
+    let discovery = ask_of(&traces, FORCE);
+    let formula = &formulas(&discovery)[0];
+    assert_eq!(formula.term.quantity.symbol, "x");
+    let period = formula.law.parameters["period"].value;
     assert!((period - 0.8).abs() < 0.01, "{period}");
 }
 

@@ -1072,6 +1072,10 @@ impl LeastSquares for Problem<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::whole_motion::predict;
+    use palpate_model::effects::candidates;
+    use palpate_model::{BaseLaw, Separation};
+    use palpate_trace::{Column, DISPLACEMENT, FORCE, Trace};
 
     #[test]
     fn a_sample_that_a_step_moves_across_a_jump_follows_its_neighbours() {
@@ -1085,10 +1089,6 @@ mod tests {
             assert_eq!(smoothed(smooth.clone()), smooth);
         }
     }
-    use crate::whole_motion::predict;
-    use palpate_model::effects::candidates;
-    use palpate_model::{BaseLaw, Separation};
-    use palpate_trace::{Column, DISPLACEMENT, FORCE, Trace};
 
     /// Two presses with holds, one after the other.
     fn traces() -> Vec<Trace> {

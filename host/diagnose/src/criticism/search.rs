@@ -26,7 +26,7 @@ use palpate_model::effects::{Candidate, Needs, find};
 /// Fall of the information criterion that decides between models.
 pub const DECISIVE: f64 = 10.0;
 /// Standard errors over the traces by which a gain on traces left out is sure.
-pub(super) const SURE: f64 = 2.0;
+pub(crate) const SURE: f64 = 2.0;
 /// Chance of as much agreement between the parts of the data above which they do not agree.
 pub(crate) const DISAGREEMENT: f64 = 0.1;
 /// Chance of as much agreement about one effect by itself, where the parts agree about any, up to which that speaks for it.
@@ -124,19 +124,28 @@ impl Rival {
     }
 }
 
-/// A rival that is borne out.
-struct Borne {
-    /// Which.
-    rival: usize,
-    evidence: Evidence,
+/// A rival with the evidence for it.
+pub(crate) struct Weighed<'a> {
+    pub(crate) rival: &'a Rival,
+    pub(crate) evidence: Evidence,
     /// Whether what it leaves is noise.
-    exact: bool,
+    pub(crate) exact: bool,
 }
 
-impl Borne {
+impl Weighed<'_> {
+    pub(crate) fn judged(&self) -> Judged<'_> {
+        Judged { fitted: &self.rival.fitted, evidence: &self.evidence }
+    }
+
     /// Its error on what it was not fitted to.
-    fn error(&self) -> f64 {
+    pub(crate) fn error(&self) -> f64 {
         self.evidence.left_out().map_or(f64::INFINITY, |errors| errors.rms)
+    }
+
+    /// Whether it predicts better than another by more than this many standard errors.
+    pub(crate) fn gains_over(&self, other: &Self, standard_errors: f64) -> bool {
+        let both = self.evidence.left_out().zip(other.evidence.left_out());
+        both.is_none_or(|(own, other)| own.gain(other).exceeds(standard_errors))
     }
 }
 
@@ -524,26 +533,22 @@ impl Search<'_> {
         let (borne_out, refusals) = self.borne_out_of(without, &rivals, &agreement);
         found.refuse(refusals);
         let Some(ahead) = borne_out.first() else { return false };
-        let as_good = |best: &Borne, other: &Borne, standard_errors: f64| {
-            let both = best.evidence.left_out().zip(other.evidence.left_out());
-            both.is_some_and(|(best, other)| !best.gain(other).exceeds(standard_errors))
-        };
         // Where none predicts surely better, one that the parts agree on by the measure of the whole library.
         let library = agreement::chances(&found.last, self.candidates);
-        let agreed = |it: &&Borne| it.exact || library[rivals[it.rival].candidate] <= DISAGREEMENT;
-        let sure = borne_out.iter().filter(agreed).find(|it| as_good(ahead, it, SURE));
+        let agreed = |it: &&Weighed| it.exact || library[it.rival.candidate] <= DISAGREEMENT;
+        let sure = borne_out.iter().filter(agreed).find(|it| !ahead.gains_over(it, SURE));
         let best = sure.unwrap_or(ahead);
-        let names_of = borne_out.iter().filter(|it| as_good(best, it, 1.0));
-        let mut names: Vec<String> = names_of.map(|it| rivals[it.rival].effect.clone()).collect();
-        let effect = rivals[best.rival].effect.clone();
+        let names_of = borne_out.iter().filter(|it| !best.gains_over(it, 1.0));
+        let mut names: Vec<String> = names_of.map(|it| it.rival.effect.clone()).collect();
+        let Rival { candidate, effect, fitted, .. } = best.rival.clone();
         names.retain(|name| *name != effect);
         names.insert(0, effect.clone());
-        let candidate = rivals[best.rival].candidate;
         let p_value = if best.exact { found.last.chance[candidate] } else { agreement[candidate] };
-        found.models.push(rivals[best.rival].fitted.clone());
+        found.models.push(fitted);
         found.evidence.push(best.evidence.clone());
-        rivals.swap(0, best.rival);
-        rivals[1..].sort_by(by_criterion);
+        rivals.sort_by(|a, b| {
+            (a.candidate != candidate).cmp(&(b.candidate != candidate)).then(by_criterion(a, b))
+        });
         found.refused.retain(|refused| refused.effect != effect);
         found.steps.push(Step { effect, p_value, rivals, credible: names, fresh: true });
         let holds = self.holds_on_rows(found);
@@ -555,18 +560,18 @@ impl Search<'_> {
 
     /// The rivals that are borne out, the one that predicts best first, and what speaks against others. Where one predicts surely better
     /// than another leaves that is fitted to all, leaving traces out of that one would tell nothing.
-    fn borne_out_of(
+    fn borne_out_of<'b>(
         &self,
         without: Judged,
-        rivals: &[Rival],
+        rivals: &'b [Rival],
         agreement: &[f64],
-    ) -> (Vec<Borne>, Vec<Refused>) {
-        let mut order: Vec<usize> = (0..rivals.len()).collect();
-        order.sort_by(|&a, &b| rivals[a].fitted.rms().total_cmp(&rivals[b].fitted.rms()));
-        let (mut borne_out, mut refusals): (Vec<Borne>, Vec<Refused>) = (Vec::new(), Vec::new());
-        for index in order {
-            let Rival { candidate, effect, fitted, .. } = &rivals[index];
-            let beats = |it: &Borne| {
+    ) -> (Vec<Weighed<'b>>, Vec<Refused>) {
+        let mut order: Vec<&Rival> = rivals.iter().collect();
+        order.sort_by(|a, b| a.fitted.rms().total_cmp(&b.fitted.rms()));
+        let (mut borne_out, mut refusals): (Vec<Weighed>, Vec<Refused>) = (Vec::new(), Vec::new());
+        for rival in order {
+            let Rival { candidate, effect, fitted, .. } = rival;
+            let beats = |it: &Weighed| {
                 it.evidence.left_out().is_some_and(|errors| errors.surely_beats(fitted, SURE))
             };
             if borne_out.iter().any(beats) {
@@ -575,17 +580,15 @@ impl Search<'_> {
             let exact = self.leaves_noise(fitted);
             let (evidence, refusal) =
                 self.weigh(without, fitted, exact, Some(agreement[*candidate]));
+            let it = Weighed { rival, evidence, exact };
             match refusal {
-                Ok(()) => borne_out.push(Borne { rival: index, evidence, exact }),
-                Err(reason) => {
-                    let with = Judged { fitted, evidence: &evidence };
-                    refusals.push(refused(effect, without, with, reason));
-                }
+                Ok(()) => borne_out.push(it),
+                Err(reason) => refusals.push(refused(effect, without, it.judged(), reason)),
             }
         }
         borne_out.sort_by(|a, b| a.error().total_cmp(&b.error()));
         for it in &borne_out {
-            tracing::debug!("borne out: {}, left out {:.6e}", rivals[it.rival].effect, it.error());
+            tracing::debug!("borne out: {}, left out {:.6e}", it.rival.effect, it.error());
         }
         (borne_out, refusals)
     }
@@ -1117,7 +1120,7 @@ fn is_minor(base: &Fitted, without: &Fitted, with: &Fitted) -> bool {
 
 /// Weighs a rival by what needs no refit. Where what it leaves need not be noise, the fit must gain by the samples that are
 /// independent in it, whatever the number of all, and the parts of the data must agree.
-pub(crate) fn weigh_without_refits(
+fn weigh_without_refits(
     exact: bool,
     without: Judged,
     with: Judged,

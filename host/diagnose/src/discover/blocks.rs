@@ -17,18 +17,18 @@ const APART: f64 = 0.04;
 pub(super) fn of(samples: &Problem, base: &Fitted, noise: &NoiseModel) -> Option<Means> {
     // What a model leaves is no measure of what is within blocks: where it stands for the noise, the scatter of neighbours is.
     let white = Whitening::none();
-    let plain = Problem::new(samples.chain, samples.data(), &white, None);
-    let (judged, one) = match noise.is_known() {
-        true => (samples, 1.0),
-        false => (&plain, noise.level.powi(2)),
-    };
+    let plain =
+        (!noise.is_known()).then(|| Problem::new(samples.chain, samples.data(), &white, None));
     BLOCKS.into_iter().find_map(|(finer, hidden)| {
         let means = Means::finer(samples.data(), Some(noise.level), finer)?;
         let few = means.data(samples.data());
         let on_means = samples.on_weighted_means(&means, &few);
         let (rows, count) = (samples.rows(), means.len());
-        let unseen = judged.on_weighted_means(&means, &few).unseen();
-        let within = unseen / (rows - count) as f64 / one;
+        let unseen = plain.as_ref().map_or_else(
+            || on_means.unseen(),
+            |plain| plain.on_weighted_means(&means, &few).unseen() / noise.level.powi(2),
+        );
+        let within = unseen / (rows - count) as f64;
         let over = on_means.cost(&base.point) / samples.cost(&base.point) - 1.0;
         tracing::debug!(
             "{count} means of {rows} samples: {within:.3} noises within, sums of squares apart by {over:.4}"

@@ -13,7 +13,9 @@ use crate::criticism::evidence::{Evidence, Judged, Refusal};
 use crate::criticism::fitted::Fitted;
 use crate::criticism::held_out::{held_out_in_one_step, over_sections};
 use crate::criticism::screen::{DRAWS, Direction, Screen, screen};
-use crate::criticism::search::{DECISIVE, DISAGREEMENT, Found, Rival, Search, Step, refused};
+use crate::criticism::search::{
+    DECISIVE, DISAGREEMENT, Found, Rival, SURE, Search, Step, Weighed, refused,
+};
 use nalgebra::DMatrix;
 use palpate_fit::least_squares::{Effort, Solution};
 use palpate_model::Chain;
@@ -35,8 +37,6 @@ const ALIKE: usize = 2;
 const CLOSE: f64 = 0.3;
 /// Terms whose traces left out are predicted by refits in earnest: those that one step speaks for most.
 const IN_EARNEST: usize = 2;
-/// Standard errors over the traces that a term on which parts have not voted has to gain, and a free curve over every law.
-const SURE: f64 = 2.0;
 
 /// A search over the terms of the grammar.
 pub(super) struct Climb<'a> {
@@ -66,13 +66,6 @@ struct Tried {
     exact: bool,
     /// Whether it is weighed whatever comes of the others.
     promising: bool,
-}
-
-/// The same with the evidence for it.
-struct Weighed<'a> {
-    rival: &'a Rival,
-    evidence: Evidence,
-    exact: bool,
 }
 
 impl Climb<'_> {
@@ -427,21 +420,6 @@ impl Weighed<'_> {
             (_, Some(chance)) => Err(Refusal::Disagreement(chance)),
             (None, None) => Ok(()),
         }
-    }
-
-    fn judged(&self) -> Judged<'_> {
-        Judged { fitted: &self.rival.fitted, evidence: &self.evidence }
-    }
-
-    /// Its error on what it was not fitted to.
-    fn error(&self) -> f64 {
-        self.evidence.left_out().map_or(f64::INFINITY, |errors| errors.rms)
-    }
-
-    /// Whether it predicts better than another by more than this many standard errors.
-    fn gains_over(&self, other: &Self, standard_errors: f64) -> bool {
-        let both = self.evidence.left_out().zip(other.evidence.left_out());
-        both.is_none_or(|(own, other)| own.gain(other).exceeds(standard_errors))
     }
 }
 
