@@ -20,8 +20,8 @@ use palpate_fit::least_squares::{Effort, LeastSquares, Solution, minimise_with};
 use palpate_fit::problem::Problem;
 use palpate_fit::watch;
 use palpate_fit::whitening::Whitening;
-use palpate_model::Chain;
 use palpate_model::effects::{Candidate, Needs, find};
+use palpate_model::{Applied, Chain};
 
 /// Fall of the information criterion that decides between models.
 pub const DECISIVE: f64 = 10.0;
@@ -487,22 +487,16 @@ impl Search<'_> {
 
     /// Adds an effect of another search, as it stands at its end, if it is borne out.
     fn try_on(&self, found: &mut Found, other: &Found, index: usize) {
-        let end = other.model();
-        let place = other.base.chain.effects.len() + index;
-        let chain = found.model().chain.with(end.chain.effects[place].clone());
-        let point = [&found.model().point[..], &end.point[end.chain.range(place)]].concat();
-        let problem = self.problem.with_chain(&chain);
-        let fitted = Fitted::new(&problem, &point, Effort::LONG);
-        let evidence = self.evidence(&fitted);
         let effect = other.steps[index].effect.clone();
-        let (without, with) =
-            (found.judged(found.steps.len()), Judged { fitted: &fitted, evidence: &evidence });
         let Some(candidate) = self.candidate(&effect) else { return };
+        let (chain, start) = with_effect_of(found.model(), other, index);
+        let fitted = Fitted::new(&self.problem.with_chain(&chain), &start, Effort::LONG);
         let p_value = self.voted(&found.last)[candidate];
         let exact = self.leaves_noise(&fitted);
-        let weighed = weigh_without_refits(exact, without, with, Some(p_value))
-            .and_then(|()| weigh_left_out(without, with, exact));
-        if let Err(reason) = weighed {
+        let without = found.judged(found.steps.len());
+        let (evidence, refusal) = self.weigh(without, &fitted, exact, Some(p_value));
+        if let Err(reason) = refusal {
+            let with = Judged { fitted: &fitted, evidence: &evidence };
             let refused = refused(&effect, without, with, reason);
             found.refuse([refused]);
             return;
@@ -1103,6 +1097,25 @@ impl Search<'_> {
             found.models[step] = Fitted::new(&problem, &start, Effort::QUICK);
         }
     }
+}
+
+/// A model with an effect of another search beside its own, and where its search begins: with all effects of that one, where that one
+/// ended.
+fn with_effect_of(model: &Fitted, other: &Found, index: usize) -> (Chain, Vec<f64>) {
+    let end = other.model();
+    let own = |effect: &Applied| {
+        let place = end.chain.effects.iter().position(|it| it.name == effect.name);
+        place.map_or(&[][..], |place| &end.point[end.chain.range(place)])
+    };
+    let added = &end.chain.effects[other.base.chain.effects.len() + index];
+    let chain = model.chain.with(added.clone());
+    let start = if chain.effects.len() == end.chain.effects.len() {
+        let effects = chain.effects.iter().flat_map(own);
+        end.point[..chain.base.count()].iter().chain(effects).copied().collect()
+    } else {
+        [&model.point[..], own(added)].concat()
+    };
+    (chain, start)
 }
 
 /// Whether an effect is a line in the spectrum, which the form of another effect's law cannot look like.

@@ -358,12 +358,15 @@ impl Climb<'_> {
             errors.iter().take(IN_EARNEST).map(|(index, _)| *index).collect();
         // The likeliest may do better once it is refitted in earnest.
         kept.push(0);
-        let seen = |(index, rival): (usize, Rival)| Tried {
-            exact: self.search.leaves_noise(&rival.fitted),
-            promising: kept.contains(&index),
-            rival,
+        let seen = |(index, mut rival): (usize, Rival)| {
+            let promising = kept.contains(&index);
+            if promising && !rival.fitted.converged() {
+                let problem = problem.with_chain(&rival.fitted.chain);
+                rival.fitted = Fitted::new(&problem, &rival.fitted.point, Effort::LONG);
+            }
+            Tried { exact: self.search.leaves_noise(&rival.fitted), promising, rival }
         };
-        rivals.into_iter().enumerate().map(seen).collect()
+        rivals.into_par_iter().enumerate().map(seen).collect()
     }
 
     /// Takes away every term beside which a later one has made it superfluous: without it, everything refitted, traces left out are
