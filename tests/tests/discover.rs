@@ -94,6 +94,16 @@ fn what_goes_on_after_each_stop_is_a_wave_that_dies_away() {
     assert_eq!(told, ("dying wave over", "time since the motion stopped"));
 }
 
+/// A belt that stretches with the speed and recovers: its fit needs more steps than most.
+#[test]
+fn a_law_whose_fit_takes_many_steps_is_fitted_to_its_end() {
+    let set = set((1 << 40) ^ (55 << 10), &[("belt", LawKind::Beyond)], 2.0);
+    let discovery = ask(&set);
+    let term = &formulas(&discovery)[0].term;
+    assert_eq!((term.shape.name, term.quantity.symbol), ("behind", "v"));
+    assert!(held_out(&discovery, &set) < 1.15, "{:?}", discovery.ladder);
+}
+
 /// Presses that begin in motion, by a drive with a wave of 0.8 mm, and that go 60 mm off the specimen.
 #[test]
 fn a_wave_is_found_where_the_tool_goes_far_off_the_specimen() {
