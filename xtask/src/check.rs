@@ -35,9 +35,8 @@ pub fn run() -> miette::Result<()> {
     let axe = browser::set_up()?;
     emulate::install()?;
     let pages = || formats::run().and_then(|()| browser::check(axe.as_ref(), STEADY_S));
-    let emulated = || emulate::set_up().and_then(|()| emulate::check(STEADY_S));
-    let devices = || boards().and_then(|()| modelled::run(modelled::KILLS));
-    beside(|| pages().and_then(|()| emulated()), devices)
+    beside(pages, boards)?;
+    beside(|| emulate::check(STEADY_S), || modelled::run(modelled::KILLS))
 }
 
 /// The same random cases on every machine; `cargo test` alone draws new ones each time.

@@ -64,10 +64,12 @@ impl Fitted {
         }
     }
 
-    /// Whether the search for the parameters came to its end.
-    #[must_use]
-    pub fn converged(&self) -> bool {
-        self.converged
+    /// Goes on with a search for the parameters that has not come to its end.
+    pub fn go_on(&mut self, problem: &Problem) {
+        if !self.converged {
+            let problem = problem.with_chain(&self.chain);
+            *self = Self::new(&problem, &self.point, Effort::LONG);
+        }
     }
 
     /// Takes the parameters that describe best the samples that the means of the search stand for, a few steps from those that describe

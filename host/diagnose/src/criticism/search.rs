@@ -823,9 +823,8 @@ impl Search<'_> {
         let gain = |fitted: &Fitted| from.cost - fitted.cost;
         let most = fits.iter().map(|(_, fitted)| gain(fitted)).fold(0.0, f64::max);
         fits.par_iter_mut().for_each(|(_, fitted)| {
-            if !fitted.converged() && gain(fitted) > CONTENDS * most {
-                let problem = self.problem.with_chain(&fitted.chain);
-                *fitted = Fitted::new(&problem, &fitted.point, Effort::LONG);
+            if gain(fitted) > CONTENDS * most {
+                fitted.go_on(self.problem);
             }
         });
         self.by_effect(fits, from)

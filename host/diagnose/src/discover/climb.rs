@@ -360,9 +360,8 @@ impl Climb<'_> {
         kept.push(0);
         let seen = |(index, mut rival): (usize, Rival)| {
             let promising = kept.contains(&index);
-            if promising && !rival.fitted.converged() {
-                let problem = problem.with_chain(&rival.fitted.chain);
-                rival.fitted = Fitted::new(&problem, &rival.fitted.point, Effort::LONG);
+            if promising {
+                rival.fitted.go_on(problem);
             }
             Tried { exact: self.search.leaves_noise(&rival.fitted), promising, rival }
         };
