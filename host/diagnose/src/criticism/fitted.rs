@@ -235,14 +235,29 @@ impl Fitted {
         let total = self.total(problem, |_| 1.0);
         let mut known = uncertainty(&total.curvature, &self.held(), self.variance());
         if inexact {
-            known.covariance = self.jackknife(problem);
+            known.covariance = self.jackknife(problem, &[]);
         }
         declared_uncertainty(problem, &self.point, &known).0
     }
 
+    /// The strengths of the last effect over their standard errors by the jackknife over the parts of the data, root mean square, its
+    /// shapes as they are; none where each trace has its own.
+    #[must_use]
+    pub fn strength_over_error(&self, problem: &Problem) -> Option<f64> {
+        let last = self.chain.effects.last().filter(|effect| effect.each_trace == 0)?;
+        let range = self.chain.range(self.chain.effects.len() - 1);
+        let shapes: Vec<usize> = range.clone().skip(last.strengths).collect();
+        let own = (range.start, last.strengths);
+        let covariance = self.jackknife(problem, &shapes);
+        let covariance = covariance.view((own.0, own.0), (own.1, own.1)).into_owned();
+        let strengths = DVector::from_column_slice(&self.point[own.0..own.0 + own.1]);
+        let solved = covariance.cholesky()?.solve(&strengths);
+        Some((strengths.dot(&solved) / own.1 as f64).sqrt())
+    }
+
     /// Covariance of the coordinates from refits in one step to all parts but one: traces, or pieces of
-    /// them where there are few.
-    fn jackknife(&self, problem: &Problem) -> DMatrix<f64> {
+    /// them where there are few; of all but those held.
+    fn jackknife(&self, problem: &Problem, held: &[usize]) -> DMatrix<f64> {
         let traces = self.blocks.iter().map(|block| block.trace + 1).max().unwrap_or(0);
         let part = |index: usize| {
             if traces >= FEWEST_TRACES { self.blocks[index].trace } else { index }
@@ -251,7 +266,7 @@ impl Fitted {
         let refit = |left_out: usize| {
             let weights: Vec<f64> =
                 (0..self.blocks.len()).map(|k| f64::from(u8::from(part(k) != left_out))).collect();
-            self.step(&self.weighted(problem, &weights), &[])
+            self.step(&self.weighted(problem, &weights), held)
         };
         let steps: Vec<DVector<f64>> = (0..parts).map(refit).collect();
         let count = parts.max(1) as f64;

@@ -27,6 +27,8 @@ use palpate_model::{Applied, Chain};
 pub const DECISIVE: f64 = 10.0;
 /// Standard errors over the traces by which a gain on traces left out is sure.
 pub(crate) const SURE: f64 = 2.0;
+/// Standard errors over the parts of the data from which on a strength is determined.
+const DETERMINED: f64 = 3.0;
 /// Chance of as much agreement between the parts of the data above which they do not agree.
 pub(crate) const DISAGREEMENT: f64 = 0.1;
 /// Chance of as much agreement about one effect by itself, where the parts agree about any, up to which that speaks for it.
@@ -43,6 +45,9 @@ const WORTH_TRYING: f64 = 0.04;
 /// how the law of another differs from the specimen's: with one effect in another law it is less, and the smaller of two
 /// effects explains more (docs/measured.md).
 const MINOR: f64 = 0.12;
+/// Part of all that is explained which one strength for all may leave of it and yet stand for one of each trace: that many strengths
+/// lie by chance where one law for all puts them is less likely.
+const AS_GOOD: f64 = 0.01;
 /// Mean square of the whitened residual, in variances of the noise, below which a model describes the data but for the form of a law.
 const CLOSE_TO_NOISE: f64 = 2.0;
 /// Which laws are refitted in a step.
@@ -313,11 +318,49 @@ impl Search<'_> {
         }
         self.order(&mut found);
         self.drop_minor(&mut found);
+        let undecided = self.take_one_for_all(&mut found);
         for step in &mut found.steps {
             resample(self.problem, &mut step.rivals, self.options.seed);
             step.credible = credible(&step.effect, &step.rivals);
         }
+        if let (Some(names), Some(last)) = (undecided, found.steps.last_mut()) {
+            last.credible = names;
+        }
         found
+    }
+
+    /// Puts in the place of an effect of which every trace has its own strength one with a strength for all that explains as much but for
+    /// the form of a law: the many strengths take on more of that. The names that are not told apart so, that one first.
+    fn take_one_for_all(&self, found: &mut Found) -> Option<Vec<String>> {
+        let model = found.model();
+        let explained = found.base.cost - model.cost;
+        let beyond = if self.leaves_noise(model) { 0.0 } else { model.cost - model.samples as f64 };
+        let form = beyond.clamp(AS_GOOD * explained, MINOR * explained);
+        let as_much = |rival: &&Rival| {
+            rival.fitted.chain.own_of_trace(0).is_empty() && rival.fitted.cost - model.cost < form
+        };
+        let (index, mut simpler) = found.steps.iter().enumerate().find_map(|(index, step)| {
+            let own = step.rivals.iter().find(|rival| rival.effect == step.effect)?;
+            let for_all = own.fitted.chain.own_of_trace(0).is_empty();
+            let simpler: Vec<Rival> = step.rivals.iter().filter(as_much).cloned().collect();
+            (!for_all && !simpler.is_empty()).then_some((index, simpler))
+        })?;
+        // Among these as well the form of a law speaks for many parameters.
+        simpler.sort_by_key(|rival| rival.fitted.values.len());
+        let beats = |place: usize, best: usize| {
+            simpler[place].fitted.beats_inexact(&simpler[best].fitted, DECISIVE)
+        };
+        let best =
+            (1..simpler.len()).fold(0, |best, place| if beats(place, best) { place } else { best });
+        simpler.swap(0, best);
+        let Step { effect, p_value, rivals, credible, fresh } = found.steps.remove(index);
+        let names: Vec<String> =
+            simpler.iter().map(|rival| rival.effect.clone()).chain([effect]).collect();
+        tracing::debug!("one strength for all, or one for each trace: {names:?}");
+        found.steps.push(Step { effect: names[0].clone(), p_value, rivals, credible, fresh });
+        self.rebuild(found, simpler.swap_remove(0).fitted);
+        found.last = self.screen(found.model());
+        Some(names)
     }
 
     /// A search that has found nothing yet.
@@ -598,12 +641,21 @@ impl Search<'_> {
     ) -> (Evidence, Result<(), Refusal>) {
         let mut evidence = Evidence::without_refits(self.problem, fitted);
         let with = Judged { fitted, evidence: &evidence };
-        if let Err(reason) = weigh_without_refits(exact, without, with, agreement) {
+        let hardly = || exact && !self.is_certain(without.fitted, fitted);
+        let uncertain = |()| if hardly() { Err(Refusal::FitUncertain) } else { Ok(()) };
+        let weighed = weigh_without_refits(exact, without, with, agreement).and_then(uncertain);
+        if let Err(reason) = weighed {
             return (evidence, Err(reason));
         }
         evidence.leave_out(self.problem, fitted);
         let refusal = weigh_left_out(without, Judged { fitted, evidence: &evidence }, exact);
         (evidence, refusal)
+    }
+
+    /// Whether a model with one more effect is decisively likelier, and the parts of the data determine its strength.
+    fn is_certain(&self, without: &Fitted, with: &Fitted) -> bool {
+        let determined = with.strength_over_error(self.problem);
+        without.bic() - with.bic() > DECISIVE && determined.is_none_or(|ratio| ratio > DETERMINED)
     }
 
     /// Chance of as much agreement between the parts of the data about each candidate: about any of the library, or about it by itself

@@ -81,6 +81,21 @@ pub const EFFECT: Effect = Effect {
             }),
         },
         Law {
+            name: "dahl-in-contact",
+            formula: "F → F + F_c z where F > 0, dz = (sgn dx − z) |dx|/ℓ",
+            strength: FRICTION,
+            shapes: &[PRESLIDING],
+            act: Act::Force(|scene, parameters, remembered, force| {
+                let path = &scene.motion.displacement;
+                let direction = direction(remembered, 0.0, parameters[1], path);
+                for (force, direction) in force.iter_mut().zip(direction) {
+                    if *force > 0.0 {
+                        *force += parameters[0] * direction;
+                    }
+                }
+            }),
+        },
+        Law {
             name: "stribeck",
             formula: "F → F + F_c (1 + e^(−(v/v_s)²)/2) tanh(10 v/v_s)",
             strength: FRICTION,
