@@ -251,6 +251,9 @@ impl Fitted {
         let covariance = self.jackknife(problem, &shapes);
         let covariance = covariance.view((own.0, own.0), (own.1, own.1)).into_owned();
         let strengths = DVector::from_column_slice(&self.point[own.0..own.0 + own.1]);
+        if strengths.iter().all(|strength| *strength == 0.0) {
+            return Some(0.0);
+        }
         let solved = covariance.cholesky()?.solve(&strengths);
         Some((strengths.dot(&solved) / own.1 as f64).sqrt())
     }

@@ -23,7 +23,8 @@ pub struct HeldOut {
     /// Sum of squares of each trace's whitened residual, in variances of the noise.
     pub whitened: Vec<f64>,
     /// Part of the mean square that the uncertainty of the fits to the other traces explains, in the squared unit of
-    /// the signal: where few traces determine a parameter, each is predicted the worse for it, by a law that is right.
+    /// the signal: where few traces determine a parameter, each is predicted the worse for it, by a law that is right. At most what
+    /// the error on traces left out exceeds that of the fit to all by.
     pub by_uncertainty: f64,
 }
 
@@ -174,12 +175,15 @@ fn held_out_with(
     }
     let total: f64 = errors.iter().map(|error| error.square).sum();
     let samples: f64 = errors.iter().map(|error| error.samples).sum();
+    let mean_square = total / samples.max(1.0);
+    // Of parameters that hardly show, the straight line foretells more than there is.
+    let rises = (mean_square - fitted.rms().powi(2)).max(0.0);
+    let uncertain = errors.iter().map(|error| error.by_uncertainty).sum::<f64>();
     Some(HeldOut {
-        rms: (total / samples.max(1.0)).sqrt(),
+        rms: mean_square.sqrt(),
         squares: errors.iter().map(|error| error.square / error.samples.max(1.0)).collect(),
         whitened: errors.iter().map(|error| error.whitened).collect(),
-        by_uncertainty: errors.iter().map(|error| error.by_uncertainty).sum::<f64>()
-            / samples.max(1.0),
+        by_uncertainty: (uncertain / samples.max(1.0)).min(rises),
     })
 }
 

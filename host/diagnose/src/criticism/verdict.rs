@@ -41,7 +41,7 @@ const FORM: f64 = 0.2;
 
 /// Times the scatter of neighbours up to which a residual can be noise that correlates.
 pub(super) const FAR_BEYOND_NEIGHBOURS: f64 = 5.0;
-/// An error on traces left out within this many times the noise is at the noise.
+/// An error within this many times the noise is at the noise.
 const AT_THE_NOISE: f64 = 1.1;
 
 /// What the last model of a search leaves, and the verdict on it.
@@ -73,7 +73,11 @@ impl Assessed {
         let share = if named { leftover / (explained + leftover).max(1.0) } else { 0.0 };
         let level = noise.level * after.louder;
         let ahead = beyond_held_out(&found.evidence, level);
-        let unexplained = if after.p_value < LEVEL { share.max(ahead) } else { ahead };
+        // What changes faster than the blocks in which neighbours are summed adds to the error alone.
+        let in_fit =
+            if named && noise.is_known() { left_of(before.rms, after.rms, level) } else { 0.0 };
+        let in_sample = share.max(in_fit);
+        let unexplained = if after.p_value < LEVEL { in_sample.max(ahead) } else { ahead };
         // Without rest to see noise in, a residual far beyond that of neighbours is not noise.
         let far = |fitted: &Fitted| fitted.rms().powi(2) - (FAR_BEYOND_NEIGHBOURS * level).powi(2);
         let (first, last) = (far(&found.base), far(found.model()));
@@ -97,6 +101,13 @@ impl Assessed {
 /// Root mean square of what a model leaves beyond the noise, in the unit of the signal.
 pub(super) fn beyond_noise(fitted: &Fitted, noise: f64) -> f64 {
     (fitted.rms().powi(2) - noise * noise).max(0.0).sqrt()
+}
+
+/// Part of the mean square of an error beyond the noise that a later one leaves; 0 where that is at the noise.
+fn left_of(before: f64, after: f64, noise: f64) -> f64 {
+    let excess = |rms: f64| rms * rms - noise * noise;
+    let at_the_noise = after < AT_THE_NOISE * noise || excess(before) <= 0.0;
+    if at_the_noise { 0.0 } else { (excess(after) / excess(before)).clamp(0.0, 1.0) }
 }
 
 /// Part of the misfit on traces left out that the last model leaves there beyond what the uncertainty of its parameters
