@@ -13,6 +13,8 @@ use palpate_fit::fourier::Planner;
 const MAINS: [f64; 2] = [50.0, 60.0];
 /// How far from them a line is looked for, Hz.
 const WITHIN: f64 = 3.0;
+/// Widths of a line, as the longest block shows it, over which its surroundings reach at the least: most of a narrower band is the line.
+const WIDTHS: f64 = 6.0;
 /// Steps between frequencies in one turn over the longest block.
 const STEPS: usize = 4;
 /// Longest block, in samples, over which a line keeps its phase: the mains wander, and memory is bounded.
@@ -27,9 +29,12 @@ const LINE: f64 = 4.0;
 pub(super) fn without_hum(stretches: Vec<Vec<f64>>, interval: f64) -> Vec<Vec<f64>> {
     let mut centred: Vec<Vec<f64>> = stretches.into_iter().map(centred).collect();
     let mut powers = powers(&centred, interval);
-    powers.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let Some(&(highest, turn)) = powers.last() else { return centred };
-    if highest > LINE * powers[powers.len() / 2].0 {
+    powers.sort_by(|a, b| a.power.total_cmp(&b.power));
+    let Some(&Line { power: highest, turn, .. }) = powers.iter().rfind(|line| line.off <= WITHIN)
+    else {
+        return centred;
+    };
+    if highest > LINE * powers[powers.len() / 2].power {
         for values in &mut centred {
             for block in blocks(values.len()) {
                 clean(&mut values[block], turn);
@@ -67,11 +72,21 @@ fn blocks(samples: usize) -> impl Iterator<Item = Range<usize>> {
     (0..count).map(move |k| k * samples / count..(k + 1) * samples / count)
 }
 
-/// The power summed over all blocks, and by how much the line turns from sample to sample, at every
-/// frequency near those of the mains.
+/// A frequency near one of the mains.
+#[derive(Clone, Copy)]
+struct Line {
+    /// Power summed over all blocks.
+    power: f64,
+    /// By how much it turns from sample to sample.
+    turn: f64,
+    /// How far it is from that of the mains, Hz.
+    off: f64,
+}
+
+/// Every frequency near those of the mains.
 ///
 /// |Σ y e^(−iωk)|² is the transform of the autocorrelation of y, and transforms add: one serves for all.
-fn powers(stretches: &[Vec<f64>], interval: f64) -> Vec<(f64, f64)> {
+fn powers(stretches: &[Vec<f64>], interval: f64) -> Vec<Line> {
     let parts: Vec<&[f64]> = stretches
         .iter()
         .flat_map(|values| blocks(values.len()).map(|block| &values[block]))
@@ -100,7 +115,11 @@ fn powers(stretches: &[Vec<f64>], interval: f64) -> Vec<(f64, f64)> {
         let bins = bins(longest, interval);
         let side = move |sign: f64| {
             let (cosine, sine) = (cosine.clone(), sine.clone());
-            move |k: usize| (cosine[k].re + sign * sine[k].im, middle + sign * k as f64 * step)
+            move |k: usize| Line {
+                power: cosine[k].re + sign * sine[k].im,
+                turn: middle + sign * k as f64 * step,
+                off: k as f64 * step / (TAU * interval),
+            }
         };
         let below = (1..=bins).rev().map(side(-1.0));
         below.chain((0..=bins).map(side(1.0))).collect::<Vec<_>>()
@@ -111,7 +130,8 @@ fn powers(stretches: &[Vec<f64>], interval: f64) -> Vec<(f64, f64)> {
 /// Frequencies on either side of that of the mains. Where samples are so far apart that the band holds
 /// every frequency they tell apart, each is looked at once.
 fn bins(longest: usize, interval: f64) -> usize {
-    let within = (WITHIN * interval * (STEPS * longest) as f64).ceil() as usize;
+    let within = (WITHIN * interval * longest as f64).max(WIDTHS);
+    let within = (within * STEPS as f64).ceil() as usize;
     within.min(STEPS * longest / 2)
 }
 

@@ -50,6 +50,8 @@ const MINOR: f64 = 0.12;
 const AS_GOOD: f64 = 0.01;
 /// Mean square of the whitened residual, in variances of the noise, below which a model describes the data but for the form of a law.
 const CLOSE_TO_NOISE: f64 = 2.0;
+/// Mean square of the whitened residual, in variances of the noise, above which it is clearly more than noise.
+const CLEARLY_MORE: f64 = 1.2;
 /// Which laws are refitted in a step.
 struct Breadth {
     /// Most laws.
@@ -710,7 +712,8 @@ impl Search<'_> {
         let explained = found.base.cost - current.cost;
         let hardly = !found.steps.is_empty()
             && !is_line(&winner.effect)
-            && current.cost - winner.fitted.cost < WORTH_TRYING * explained;
+            && current.cost - winner.fitted.cost < WORTH_TRYING * explained
+            && !self.completes(current, &winner.fitted);
         if hardly || fell < DECISIVE {
             return false;
         }
@@ -1098,6 +1101,7 @@ impl Search<'_> {
             && !found.steps.last().is_some_and(|step| is_line(&step.effect))
             && self.is_close_to_noise(before)
             && is_minor(&found.base, before, last)
+            && !self.completes(before, last)
         {
             found.steps.pop();
             found.models.pop();
@@ -1108,6 +1112,11 @@ impl Search<'_> {
             found.last = self.screen(found.model());
             self.polish(found);
         }
+    }
+
+    /// Whether one more effect leaves noise of what was clearly more: the form of a law leaves hardly ever what one effect makes up for.
+    fn completes(&self, without: &Fitted, with: &Fitted) -> bool {
+        without.cost > CLEARLY_MORE * without.samples as f64 && self.leaves_noise(with)
     }
 
     /// Whether a model describes the data but for the form of a law, where their noise is known.
