@@ -39,6 +39,9 @@ impl Verdict {
 /// specimen's by as much.
 const FORM: f64 = 0.2;
 
+/// Part of the misfit beyond which what is left of it is missing, however fast it changes.
+const HALF: f64 = 0.5;
+
 /// Times the scatter of neighbours up to which a residual can be noise that correlates.
 pub(super) const FAR_BEYOND_NEIGHBOURS: f64 = 5.0;
 /// An error within this many times the noise is at the noise.
@@ -73,11 +76,11 @@ impl Assessed {
         let share = if named { leftover / (explained + leftover).max(1.0) } else { 0.0 };
         let level = noise.level * after.louder;
         let ahead = beyond_held_out(&found.evidence, level);
-        // What changes faster than the blocks in which neighbours are summed adds to the error alone.
-        let in_fit =
-            if named && noise.is_known() { left_of(before.rms, after.rms, level) } else { 0.0 };
-        let in_sample = share.max(in_fit);
-        let unexplained = if after.p_value < LEVEL { in_sample.max(ahead) } else { ahead };
+        // What changes faster than the blocks in which neighbours are summed adds to the error alone; of corners another form of a law
+        // leaves as well.
+        let left = left_of(before.rms, after.rms, level);
+        let share = if named && noise.is_known() && left > HALF { left.max(share) } else { share };
+        let unexplained = if after.p_value < LEVEL { share.max(ahead) } else { ahead };
         // Without rest to see noise in, a residual far beyond that of neighbours is not noise.
         let far = |fitted: &Fitted| fitted.rms().powi(2) - (FAR_BEYOND_NEIGHBOURS * level).powi(2);
         let (first, last) = (far(&found.base), far(found.model()));
