@@ -14,7 +14,7 @@ use palpate_fit::fourier::Planner;
 const MAINS: [f64; 2] = [50.0, 60.0];
 /// How far from them a line is looked for, Hz.
 const WITHIN: f64 = 3.0;
-/// Widths of a line, as the longest block shows it, over which its surroundings reach at the least: most of a narrower band is the line.
+/// Widths of a line, as the longest block shows it, over which its surroundings reach: most of a narrower band is the line.
 const WIDTHS: f64 = 6.0;
 /// Steps between frequencies in one turn over the longest block.
 const STEPS: usize = 4;
@@ -113,7 +113,7 @@ fn powers(stretches: &[Vec<f64>], interval: f64) -> Vec<Line> {
             output
         };
         let (cosine, sine) = (turned(f64::cos), turned(f64::sin));
-        let bins = bins(longest, interval);
+        let bins = bins(longest, interval, mains);
         let side = move |sign: f64| {
             let (cosine, sine) = (cosine.clone(), sine.clone());
             move |k: usize| Line {
@@ -129,9 +129,13 @@ fn powers(stretches: &[Vec<f64>], interval: f64) -> Vec<Line> {
 }
 
 /// Frequencies on either side of that of the mains. Where samples are so far apart that the band holds
-/// every frequency they tell apart, each is looked at once.
-fn bins(longest: usize, interval: f64) -> usize {
-    let within = (WITHIN * interval * longest as f64).max(WIDTHS);
+/// every frequency they tell apart, each is looked at once. A line that looks slow keeps to the narrow band: noise that wanders fills a
+/// wide one unevenly.
+fn bins(longest: usize, interval: f64, mains: f64) -> usize {
+    let (turns, samples) = (mains * interval, longest as f64);
+    let shown = (turns - turns.round()).abs();
+    let wide = if shown * samples > 2.0 * WIDTHS { WIDTHS } else { 0.0 };
+    let within = (WITHIN * interval * samples).max(wide);
     let within = (within * STEPS as f64).ceil() as usize;
     within.min(STEPS * longest / 2)
 }
@@ -266,7 +270,7 @@ mod tests {
             let longest = blocks.iter().map(Range::len).max().unwrap();
             assert!(longest <= BLOCK && blocks.len() <= samples / BLOCK + 1);
             for interval in [1e-4, 1e-3, 1.0, 1e8, f64::INFINITY] {
-                assert!(bins(longest, interval) <= STEPS / 2 * longest);
+                assert!(bins(longest, interval, 50.0) <= STEPS / 2 * longest);
             }
         }
         let slow = noisy(&[4000], 1e8, 0.0);

@@ -337,7 +337,7 @@ impl Search<'_> {
         let model = found.model();
         let explained = found.base.cost - model.cost;
         let beyond = if self.leaves_noise(model) { 0.0 } else { model.cost - model.samples as f64 };
-        let form = beyond.clamp(AS_GOOD * explained, MINOR * explained);
+        let form = beyond.max(AS_GOOD * explained).min(MINOR * explained);
         let as_much = |rival: &&Rival| {
             rival.fitted.chain.own_of_trace(0).is_empty() && rival.fitted.cost - model.cost < form
         };

@@ -2,7 +2,7 @@
 
 use super::memory::direction;
 use super::{Count, Covariate, Effect, Law, Needs, Role, Shape, Sign, Strength};
-use crate::{Act, Stage};
+use crate::{Act, Remembered, Scene, Stage};
 
 const FRICTION: Strength = Strength {
     name: "friction",
@@ -60,11 +60,7 @@ pub const EFFECT: Effect = Effect {
             strength: FRICTION,
             shapes: &[PRESLIDING],
             act: Act::Force(|scene, parameters, remembered, force| {
-                let path = &scene.motion.displacement;
-                let direction = direction(remembered, 0.0, parameters[1], path);
-                for (force, direction) in force.iter_mut().zip(direction) {
-                    *force += parameters[0] * direction;
-                }
+                dahl(scene, parameters, remembered, force, |_| true);
             }),
         },
         Law {
@@ -86,13 +82,7 @@ pub const EFFECT: Effect = Effect {
             strength: FRICTION,
             shapes: &[PRESLIDING],
             act: Act::Force(|scene, parameters, remembered, force| {
-                let path = &scene.motion.displacement;
-                let direction = direction(remembered, 0.0, parameters[1], path);
-                for (force, direction) in force.iter_mut().zip(direction) {
-                    if *force > 0.0 {
-                        *force += parameters[0] * direction;
-                    }
-                }
+                dahl(scene, parameters, remembered, force, |force| force > 0.0);
             }),
         },
         Law {
@@ -116,3 +106,19 @@ pub const EFFECT: Effect = Effect {
         },
     ],
 };
+
+/// Adds a friction that sets in over a way after each turn, at the forces at which it rubs.
+fn dahl(
+    scene: &Scene,
+    parameters: &[f64],
+    remembered: &mut Remembered,
+    force: &mut [f64],
+    rubs: impl Fn(f64) -> bool,
+) {
+    let direction = direction(remembered, 0.0, parameters[1], &scene.motion.displacement);
+    for (force, direction) in force.iter_mut().zip(direction) {
+        if rubs(*force) {
+            *force += parameters[0] * direction;
+        }
+    }
+}
