@@ -39,7 +39,7 @@ fn the_bill_of_materials_has_every_part_of_the_netlist_and_no_other() {
     for line in bill.lines().skip(1) {
         let (quantity, rest) = line.split_once(',').unwrap();
         let parts: Vec<&str> = rest.split(',').next().unwrap().split(' ').collect();
-        assert_eq!(parts.len(), quantity.parse().unwrap(), "{line}");
+        assert_eq!(parts.len(), quantity.parse::<usize>().unwrap(), "{line}");
         listed.extend(parts);
     }
     assert_eq!(listed, joined);
