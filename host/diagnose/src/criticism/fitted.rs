@@ -246,16 +246,16 @@ impl Fitted {
     pub fn strength_over_error(&self, problem: &Problem) -> Option<f64> {
         let last = self.chain.effects.last().filter(|effect| effect.each_trace == 0)?;
         let range = self.chain.range(self.chain.effects.len() - 1);
-        let shapes: Vec<usize> = range.clone().skip(last.strengths).collect();
-        let own = (range.start, last.strengths);
-        let covariance = self.jackknife(problem, &shapes);
-        let covariance = covariance.view((own.0, own.0), (own.1, own.1)).into_owned();
-        let strengths = DVector::from_column_slice(&self.point[own.0..own.0 + own.1]);
+        let (first, count) = (range.start, last.strengths);
+        let strengths = DVector::from_column_slice(&self.point[first..first + count]);
         if strengths.iter().all(|strength| *strength == 0.0) {
             return Some(0.0);
         }
-        let solved = covariance.cholesky()?.solve(&strengths);
-        Some((strengths.dot(&solved) / own.1 as f64).sqrt())
+        let shapes: Vec<usize> = range.skip(count).collect();
+        let covariance = self.jackknife(problem, &shapes);
+        let own = covariance.view((first, first), (count, count)).into_owned();
+        let solved = own.cholesky()?.solve(&strengths);
+        Some((strengths.dot(&solved) / count as f64).sqrt())
     }
 
     /// Covariance of the coordinates from refits in one step to all parts but one: traces, or pieces of

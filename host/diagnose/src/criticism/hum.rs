@@ -173,11 +173,14 @@ fn components(values: &[f64], phase: impl Fn(usize) -> f64) -> (f64, f64) {
 /// Takes off the line that turns by `turn` from sample to sample, by least squares: at half a turn its cosine alone shows.
 fn clean(values: &mut [f64], turn: f64) {
     let along = |k: usize| Vector2::new((turn * k as f64).cos(), (turn * k as f64).sin());
-    let (cosine, sine) = components(values, |k| turn * k as f64);
-    let squares = (0..values.len()).map(|k| along(k) * along(k).transpose());
-    let squares = squares.fold(Matrix2::zeros(), |sum, square| sum + square);
-    let amplitudes = squares.try_inverse().map(|inverse| inverse * Vector2::new(cosine, sine));
-    let Some(amplitudes) = amplitudes else { return };
+    let (mut squares, mut products) = (Matrix2::zeros(), Vector2::zeros());
+    for (k, value) in values.iter().enumerate() {
+        let line = along(k);
+        squares += line * line.transpose();
+        products += line * *value;
+    }
+    let Some(inverse) = squares.try_inverse() else { return };
+    let amplitudes = inverse * products;
     for (k, value) in values.iter_mut().enumerate() {
         *value -= amplitudes.dot(&along(k));
     }

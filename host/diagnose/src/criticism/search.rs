@@ -643,10 +643,10 @@ impl Search<'_> {
     ) -> (Evidence, Result<(), Refusal>) {
         let mut evidence = Evidence::without_refits(self.problem, fitted);
         let with = Judged { fitted, evidence: &evidence };
-        let hardly = || exact && !self.is_certain(without.fitted, fitted);
-        let uncertain = |()| if hardly() { Err(Refusal::FitUncertain) } else { Ok(()) };
-        let weighed = weigh_without_refits(exact, without, with, agreement).and_then(uncertain);
-        if let Err(reason) = weighed {
+        let uncertain = || exact && !self.is_certain(without.fitted, fitted);
+        let refusal = weigh_without_refits(exact, without, with, agreement).err();
+        let refusal = refusal.or_else(|| uncertain().then_some(Refusal::FitUncertain));
+        if let Some(reason) = refusal {
             return (evidence, Err(reason));
         }
         evidence.leave_out(self.problem, fitted);

@@ -78,7 +78,7 @@ impl Assessed {
         let ahead = beyond_held_out(&found.evidence, level);
         // What changes faster than the blocks in which neighbours are summed adds to the error alone; of corners another form of a law
         // leaves as well.
-        let left = left_of(before.rms, after.rms, level);
+        let left = left_of((before.rms, 0.0), (after.rms, 0.0), level);
         let share = if named && noise.is_known() && left > HALF { left.max(share) } else { share };
         let unexplained = if after.p_value < LEVEL { share.max(ahead) } else { ahead };
         // Without rest to see noise in, a residual far beyond that of neighbours is not noise.
@@ -106,10 +106,11 @@ pub(super) fn beyond_noise(fitted: &Fitted, noise: f64) -> f64 {
     (fitted.rms().powi(2) - noise * noise).max(0.0).sqrt()
 }
 
-/// Part of the mean square of an error beyond the noise that a later one leaves; 0 where that is at the noise.
-fn left_of(before: f64, after: f64, noise: f64) -> f64 {
-    let excess = |rms: f64| rms * rms - noise * noise;
-    let at_the_noise = after < AT_THE_NOISE * noise || excess(before) <= 0.0;
+/// Part of the mean square of an error beyond the noise that a later one leaves; 0 where that is at the noise. With each error the part
+/// of its mean square that is no misfit.
+fn left_of(before: (f64, f64), after: (f64, f64), noise: f64) -> f64 {
+    let excess = |(rms, no_misfit): (f64, f64)| rms * rms - noise * noise - no_misfit;
+    let at_the_noise = after.0 < AT_THE_NOISE * noise || excess(before) <= 0.0;
     if at_the_noise { 0.0 } else { (excess(after) / excess(before)).clamp(0.0, 1.0) }
 }
 
@@ -120,12 +121,8 @@ pub(super) fn beyond_held_out(evidence: &[Evidence], noise: f64) -> f64 {
     let (Some(first), Some(last)) = (held_out(evidence.first()), held_out(evidence.last())) else {
         return 0.0;
     };
-    let excess =
-        |held_out: &HeldOut| held_out.rms.powi(2) - noise * noise - held_out.by_uncertainty;
-    if last.rms < AT_THE_NOISE * noise || excess(&first) <= 0.0 {
-        return 0.0;
-    }
-    (excess(&last) / excess(&first)).clamp(0.0, 1.0)
+    let error = |held_out: &HeldOut| (held_out.rms, held_out.by_uncertainty);
+    left_of(error(&first), error(&last), noise)
 }
 
 /// The word for what was found.
