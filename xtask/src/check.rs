@@ -26,11 +26,10 @@ pub fn run() -> miette::Result<()> {
     component("rustfmt", "to check the format")?;
     component("clippy", "to check the lints")?;
     step("format", &["fmt", "--all", "--check"], &[])?;
-    step("lints", &["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"], &[])?;
-    step("build of the tests", &["test", "--workspace", "--no-run"], &SEED)?;
+    linted("lints and build of the tests", &["--all-targets", "--no-run"])?;
     let tests = || beside(tests_of_the_product, tests_of_the_crates);
     beside(tests, || installed_lints().and_then(|()| documentation()))?;
-    step("tests of the documentation", &["test", "--workspace", "--doc"], &SEED)?;
+    linted("tests of the documentation", &["--doc"])?;
     // Before what goes on side by side: packages are installed one after the other.
     let axe = browser::set_up()?;
     emulate::install()?;
@@ -40,7 +39,22 @@ pub fn run() -> miette::Result<()> {
 }
 
 /// The same random cases on every machine; `cargo test` alone draws new ones each time.
-const SEED: [(&str, &str); 1] = [("PROPTEST_RNG_SEED", "1")];
+const SEED: (&str, &str) = ("PROPTEST_RNG_SEED", "1");
+
+/// Lints are errors: clippy's own separator of its arguments, as `cargo clippy -- -D warnings` passes them.
+const STRICT: (&str, &str) = ("CLIPPY_ARGS", "-D__CLIPPY_HACKERY__warnings__CLIPPY_HACKERY__");
+
+/// Runs tests of the workspace. Clippy compiles what they run, so that lints need no compiler run of their own.
+pub fn linted(name: &str, tests: &[&str]) -> miette::Result<()> {
+    linted_with(name, tests, &[])
+}
+
+/// The same, with variables of the environment beside its own.
+pub fn linted_with(name: &str, tests: &[&str], environment: &[(&str, &str)]) -> miette::Result<()> {
+    let compiler = ["--config", "build.rustc-workspace-wrapper='clippy-driver'"];
+    let arguments = [&compiler[..], &["test", "--workspace"], tests].concat();
+    step(name, &arguments, &[&[SEED, STRICT], environment].concat())
+}
 
 /// Runs two checks side by side.
 fn beside(
@@ -57,7 +71,7 @@ fn beside(
 
 /// In two halves of the alphabet: while a test of the one waits for a device, the other goes on.
 fn tests_of_the_product() -> miette::Result<()> {
-    let half = |name, files| step(name, &["test", "--workspace", "--test", files], &SEED);
+    let half = |name, files| linted(name, &["--test", files]);
     beside(
         || half("tests of the product, A to M", "[a-m]*"),
         || half("tests of the product, N to Z", "[!a-m]*"),
@@ -65,8 +79,7 @@ fn tests_of_the_product() -> miette::Result<()> {
 }
 
 fn tests_of_the_crates() -> miette::Result<()> {
-    let crates = ["test", "--workspace", "--lib", "--bins", "--examples"];
-    step("tests of the crates", &crates, &SEED)
+    linted("tests of the crates", &["--lib", "--bins", "--examples"])
 }
 
 /// Lints of the program as it is installed and of one that depends on the library alone: without what the rest of the workspace
@@ -145,13 +158,12 @@ pub fn set_up_tests(
     steady_s: u32,
     environment: &[(&str, &str)],
 ) -> miette::Result<()> {
-    // With `--workspace` they share the build of all other tests. Pictures have a task of their own.
-    let tests = ["test", "--workspace", "--test", file];
+    // Pictures have a task of their own.
     let threads = format!("--test-threads={at_once}");
     let how = ["--", "--ignored", "--nocapture", &threads, "--skip", "pictures::"];
     let steady_s = steady_s.to_string();
     let environment = [&[("PALPATE_STEADY_S", &*steady_s)], environment].concat();
-    step(name, &[&tests[..], &how].concat(), &environment)
+    linted_with(name, &[&["--test", file], &how[..]].concat(), &environment)
 }
 
 /// Runs cargo in a folder.

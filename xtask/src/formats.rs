@@ -5,7 +5,7 @@ use std::process::Command;
 
 use miette::{IntoDiagnostic, bail};
 
-use crate::check::{rust, workspace};
+use crate::check::{linted, workspace};
 
 /// Libraries that write the files, or read those of microscopes beside palpate, at the versions that were tried.
 const LIBRARIES: &[&str] = &[
@@ -44,10 +44,8 @@ pub fn run() -> miette::Result<()> {
         std::fs::remove_dir_all(&files).into_diagnostic()?;
     }
     call(&python, &["tests/formats/write.py", &files.to_string_lossy()])?;
-    // With `--workspace` they share the build of all other tests.
     let files = ["--test", "formats", "--test", "robots"];
-    let tests = [&["test", "--workspace"], &files[..], &["--", "--include-ignored"]].concat();
-    rust("files of other programs", workspace(), &tests, &[])
+    linted("files of other programs", &[&files[..], &["--", "--include-ignored"]].concat())
 }
 
 fn call(program: &Path, arguments: &[&str]) -> miette::Result<()> {
