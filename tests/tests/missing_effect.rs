@@ -169,6 +169,24 @@ fn what_happened_once_is_unknown_and_told_by_its_trace_and_instant() {
     }
 }
 
+/// An amplifier that swings when each recording begins, for 1 to 2.5 s, stands in all rests before the touch.
+#[test]
+fn what_comes_anew_in_every_rest_is_no_noise() {
+    let set = reaching((1 << 40) ^ (71 << 10), ("breathing", LawKind::Beyond), 4.0);
+    let diagnosis = ask(&set);
+    assert_eq!(diagnosis.verdict, Verdict::Unknown, "{:?}", names(&diagnosis));
+    assert!((diagnosis.noise.level / set.truth.noise_rms - 1.0).abs() < 0.1);
+}
+
+/// What follows the direction of the motion by 0.6 s goes on in the rests after a touch.
+#[test]
+fn what_remains_of_a_touch_is_no_noise() {
+    let set = reaching((1 << 40) ^ (47 << 10), ("late-direction", LawKind::Beyond), 4.0);
+    let diagnosis = ask(&set);
+    assert_eq!(diagnosis.verdict, Verdict::Unknown, "{:?}", names(&diagnosis));
+    assert!(held_out(&diagnosis, &set) > 2.0);
+}
+
 #[test]
 fn a_slow_swing_through_all_traces_is_unknown_and_told_by_its_frequency() {
     let set = generate(&scenario(44, &[("sway", LawKind::OutsideMore)], 1.0));

@@ -3,8 +3,8 @@
 //!
 //! The whitened residual is summed in blocks of several lengths. White noise gives block sums whose
 //! mean square is that of the samples; what a model lacks adds up within a block. What the whitening
-//! itself leaves in the noise is in the rest off the specimen as well, so the two are compared. Where neighbouring samples scatter farther
-//! in contact than at rest, the noise is louder there, and the residual is evened out first.
+//! itself leaves in the noise is in the rest off the specimen as well, so the two are [compared](Floor). Where neighbouring samples scatter
+//! farther in contact than at rest, the noise is louder there, and the residual is evened out first.
 
 use super::tail::log_tail;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
@@ -64,6 +64,66 @@ pub fn adequacy(problem: &Problem, point: &[f64], whitening: &Whitening) -> Adeq
     }
 }
 
+/// Block sums of one length off the specimen: what noise adds up to there. What comes anew at the same time of each recording is no noise,
+/// nor is what remains of a touch where that is more than there was before.
+#[derive(Clone, Debug, Default)]
+struct Floor {
+    /// Before the first touch of a trace: for each place of a block in it the sum, the sum of squares, and the number of traces.
+    before: Vec<(f64, f64, f64)>,
+    /// After a touch.
+    after: Sums,
+}
+
+impl Floor {
+    /// Adds a block before the first touch of its trace, at a place in it.
+    fn add_before(&mut self, place: usize, sum: f64) {
+        if self.before.len() <= place {
+            self.before.resize(place + 1, (0.0, 0.0, 0.0));
+        }
+        let own = &mut self.before[place];
+        *own = (own.0 + sum, own.1 + sum * sum, own.2 + 1.0);
+    }
+
+    /// Before a touch: squares about the mean over traces where there are several, and how many are free.
+    fn before(&self) -> Sums {
+        let about = |&(sum, squares, traces): &(f64, f64, f64)| match traces {
+            0.0 => Sums::default(),
+            1.0 => Sums { squares, count: 1.0 },
+            _ => Sums { squares: squares - sum * sum / traces, count: traces - 1.0 },
+        };
+        self.before.iter().map(about).fold(Sums::default(), |all, own| all.with(own))
+    }
+
+    /// Whether blocks after a touch surely hold more than noise.
+    fn is_stirred(&self) -> bool {
+        let (before, after) = (self.before(), self.after);
+        if before.count < FEW || after.count < FEW {
+            return false;
+        }
+        let ratio = after.mean() / before.mean().max(f64::MIN_POSITIVE);
+        FisherSnedecor::new(after.count, before.count).is_ok_and(|law| law.sf(ratio) < LEVEL)
+    }
+
+    /// Mean square of a block and the number of blocks that it is from; few of them say little of what noise does, and it counts as white.
+    fn level(&self, stirred: bool) -> (f64, f64) {
+        let quiet = if stirred { self.before() } else { self.before().with(self.after) };
+        if quiet.count >= FEW { (quiet.mean().max(1.0), quiet.count) } else { (1.0, 200.0) }
+    }
+}
+
+impl Sums {
+    fn with(self, other: Self) -> Self {
+        Self { squares: self.squares + other.squares, count: self.count + other.count }
+    }
+
+    fn mean(self) -> f64 {
+        self.squares / self.count
+    }
+}
+
+/// Blocks at rest that are enough to see noise in.
+const FEW: f64 = 8.0;
+
 /// Tests the residual, evened out where its noise is louder in contact; and how far its neighbours scatter.
 fn weighed(
     problem: &Problem,
@@ -72,7 +132,8 @@ fn weighed(
     louder: Option<&Loudness>,
 ) -> (Adequacy, Scatter) {
     let mut touched = [Sums::default(); LENGTHS.len()];
-    let mut quiet = [Sums::default(); LENGTHS.len()];
+    let mut floor: [Floor; LENGTHS.len()] = Default::default();
+    let mut current = Current::default();
     let mut counts = Counts::default();
     let mut strongest = Strongest::default();
     let (mut square, mut samples): (f64, f64) = (0.0, 0.0);
@@ -89,12 +150,19 @@ fn weighed(
             Some(louder) => louder.even_out(&mut residual, seen, |x| problem.data().loads(x)),
             None => scatter.add(&residual, seen, |x| problem.data().loads(x)),
         }
+        let first = current.first_touch(piece.trace, x, |x| problem.data().loads(x));
         for (place, &length) in LENGTHS.iter().enumerate() {
-            for (block, x) in residual.chunks_exact(length).zip(x.chunks_exact(length)) {
-                let loaded = x.iter().any(|&x| problem.data().loads(x));
-                let sums = if loaded { &mut touched } else { &mut quiet };
-                sums[place].squares += block.iter().sum::<f64>().powi(2) / length as f64;
-                sums[place].count += 1.0;
+            let blocks = residual.chunks_exact(length).zip(x.chunks_exact(length));
+            for (number, (block, x)) in blocks.enumerate() {
+                let sum = block.iter().sum::<f64>() / (length as f64).sqrt();
+                let own = Sums { squares: sum * sum, count: 1.0 };
+                if x.iter().any(|&x| problem.data().loads(x)) {
+                    touched[place] = touched[place].with(own);
+                } else if (number + 1) * length <= first {
+                    floor[place].add_before(number, sum);
+                } else {
+                    floor[place].after = floor[place].after.with(own);
+                }
             }
         }
         counts.add(&residual);
@@ -102,17 +170,13 @@ fn weighed(
     });
     let mut p_value: f64 = 1.0;
     let mut excess: f64 = 0.0;
-    for (touched, quiet) in touched.iter().zip(&quiet) {
+    let stirred = floor.iter().any(Floor::is_stirred);
+    for (touched, floor) in touched.iter().zip(&floor) {
         if touched.count < 2.0 {
             continue;
         }
-        let mean = touched.squares / touched.count;
-        // Few quiet blocks say little of what noise does; then noise counts as white.
-        let (floor, degrees) = if quiet.count >= 8.0 {
-            ((quiet.squares / quiet.count).max(1.0), quiet.count)
-        } else {
-            (1.0, 200.0)
-        };
+        let mean = touched.mean();
+        let (floor, degrees) = floor.level(stirred);
         excess = excess.max((mean - floor) * touched.count);
         if let Ok(fisher) = FisherSnedecor::new(touched.count, degrees) {
             p_value = p_value.min(fisher.sf((mean / floor).max(0.0)));
@@ -123,6 +187,25 @@ fn weighed(
     let rms = (square / samples.max(1.0)).sqrt();
     let lights = counts.lights();
     (Adequacy { p_value, excess, rms, louder, louder_loaded, lights }, scatter)
+}
+
+/// The trace whose stretches are being read.
+#[derive(Default)]
+struct Current {
+    trace: Option<usize>,
+    touched: bool,
+}
+
+impl Current {
+    /// The number of samples of a stretch before the first touch of its trace.
+    fn first_touch(&mut self, trace: usize, x: &[f64], loads: impl Fn(f64) -> bool) -> usize {
+        if self.trace != Some(trace) {
+            *self = Self { trace: Some(trace), touched: false };
+        }
+        let before = if self.touched { 0 } else { x.iter().take_while(|&&x| !loads(x)).count() };
+        self.touched |= before < x.len();
+        before
+    }
 }
 
 /// Lengths of the windows in which a short disturbance is looked for, samples.

@@ -1,9 +1,11 @@
 //! The noise of a data set, from where the specimen is not touched: never from the misfit.
 
+use super::adequacy::LEVEL;
 use super::hum::{centred, without_hum};
 use palpate_fit::data::Data;
 use palpate_fit::whitening::{Likelihood, Stretch, Whitening, decays};
 use palpate_trace::{Noise, Source, Trace, pooled_noise};
+use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 /// What is known of the noise.
 #[derive(Clone, Debug)]
@@ -56,6 +58,10 @@ const LOUDER: f64 = 1.4;
 const FAR_LOUDER: f64 = 25.0;
 /// Largest correlation of neighbours that a residual may lend to the noise.
 const MOST_CORRELATED: f64 = 0.9;
+/// Traces whose rests can be seen to be the same.
+const SEVERAL: usize = 3;
+/// Times that the square of the mean over rests is that of the mean of noise, above which they may be the same.
+const REPEATS: f64 = 2.0;
 /// A stretch of rest has at least this many samples.
 const SHORTEST: usize = 16;
 /// Highest order of the autoregression.
@@ -88,18 +94,46 @@ pub fn noise_model(data: &Data) -> Option<NoiseModel> {
     // A signal that stands still to its last digit shows no noise.
     let still = spread(&before) == 0.0;
     let alone = !still && spread(&after) > louder * spread(&before);
+    let first = before.len();
     let quiet = if alone { before } else { [before, after].concat() };
     let samples = count(&quiet);
     if samples < ENOUGH {
         return None;
     }
     let longest = data.pieces.iter().map(|piece| piece.measured.len()).max().unwrap_or(0);
-    let whitening = estimate(without_hum(quiet, data.shortest_interval()), longest);
+    let quiet = without_hum(quiet, data.shortest_interval());
+    let whitening = own_noise(&quiet[..first], longest).unwrap_or_else(|| estimate(quiet, longest));
     let level = whitening.standard_deviation();
     let interval = data.shortest_interval();
     let middles: Vec<f64> = data.middles().into_iter().map(|time| time / interval).collect();
     let whitening = whitening.through_pauses(&middles);
     (level > 0.0).then_some(NoiseModel { level, whitening, seen: Seen::OffTheSpecimen, samples })
+}
+
+/// The noise of rests before the touch in which the same comes anew, trace after trace: what each differs by from their mean. None where
+/// nothing does.
+fn own_noise(before: &[Vec<f64>], longest: usize) -> Option<Whitening> {
+    let shared = before.iter().map(Vec::len).min()?;
+    let traces = before.len() as f64;
+    if before.len() < SEVERAL || shared < SHORTEST {
+        return None;
+    }
+    let rests: Vec<Vec<f64>> = before.iter().map(|rest| centred(rest[..shared].to_vec())).collect();
+    let mean: Vec<f64> =
+        (0..shared).map(|k| rests.iter().map(|rest| rest[k]).sum::<f64>() / traces).collect();
+    let square = |values: &[f64]| values.iter().map(|value| value * value).sum::<f64>();
+    let all: f64 = rests.iter().map(|rest| square(rest)).sum();
+    if traces * square(&mean) < REPEATS * all / traces {
+        return None;
+    }
+    let free = (traces / (traces - 1.0)).sqrt();
+    let own = |rest: &Vec<f64>| rest.iter().zip(&mean).map(|(r, mean)| free * (r - mean)).collect();
+    let whitening = estimate(rests.iter().map(own).collect(), longest);
+    let mut same: Vec<f64> = mean.iter().map(|value| traces.sqrt() * value).collect();
+    whitening.apply(&mut same);
+    let degrees = shared as f64;
+    let law = FisherSnedecor::new(degrees, degrees * (traces - 1.0)).ok()?;
+    (law.sf(square(&same) / degrees) < LEVEL).then_some(whitening)
 }
 
 /// The noise of a data set as every answer tells it: from rest off the specimen, or where the recordings

@@ -92,9 +92,10 @@ impl Assessed {
             verdict => verdict,
         };
         tracing::debug!(
-            "{} effects: explained {explained:.0}, left beyond noise {leftover:.0} (p = {:.2e}), unexplained {unexplained:.3}, ahead {ahead:.3}",
+            "{} effects: explained {explained:.0}, left beyond noise {leftover:.0} (p = {:.2e}), noise {:.2} times as loud in contact, unexplained {unexplained:.3}, ahead {ahead:.3}",
             found.steps.len(),
             after.p_value,
+            after.louder_loaded,
         );
         let inexact = after.p_value < LEVEL || guessed;
         Self { verdict, unexplained, inexact, after }
