@@ -4,8 +4,8 @@
 //! x' = −v h(x) x + D', it goes by its Taylor series, whose terms follow from a single power, where that converges
 //! within an interval, as it does where a recording resolves the branch. Else it goes by the linear law with the decay
 //! of the middle of its way, which is exact for h = 1; one such step and two halves give the error and a better value,
-//! and each part of the interval is as long as [`TOLERANCE`] allows. Nothing is capped: the power of a large state is
-//! followed by its logarithm.
+//! and each part of the interval is as long as [`TOLERANCE`] allows, until the state is so near to the [`Balance`] of decay and drive
+//! that what is left of its way is known in closed form. Nothing is capped: the power of a large state is followed by its logarithm.
 
 use super::relaxation::{decay_and_mean, mean_decay};
 
@@ -40,11 +40,35 @@ const SHORTEST_SERIES: f64 = 0.03;
 /// Part of its own time, and of the way to rest, that a state may go by one series.
 const SERIES_REACH: f64 = 0.4;
 /// Decays by the linear law of the balance after which a state is there, to the last digit.
-const SETTLED: f64 = 60.0;
+const SETTLED: f64 = 40.0;
+/// Part of the error allowed that the third power of the way to the balance may make.
+const THIRD: f64 = 0.03;
 /// Part of the drive that may be needed to come to rest first: more than enough decays are left after it.
 const BEYOND_REST: f64 = 0.25;
 /// Largest number whose exponential is one.
 const LARGEST_EXPONENT: f64 = 700.0;
+
+/// Where decay and drive are in balance: y' = −rate (y + bend y² + third y³ …), y being how far a state is from it.
+#[derive(Clone, Copy, Debug)]
+struct Balance {
+    at: f64,
+    /// Decays in the interval.
+    rate: f64,
+    bend: f64,
+    third: f64,
+}
+
+impl Balance {
+    /// Where a state comes to within a part of the interval; none where it is too far from the balance for a law of the second order.
+    fn reached(&self, x: f64, part: f64, change: f64) -> Option<f64> {
+        let away = x - self.at;
+        let allowed = THIRD * TOLERANCE * (x.abs() + change.abs());
+        let bent = self.bend * away;
+        let near = (self.third * away * away * away).abs() <= allowed && bent.abs() < 0.1;
+        let kept = (-self.rate * part).exp();
+        near.then(|| self.at + away * kept / (1.0 + bent * (1.0 - kept)))
+    }
+}
 
 impl Growth {
     /// This growth on top of another one.
@@ -161,17 +185,18 @@ impl Growth {
         }
         match self.series(x, change, turns) {
             Ok(x) => x,
-            Err(reached) => self
-                .settled(reached, change, turns)
-                .unwrap_or_else(|| self.in_parts(reached, change, turns)),
+            Err(reached) => {
+                let balance = self.balance(change, turns);
+                let settled = balance.as_ref().and_then(|it| self.settled(reached, change, it));
+                settled.unwrap_or_else(|| self.in_parts(reached, change, turns, balance.as_ref()))
+            }
         }
     }
 
-    /// The state at which decay and drive are in balance, where a state, `reached` after a part of the interval, surely comes to it
-    /// within the rest.
-    fn settled(self, (x, done): (f64, f64), change: f64, turns: f64) -> Option<f64> {
-        let balance = match self {
-            Self::Power(power, full) if power > 0.0 => {
+    /// Where decay and drive are in balance; none where they are not.
+    fn balance(self, change: f64, turns: f64) -> Option<Balance> {
+        let at = match self {
+            Self::Power(power, full) if power > -1.0 => {
                 full * ((change / full).abs() / turns).powf(1.0 / (1.0 + power)) * change.signum()
             }
             Self::Sinh(strength, full) => {
@@ -180,22 +205,57 @@ impl Growth {
             }
             _ => return None,
         };
-        // The rate only grows with the state: from either side the way to the balance is no slower than by this linear law, and from
-        // beyond rest no longer than the drive alone takes to rest.
-        let decays = (1.0 - done) * change / balance;
+        let [_, slope, second, third, _] = self.rates(at, change, turns);
+        let usable = slope < 0.0 && slope.is_finite() && second.is_finite() && third.is_finite();
+        usable.then_some(Balance {
+            at,
+            rate: -slope,
+            bend: 0.5 * second / slope,
+            third: third / (6.0 * slope),
+        })
+    }
+
+    /// The state at which decay and drive are in balance, where a state, `reached` after a part of the interval, surely comes to it
+    /// within the rest.
+    fn settled(self, (x, done): (f64, f64), change: f64, balance: &Balance) -> Option<f64> {
+        let away = x - balance.at;
+        let beyond = away * change > 0.0;
+        // From either side the way to the balance is no slower than by this linear law: where the rate grows with the state, by that of
+        // the balance; where it falls, by its slope there, and from beyond by that of the chord. From beyond rest it is no longer than
+        // the drive alone takes to rest.
+        let slope = match self {
+            Self::Power(power, _) if power < 0.0 => {
+                let tangent = (1.0 + power) * change / balance.at;
+                // What decays in the whole interval goes with the power 1 + p of the state.
+                let chord = change * ((x / balance.at).abs().powf(1.0 + power) - 1.0) / away;
+                if beyond { chord.min(tangent) } else { tangent }
+            }
+            _ => change / balance.at,
+        };
+        let decays = (1.0 - done) * slope;
         let beyond_rest = -x * change.signum();
         (decays >= SETTLED && beyond_rest <= BEYOND_REST * change.abs() * (1.0 - done))
-            .then_some(balance)
+            .then_some(balance.at)
     }
 
     /// Where a state goes that was `reached` after a part of the interval, part by part.
-    fn in_parts(self, reached: (f64, f64), change: f64, turns: f64) -> f64 {
+    fn in_parts(
+        self,
+        reached: (f64, f64),
+        change: f64,
+        turns: f64,
+        balance: Option<&Balance>,
+    ) -> f64 {
         let step = |x: f64, part: f64| {
             let change = part * change;
             let decays = self.turns(x + 0.5 * change, part * turns);
             x * (-decays).exp() + change * mean_decay(decays)
         };
         let (mut x, mut done) = reached;
+        let near = |x: f64, done: f64| balance.and_then(|it| it.reached(x, 1.0 - done, change));
+        if let Some(x) = near(x, done) {
+            return x;
+        }
         // A first step that crosses rest could mistake itself.
         let first = (FIRST_PART / (turns * self.at(change))).clamp(SHORTEST_PART, 1.0);
         let mut part = first.min(1.0 - done);
@@ -212,6 +272,9 @@ impl Growth {
                 let ahead = (best - x).abs() * (1.0 - done) / part;
                 x = best;
                 if ahead.is_nan() || ahead <= NEGLIGIBLE * allowed {
+                    return x;
+                }
+                if let Some(x) = near(x, done) {
                     return x;
                 }
             }
@@ -302,7 +365,8 @@ mod tests {
         ) {
             const PARTS: u32 = 4_000;
             let growth = Growth::Sinh(strength, 1.0);
-            let balance = growth.settled((x, 0.0), change, turns);
+            let balance = growth.balance(change, turns).unwrap();
+            let balance = growth.settled((x, 0.0), change, &balance);
             // In so many parts a faster decay is not followed.
             if let Some(balance) = balance.filter(|balance| change / balance < 0.1 * f64::from(PARTS)) {
                 prop_assert_eq!(growth.driven(x, change, turns), balance);
@@ -313,6 +377,31 @@ mod tests {
                 });
                 prop_assert!((found - balance).abs() <= 2e-3 * balance, "{balance} or {found}");
             }
+        }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(200))]
+
+        /// From whatever side and however stiff, with rates that grow with the state or fall: many halves of the linear law are the
+        /// oracle.
+        #[test]
+        fn a_stiff_state_goes_where_many_parts_take_it(
+            x in -1.0..3.0f64,
+            change in 1e-3..1.0f64,
+            turns in 0.2..60.0f64,
+            power in -0.5..1.5f64,
+        ) {
+            const PARTS: u32 = 20_000;
+            let growth = Growth::Power(power, 1.0);
+            let part = 1.0 / f64::from(PARTS);
+            let step = |x: f64| {
+                let free = growth.alone(x, 0.5 * part * turns) + part * change;
+                growth.alone(free, 0.5 * part * turns)
+            };
+            let expected = (0..PARTS).fold(x, |x, _| step(x));
+            let found = growth.driven(x, change, turns);
+            prop_assert!((found - expected).abs() <= 2e-5 * (x.abs() + change), "{found} for {expected}");
         }
     }
 
