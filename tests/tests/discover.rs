@@ -104,6 +104,58 @@ fn a_law_whose_fit_takes_many_steps_is_fitted_to_its_end() {
     assert!(held_out(&discovery, &set) < 1.15, "{:?}", discovery.ladder);
 }
 
+/// Thixotropy: motion wears the structure off, rest builds it up again.
+#[test]
+fn a_structure_that_motion_wears_off_is_found_with_how_it_recovers() {
+    let set = thinned_set(2, (1 << 40) ^ (58 << 10), &[("thixotropy", LawKind::Beyond)], 2.0);
+    let discovery = ask(&set);
+    let formula = &formulas(&discovery)[0];
+    let told = (formula.term.shape.name, formula.term.quantity.symbol);
+    assert_eq!(told, ("worn by", "abs(v)"));
+    let truth = set.truth.hidden[0].parameters.iter().find(|(name, _)| *name == "tau_s").unwrap().1;
+    let recovers = formula.law.parameters["time"].value;
+    assert!((recovers / truth - 1.0).abs() < 0.25, "{recovers} for {truth}");
+    assert!(held_out(&discovery, &set) < 1.1, "{:?}", discovery.ladder);
+}
+
+/// A tip that sticks the more the longer it has lain, as it leaves.
+#[test]
+fn what_grows_with_a_second_quantity_is_told_with_its_power() {
+    let set = thinned_set(2, (1 << 40) ^ (44 << 10), &[("dwelling-tack", LawKind::Beyond)], 4.0);
+    let discovery = ask(&set);
+    let varies = |it: &Formula| it.term.varies.is_some_and(|by| by.symbol == "since(x)");
+    let formula = formulas(&discovery).iter().find(|it| varies(it)).expect("a power of the time");
+    assert!(formula.law.parameters["power"].value > 0.0, "{:?}", formula.law);
+    assert!(formula.law.expression.as_ref().unwrap().ends_with(")^power"));
+    assert!(held_out(&discovery, &set) < 1.15, "{:?}", discovery.ladder);
+}
+
+/// A converter that errs by less than a step between its codes.
+#[test]
+fn what_jumps_in_each_period_is_a_sawtooth() {
+    let set = thinned_set(4, (1 << 40) ^ (20 << 10), &[("staircase", LawKind::Beyond)], 4.0);
+    let discovery = ask(&set);
+    let sawtooth = |it: &Formula| it.term.shape.name == "sawtooth in";
+    let formula = formulas(&discovery).iter().find(|it| sawtooth(it)).expect("a sawtooth");
+    let truth =
+        set.truth.hidden[0].parameters.iter().find(|(name, _)| *name == "step_N").unwrap().1;
+    let period = formula.law.parameters["period"].value;
+    assert!((period / truth - 1.0).abs() < 0.02, "{period} for {truth}");
+}
+
+/// A slow sine through all traces and the pauses between them, which `diagnose` tells by its frequency.
+#[test]
+fn a_swing_through_all_traces_is_a_wave_over_the_time_in_the_data_set() {
+    let set = thinned_set(4, 44, &[("sway", LawKind::OutsideMore)], 1.0);
+    let discovery = ask(&set);
+    let formula = &formulas(&discovery)[0];
+    let told = (formula.term.shape.name, formula.term.quantity.symbol);
+    assert_eq!(told, ("periodic in", "t_set"));
+    let truth = 1.0 / set.truth.hidden[0].parameters[0].1;
+    let period = formula.law.parameters["period"].value;
+    assert!((period / truth - 1.0).abs() < 0.02, "{period} for {truth}");
+}
+
 /// Presses that begin in motion, by a drive with a wave of 0.8 mm, and that go 60 mm off the specimen.
 #[test]
 fn a_wave_is_found_where_the_tool_goes_far_off_the_specimen() {

@@ -7,7 +7,8 @@
 use rayon::prelude::*;
 
 use super::grammar::{Grammar, Term};
-use super::simplify;
+use super::reach::{Quantity, Reach};
+use super::{simplify, vary};
 use crate::criticism::agreement;
 use crate::criticism::evidence::{Evidence, Judged, Refusal};
 use crate::criticism::fitted::Fitted;
@@ -17,7 +18,7 @@ use crate::criticism::search::{
     DECISIVE, DISAGREEMENT, Found, Rival, SURE, Search, Step, Weighed, refused,
 };
 use nalgebra::DMatrix;
-use palpate_fit::least_squares::{Effort, Solution};
+use palpate_fit::least_squares::{Effort, Solution, minimise_with};
 use palpate_model::Chain;
 
 /// Sensitivities that are screened at a time: what is counted of every two of them grows with their square.
@@ -38,10 +39,22 @@ const CLOSE: f64 = 0.3;
 /// Terms whose traces left out are predicted by refits in earnest: those that one step speaks for most.
 const IN_EARNEST: usize = 2;
 
+/// Times that a term is changed to one near it.
+const VARIED: usize = 2;
+
 /// A search over the terms of the grammar.
 pub(super) struct Climb<'a> {
     pub(super) search: &'a Search<'a>,
     pub(super) grammar: &'a Grammar,
+    /// The quantities with a power of which a term may change.
+    pub(super) powers: &'a [(&'static Quantity, Reach)],
+}
+
+/// What a search has found.
+pub(super) struct Climbed {
+    pub(super) found: Found,
+    /// Terms near those of the grammar that it has taken in their place.
+    pub(super) varied: Vec<Term>,
 }
 
 /// What a screen says of every term.
@@ -70,7 +83,7 @@ struct Tried {
 
 impl Climb<'_> {
     /// Adds terms to a model, and no further than to the first that leaves only noise; then takes away what is no longer needed.
-    pub(super) fn from(&self, base: &Fitted) -> Found {
+    pub(super) fn from(&self, base: &Fitted) -> Climbed {
         // A diagnosis may have been searched on means, whose sums of squares are those of all rows but for a little.
         let problem = self.search.problem.with_chain(&base.chain);
         let base = Fitted::new(&problem, &problem.point(&base.values), Effort::QUICK);
@@ -86,8 +99,10 @@ impl Climb<'_> {
             evidence,
             refused: Vec::new(),
         };
+        let mut varied = Vec::new();
         while self.step_up(&mut found) {
             tracing::debug!("step: {:?}", found.steps.last().map(|step| &step.effect));
+            self.vary(&mut found, &mut varied);
             let enough = found.steps.len() >= self.search.options.max_effects
                 || self.search.leaves_noise(found.model());
             if enough {
@@ -99,7 +114,74 @@ impl Climb<'_> {
         if let Some(rows) = self.search.rows {
             found.score(self.search, rows);
         }
-        found
+        Climbed { found, varied }
+    }
+
+    /// Takes terms near the last one in its place as long as traces left out bear them out and more than noise is left.
+    fn vary(&self, found: &mut Found, varied: &mut Vec<Term>) {
+        for _ in 0..VARIED {
+            if self.search.leaves_noise(found.model()) {
+                return;
+            }
+            match self.near_the_last(found, varied) {
+                Some(term) => {
+                    tracing::debug!("varied: {}", term.candidate.name);
+                    varied.push(term);
+                }
+                None => return,
+            }
+        }
+    }
+
+    /// The term near the last one that gains most in its place, if traces left out bear it out; it stands in its place then.
+    fn near_the_last(&self, found: &mut Found, varied: &[Term]) -> Option<Term> {
+        let (model, step) = (found.model(), found.steps.last()?);
+        let term = self
+            .grammar
+            .terms
+            .iter()
+            .chain(varied)
+            .find(|term| term.candidate.name == step.effect)?;
+        let place = model.chain.effects.len() - 1;
+        let (kept, values) = model.point.split_at(model.chain.range(place).start);
+        let without = model.chain.without(place);
+        let tried = vary::near(term, values, self.grammar, self.powers).into_par_iter().map(|it| {
+            let chain = without.with(it.term.candidate.forms[0].applied.clone());
+            let problem = self.search.problem.with_chain(&chain);
+            let fit = minimise_with(&problem, &[kept, &it.start].concat(), Effort::TRIAL);
+            (it.term, chain, fit)
+        });
+        let tried: Vec<(Term, Chain, Solution)> = tried.collect();
+        let best = tried
+            .into_iter()
+            .filter(|(_, _, fit)| fit.normal.cost.is_finite())
+            .min_by(|a, b| a.2.normal.cost.total_cmp(&b.2.normal.cost));
+        let (term, chain, fit) = best?;
+        let problem = self.search.problem.with_chain(&chain);
+        let mut fitted = Fitted::new(&problem, &fit.point, Effort::QUICK);
+        fitted.go_on(self.search.problem);
+        let before = Judged { fitted: model, evidence: found.evidence.last()? };
+        let exact = self.search.leaves_noise(&fitted);
+        let (evidence, refusal) = self.search.weigh(before, &fitted, exact, None);
+        let effect = term.candidate.name.clone();
+        let rival = Rival {
+            candidate: step.rivals.first()?.candidate,
+            effect: effect.clone(),
+            fitted,
+            won: 0.0,
+        };
+        let it = Weighed { rival: &rival, evidence, exact };
+        if let Err(reason) = refusal.and_then(|()| it.gains_surely(before, None)) {
+            tracing::debug!("refused: {effect} ({reason:?})");
+            return None;
+        }
+        let (evidence, fitted) = (it.evidence, rival.fitted.clone());
+        let rivals = [&step.rivals[..], &[rival]].concat();
+        let varied = Step::chosen(effect.clone(), step.p_value, rivals, vec![effect]);
+        *found.steps.last_mut()? = varied;
+        *found.models.last_mut()? = fitted;
+        *found.evidence.last_mut()? = evidence;
+        Some(term)
     }
 
     fn term(&self, index: usize) -> &Term {

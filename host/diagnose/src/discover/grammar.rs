@@ -6,7 +6,7 @@ use super::curves::{Knots, curve};
 use super::place::{PLACES, Place};
 use super::reach::{QUANTITIES, Quantity, Reach};
 use super::shape::{
-    ALWAYS, Factor, Family, PRESSING, SHAPES, Shape, ShapeParameter, TURNING, Unit,
+    ALWAYS, Factor, Family, LEAVING, PRESSING, SHAPES, Shape, ShapeParameter, TURNING, Unit,
 };
 use palpate_model::effects::{Candidate, Form};
 use palpate_model::{Act, Applied, Expression, Parameter, Stage};
@@ -26,13 +26,31 @@ pub struct Term {
     pub candidate: Candidate,
     /// Where a free curve is told its value; none of other shapes.
     pub(super) knots: Option<Knots>,
+    /// The quantity with a power of which it changes; none where it does not.
+    pub varies: Option<&'static Quantity>,
 }
 
 impl Term {
     /// What it is, in words: shape, quantity and factor.
     #[must_use]
     pub fn name(&self) -> String {
-        format!("{} {}{}", self.shape.name, self.quantity.name, self.factor.name)
+        let varies =
+            self.varies.map_or_else(String::new, |by| format!(" by a power of {}", by.name));
+        format!("{} {}{}{varies}", self.shape.name, self.quantity.name, self.factor.name)
+    }
+
+    /// What it does, in words in which names in braces stand for its parameters.
+    #[must_use]
+    pub fn words(&self) -> String {
+        let varies = self.varies.map_or_else(String::new, |by| {
+            format!(", and changes with the power {{power}} of the {}", by.name)
+        });
+        self.shape.words.replace("{c}", self.quantity.name) + self.factor.words + &varies
+    }
+
+    /// The name of the term and of its place in the chain.
+    pub(super) fn full_name(&self) -> String {
+        format!("{} ({})", self.name(), self.stage.name())
     }
 
     /// Whether another depends on the same quantity at the same stage.
@@ -82,13 +100,19 @@ impl Grammar {
     }
 }
 
-/// Whether a shape with a factor is screened from a grid of starts; else a free curve leads to it.
+/// Whether a shape with a factor is screened from a grid of starts; else a free curve or a wave leads to it.
 fn on_grid(shape: &Shape, factor: &Factor) -> bool {
-    *factor == ALWAYS
-        || (*factor == PRESSING && shape.family == Family::Straight)
-        || (*factor == PRESSING || *factor == TURNING)
-            && shape.family == Family::Local
-            && shape.power == 0
+    use Family::{Decay, Local, Sawtooth, Straight, Wave};
+    let one_way = *factor == PRESSING || *factor == LEAVING;
+    match shape.family {
+        Sawtooth => false,
+        _ if *factor == ALWAYS => true,
+        Straight => *factor == PRESSING,
+        Decay => *factor == LEAVING,
+        Wave => one_way,
+        Local => (one_way || *factor == TURNING) && shape.power == 0,
+        _ => false,
+    }
 }
 
 /// What a term is made of beside its shape.
@@ -177,8 +201,9 @@ impl Made<'_> {
             quantity: self.quantity,
             candidate: Candidate { name: String::new(), forms: Vec::new(), missing: None },
             knots,
+            varies: None,
         };
-        let name = format!("{} ({})", term.name(), stage.name());
+        let name = term.full_name();
         let applied = Applied {
             name: name.clone(),
             law: "own".into(),

@@ -2,7 +2,8 @@
 //!
 //! - [`reach`]: the quantities that a term may depend on.
 //! - [`shape`]: how; `curves`: in any shape. `place`: where in the chain. [`grammar`]: every combination.
-//! - `blocks`: the means on which the search goes. `climb`: the search over all terms; `simplify`: from a free curve to laws near it.
+//! - `blocks`: the means on which the search goes. `climb`: the search over all terms; `simplify`: from a free curve to laws near it;
+//!   `vary`: from a law to one that changes with a second quantity.
 //! - [`formula`]: a term that was found, with the evidence for it.
 //! - [`surface`]: what the residual depends on without any law: one quantity, or two together.
 //! - [`causes`]: what such a term can come from.
@@ -18,8 +19,9 @@ pub mod reach;
 pub mod shape;
 mod simplify;
 pub mod surface;
+mod vary;
 
-use self::climb::Climb;
+use self::climb::{Climb, Climbed};
 use self::formula::{Formula, formulas};
 use self::grammar::{Grammar, Term};
 use self::reach::{QUANTITIES, Reach};
@@ -30,6 +32,7 @@ use crate::criticism::diagnose::{DiagnoseError, Diagnosis, Verdict, diagnose};
 use crate::criticism::evidence::Refused;
 use crate::criticism::explore::explored;
 use crate::criticism::fitted::Fitted;
+use crate::criticism::outside::Outside;
 use crate::criticism::residuals::Residuals;
 use crate::criticism::search::{Found, Search};
 use palpate_fit::data::Data;
@@ -92,7 +95,12 @@ pub fn discover(
     let whitening = diagnosis.noise.whitening.clone();
     let chain = base.chain.clone();
     let whole = Problem::new(&chain, &all, &whitening, None);
-    let blocks = blocks::of(&whole, &base, &diagnosis.noise);
+    let swing = match &diagnosis.outside {
+        Some(Outside::Swing(swing)) => Some(1.0 / swing.frequency_hz),
+        _ => None,
+    };
+    // A mean over more than a period of a swing shows nothing of it.
+    let blocks = blocks::of(&whole, &base, &diagnosis.noise).filter(|_| swing.is_none());
     // Without them a long recording is searched on means of its rests alone.
     let at_rest = if blocks.is_none() { block_means(traces) } else { None };
     let thinned = at_rest.as_deref().map(|traces| Data::of_model(model, traces)).transpose()?;
@@ -134,7 +142,12 @@ pub fn discover(
     }
     let residuals = left.values();
     let reach = |quantity| Reach::of(quantity, data, &left.predicted, &residuals);
-    let reaches: Vec<Option<Reach>> = QUANTITIES.iter().map(reach).collect();
+    let mut reaches: Vec<Option<Reach>> = QUANTITIES.iter().map(reach).collect();
+    for (quantity, reach) in QUANTITIES.iter().zip(&mut reaches) {
+        if let Some(reach) = reach.as_mut().filter(|_| quantity.symbol == CLOCK) {
+            reach.periods.extend(swing);
+        }
+    }
     let grammar = Grammar::new(&reaches, signal_unit);
     let candidates: Vec<Candidate> =
         grammar.terms.iter().map(|term| term.candidate.clone()).collect();
@@ -147,8 +160,9 @@ pub fn discover(
         options: &discovery.diagnosis.options,
         rows: rows.as_ref(),
     };
-    let climb = Climb { search: &search, grammar: &grammar };
-    let found = match known {
+    let powers = vary::quantities(reach);
+    let climb = Climb { search: &search, grammar: &grammar, powers: &powers };
+    let Climbed { found, varied } = match known {
         // The library has the name; what it leaves may have a formula.
         true => climb.from(library.model()),
         false => best_climb(&climb, library, discovery.diagnosis.noise.level),
@@ -156,20 +170,25 @@ pub fn discover(
     if known && found.steps.is_empty() {
         return Ok(discovery);
     }
-    discovery.take(&found, &grammar.terms, &problem, searched);
+    let terms = [&grammar.terms[..], &varied].concat();
+    discovery.terms = grammar.terms.len();
+    discovery.take(&found, &terms, &problem, searched);
     Ok(discovery)
 }
+
+/// The quantity in which a swing through all traces is a wave.
+const CLOCK: &str = "t_set";
 
 /// Error on traces left out, in noises, from which on nothing can predict much better.
 const CLOSE: f64 = 1.05;
 
 /// The climb from the model without effects; or from what the library explains of it, where that predicts traces left out better by
 /// more than its uncertainty over the traces: an effect of the library that was named for want of a better one is no part of a formula.
-fn best_climb(climb: &Climb, library: &Found, noise: f64) -> Found {
+fn best_climb(climb: &Climb, library: &Found, noise: f64) -> Climbed {
     let alone = climb.from(&library.base);
-    let left_out = |found: &Found| found.evidence.last().and_then(|it| it.left_out().cloned());
+    let left_out = |it: &Climbed| it.found.evidence.last().and_then(|it| it.left_out().cloned());
     let close = left_out(&alone).is_some_and(|errors| errors.rms <= CLOSE * noise);
-    if library.steps.is_empty() || close || climb.search.leaves_noise(alone.model()) {
+    if library.steps.is_empty() || close || climb.search.leaves_noise(alone.found.model()) {
         return alone;
     }
     let beside = climb.from(library.model());
@@ -177,7 +196,8 @@ fn best_climb(climb: &Climb, library: &Found, noise: f64) -> Found {
         (Some(beside), Some(alone)) => beside.gain(&alone).exceeds(1.0),
         _ => false,
     };
-    if !beside.steps.is_empty() && (alone.steps.is_empty() || better) { beside } else { alone }
+    let first = alone.found.steps.is_empty();
+    if !beside.found.steps.is_empty() && (first || better) { beside } else { alone }
 }
 
 impl Discovery {
@@ -197,7 +217,6 @@ impl Discovery {
     }
 
     fn take(&mut self, found: &Found, terms: &[Term], problem: &Problem, data: &Data) {
-        self.terms = terms.len();
         let given = self.diagnosis.found.base.chain.effects.len();
         self.beside_library = found.base.chain.effects.len() > given;
         self.refused.clone_from(&found.refused);

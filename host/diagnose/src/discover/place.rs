@@ -1,7 +1,7 @@
 //! Where in the chain a term acts, and what it may depend on there.
 
 use super::reach::{Kind, Quantity, Reach};
-use super::shape::{ALWAYS, Factor, PRESSING, SPEED, TURNING, VELOCITY};
+use super::shape::{ALWAYS, Factor, LEAVING, PRESSING, SPEED, TURNING, VELOCITY};
 use palpate_model::Stage;
 
 /// Where a term acts.
@@ -24,9 +24,9 @@ impl Place {
     pub fn factors(&self, quantity: &Quantity) -> &'static [&'static Factor] {
         match (quantity.kind, self.stage) {
             (Kind::Fast, Stage::Sensor | Stage::Contact) => {
-                &[&ALWAYS, &PRESSING, &TURNING, &VELOCITY, &SPEED]
+                &[&ALWAYS, &PRESSING, &LEAVING, &TURNING, &VELOCITY, &SPEED]
             }
-            (Kind::Fast, _) => &[&ALWAYS, &PRESSING, &TURNING],
+            (Kind::Fast, _) => &[&ALWAYS, &PRESSING, &LEAVING, &TURNING],
             (Kind::Rate, _) => &[&ALWAYS, &PRESSING],
             _ => &[&ALWAYS],
         }

@@ -39,12 +39,16 @@ pub(super) enum Family {
     Local,
     /// With a period in the range.
     Wave,
+    /// The same with a jump in each period.
+    Sawtooth,
     /// A wave that dies away.
     DyingWave,
     /// Of what was before.
     Memory,
     /// Of the square of what was before.
     SquareMemory,
+    /// Of what wears something down that recovers.
+    Wearing,
     /// A curve of any shape.
     Free,
 }
@@ -95,7 +99,10 @@ const PERIOD: ShapeParameter = ShapeParameter {
     name: "period",
     unit: Unit::Quantity,
     grid: |reach| reach.periods.clone(),
-    bounds: |reach| (0.01 * reach.span(), 2.0 * reach.span()),
+    bounds: |reach| {
+        let shortest = reach.periods.iter().fold(reach.span(), |least, period| least.min(*period));
+        ((0.5 * shortest).min(0.01 * reach.span()), 2.0 * reach.span())
+    },
 };
 
 const PHASE: ShapeParameter = ShapeParameter {
@@ -105,6 +112,13 @@ const PHASE: ShapeParameter = ShapeParameter {
     bounds: |_| (-7.0, 7.0),
 };
 
+const SHARPNESS: ShapeParameter = ShapeParameter {
+    name: "sharpness",
+    unit: Unit::Number,
+    grid: |_| vec![0.95],
+    bounds: |_| (0.2, 0.999),
+};
+
 const DELAY: ShapeParameter = ShapeParameter {
     name: "time",
     unit: Unit::Seconds,
@@ -112,10 +126,24 @@ const DELAY: ShapeParameter = ShapeParameter {
     bounds: |reach| (0.2 * reach.times[0], 20.0 * reach.times[3]),
 };
 
+const LEVEL: ShapeParameter = ShapeParameter {
+    name: "level",
+    unit: Unit::Quantity,
+    grid: |reach| [0.1, 0.5].map(|part| part * reach.size()).to_vec(),
+    bounds: |reach| (1e-3 * reach.size(), 50.0 * reach.size()),
+};
+
+const ORDER: ShapeParameter = ShapeParameter {
+    name: "order",
+    unit: Unit::Number,
+    grid: |_| vec![1.3],
+    bounds: |_| (0.3, 4.0),
+};
+
 const ONE: fn(&Reach) -> f64 = |_| 1.0;
 
 /// Every shape but free curves.
-pub const SHAPES: [Shape; 11] = [
+pub const SHAPES: [Shape; 13] = [
     Shape {
         name: "proportional to",
         family: Family::Straight,
@@ -198,6 +226,21 @@ pub const SHAPES: [Shape; 11] = [
         slow: false,
     },
     Shape {
+        name: "sawtooth in",
+        family: Family::Sawtooth,
+        words: "rises and falls back every {period} of the {c}, {size} high",
+        // The sum of sharpness^k sin(k w)/k: a sawtooth whose corners are a little rounded, so that a fit can move them.
+        text: "atan(sharpness * sin(2 * PI * {c} / period + phase) / (1 - sharpness * cos(2 * PI * {c} / period + phase))) * 2 / PI",
+        value: Some(|c, at| {
+            let (sine, cosine) = (TAU * c / at[0] + at[1]).sin_cos();
+            2.0 / PI * (at[2] * sine / (1.0 - at[2] * cosine)).atan()
+        }),
+        power: 0,
+        parameters: &[PERIOD, PHASE, SHARPNESS],
+        size: ONE,
+        slow: false,
+    },
+    Shape {
         name: "step at one",
         family: Family::Local,
         words: "is a step of {size} where the {c} passes {place}",
@@ -241,6 +284,18 @@ pub const SHAPES: [Shape; 11] = [
         size: |reach| reach.size().powi(2),
         slow: false,
     },
+    Shape {
+        name: "worn by",
+        family: Family::Wearing,
+        words: "wears off with the {c}, half of it at {level} in the long run, recovers within {time}, and is {size} where all is worn off",
+        // dy/dt = (u (1 - y) - y)/time, u = (c/level)^order.
+        text: "lag((max(0, {c}) / level)^order / (1 + (max(0, {c}) / level)^order), time / (1 + (max(0, {c}) / level)^order))",
+        value: None,
+        power: 0,
+        parameters: &[LEVEL, ORDER, DELAY],
+        size: ONE,
+        slow: false,
+    },
 ];
 
 /// A curve of any shape.
@@ -265,17 +320,21 @@ impl Shape {
 
     /// Whether a quantity can be tried in it.
     pub(super) fn suits(&self, quantity: &Quantity, reach: &Reach) -> bool {
-        use Family::{Curve, Decay, DyingWave, Memory, SquareMemory, Straight};
+        use Family::{Curve, Decay, DyingWave, Memory, SquareMemory, Straight, Wearing};
         // An exponential of what goes far below 0 is no decay.
         if matches!(self.family, Decay | DyingWave) && reach.least < -0.1 * reach.span() {
             return false;
         }
+        if self.family == Wearing && quantity.kind == Kind::Plain && reach.least < 0.0 {
+            return false;
+        }
         match quantity.kind {
             Kind::Fast => self.family != DyingWave,
-            Kind::Clock => !matches!(self.family, Memory | SquareMemory),
-            Kind::Slow => self.slow,
+            Kind::Clock => !matches!(self.family, Memory | SquareMemory | Wearing),
+            // A wave is tried only where one was seen.
+            Kind::Slow => self.slow || self.family == Family::Wave && !reach.periods.is_empty(),
             Kind::Rate => matches!(self.family, Straight | Curve | Decay | Memory),
-            Kind::Plain => matches!(self.family, Straight | Memory),
+            Kind::Plain => matches!(self.family, Straight | Memory | Wearing),
         }
     }
 }
@@ -300,6 +359,13 @@ pub const PRESSING: Factor = Factor {
     name: " while pressing",
     words: ", and only while pressing",
     text: "0.5 * (1 + sign(v)) * ",
+    of_speed: false,
+};
+/// Only while the tip goes out.
+pub const LEAVING: Factor = Factor {
+    name: " while leaving",
+    words: ", and only while leaving",
+    text: "max(0, -sign(v)) * ",
     of_speed: false,
 };
 /// With the sign of the motion.

@@ -331,7 +331,7 @@ fn subject(term: &Term) -> &'static str {
 
 /// What a term does, with its numbers.
 fn described(term: &Term, law: &StoredEffect) -> String {
-    let mut words = term.shape.words.replace("{c}", term.quantity.name) + term.factor.words;
+    let mut words = term.words();
     for (name, parameter) in &law.parameters {
         let value = format!("{} {}", significant(parameter.value, 3), parameter.unit);
         words = words.replace(&format!("{{{name}}}"), value.trim_end());
