@@ -491,7 +491,7 @@ impl<'a> Problem<'a> {
         owner.is_some_and(|index| {
             let effect = &self.chain.effects[index];
             match effect.act {
-                Act::Force(_) => true,
+                Act::Force(_) | Act::Added(_) => true,
                 Act::Own(_) => matches!(effect.stage, Stage::Contact | Stage::Sensor),
                 _ => false,
             }
@@ -579,6 +579,8 @@ impl<'a> Problem<'a> {
             .map(|j| (j, self.run_at(&moved(j))))
             .collect();
         let changes = (self.coordinates.count()..point.len()).any(|j| self.acts_after(j));
+        // What adds the same whatever the force leaves the derivatives of that as they are.
+        let bends = !self.chain.only_adds_to_force();
         let mut elasticity = Elasticity::default();
         for (index, piece) in self.data.pieces.iter().enumerate() {
             let own: Vec<usize> = owned[piece.trace].iter().copied().filter(moves).collect();
@@ -591,9 +593,8 @@ impl<'a> Problem<'a> {
                 if changes {
                     relaxed.extend_from_slice(&base);
                     self.sense(&mut run, index, &mut base);
-                    for ((&j, slope), history) in
-                        carried.iter().zip(&mut slopes).zip(&mut histories)
-                    {
+                    let bent = slopes.iter_mut().filter(|_| bends);
+                    for ((&j, slope), history) in carried.iter().zip(bent).zip(&mut histories) {
                         self.sensed(&run, index, history, (&relaxed, &base), steps[j], slope);
                     }
                 }

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use palpate_fit::data::Data;
 use palpate_model::effects::{Count, Effect, LIBRARY, Law, Setting, Sign};
-use palpate_model::{Applied, BaseLaw, Chain, Elasticity, History, Separation};
+use palpate_model::{Act, Applied, BaseLaw, Chain, Elasticity, History, Separation};
 use palpate_trace::{Column, DISPLACEMENT, FORCE, TANGENTIAL, TEMPERATURE, Trace};
 
 const BASE: [f64; 6] = [0.28, 0.45, 0.26, 0.24, 4.2, 0.55];
@@ -112,6 +112,28 @@ fn at_zero_strength_a_law_leaves_the_prediction_bit_for_bit() {
                 assert_eq!(found, bare, "{} {shapes:?}", case.name());
             }
         }
+    });
+}
+
+/// Their derivatives are taken from that.
+#[test]
+fn laws_that_only_add_add_the_same_to_every_force() {
+    with_every_law(|case| {
+        let typical = (case.law.strength.typical)(&case.data.scales());
+        let shapes = &case.law.grid(&case.data.scales())[0];
+        let bare = Chain::new(BaseLaw::fung(2, Separation::Clamp));
+        let with = bare.with(case.applied());
+        let added = |base: &[f64]| -> Vec<f64> {
+            let own = [base, &case.parameters(typical, shapes)].concat();
+            let (there, none) = (run(case.data, &with, &own), run(case.data, &bare, base));
+            there.iter().zip(&none).map(|(there, none)| there - none).collect()
+        };
+        let twice = [&[2.0 * BASE[0]], &BASE[1..]].concat();
+        let (once, twice) = (added(&BASE), added(&twice));
+        let size = once.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
+        let same = once.iter().zip(&twice).all(|(a, b)| (a - b).abs() <= 1e-9 * size);
+        let adds = matches!(case.law.act, Act::Added(_));
+        assert!(!adds || same && with.only_adds_to_force(), "{}", case.name());
     });
 }
 

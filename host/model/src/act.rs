@@ -60,6 +60,8 @@ pub enum Act {
     Relaxation(fn(&Scene, &[f64], &mut Remembered, &[f64], &mut Hereditary)),
     /// Changes the force, N, at its stage: contact or sensor.
     Force(fn(&Scene, &[f64], &mut Remembered, &mut [f64])),
+    /// Adds to the force, N, at its stage; what it adds does not depend on the force, which leaves that one's derivatives as they are.
+    Added(fn(&Scene, &[f64], &mut Remembered, &mut [f64])),
     /// A law of the user's own, as an expression.
     Own(Arc<Expression>),
 }

@@ -198,7 +198,7 @@ impl Chain {
     fn bare_response(&self, parameters: &[f64]) -> Option<Response> {
         let bare = self.effects.iter().all(|effect| match effect.act {
             Act::Compression(_) | Act::Yield(_) => true,
-            Act::Force(_) => effect.stage == Stage::Sensor,
+            Act::Force(_) | Act::Added(_) => effect.stage == Stage::Sensor,
             Act::Own(_) => matches!(effect.stage, Stage::Motion | Stage::Sensor),
             _ => false,
         });
@@ -211,7 +211,7 @@ impl Chain {
     #[must_use]
     pub fn leaves_base_alone(&self) -> bool {
         self.effects.iter().all(|effect| match effect.act {
-            Act::Compression(_) | Act::Force(_) => true,
+            Act::Compression(_) | Act::Force(_) | Act::Added(_) => true,
             Act::Own(_) => !matches!(effect.stage, Stage::Elasticity | Stage::Relaxation),
             _ => false,
         })
@@ -259,10 +259,23 @@ impl Chain {
         force: &mut [f64],
     ) {
         self.each(parameters, history, |act, own, remembered, stage| match act {
-            Act::Force(law) if stage == at => law(scene, own, remembered, force),
+            Act::Force(law) | Act::Added(law) if stage == at => law(scene, own, remembered, force),
             Act::Own(expression) if stage == at => expression.add_to_force(scene, own, force),
             _ => {}
         });
+    }
+
+    /// Whether everything that acts on the force adds the same to it, whatever it is.
+    #[must_use]
+    pub fn only_adds_to_force(&self) -> bool {
+        self.effects.iter().all(|effect| match &effect.act {
+            Act::Force(_) => false,
+            Act::Own(expression) => {
+                !matches!(effect.stage, Stage::Contact | Stage::Sensor)
+                    || !expression.follows_force()
+            }
+            _ => true,
+        })
     }
 
     /// Whether the set-up yields under the force.
@@ -281,7 +294,7 @@ impl Chain {
             effect.stage > stage || (matches!(effect.act, Act::Yield(_)) && stage < Stage::Sensor)
         };
         let on_force = match last.act {
-            Act::Force(_) => true,
+            Act::Force(_) | Act::Added(_) => true,
             Act::Own(_) => matches!(stage, Stage::Contact | Stage::Sensor),
             _ => false,
         };
@@ -304,7 +317,7 @@ impl Chain {
         };
         let own = &parameters[parameters.len() - effect.parameters.len()..];
         match &effect.act {
-            Act::Force(law) => law(scene, own, remembered, force),
+            Act::Force(law) | Act::Added(law) => law(scene, own, remembered, force),
             Act::Own(expression) => expression.add_to_force(scene, own, force),
             _ => {}
         }

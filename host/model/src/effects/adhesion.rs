@@ -88,7 +88,7 @@ pub const EFFECT: Effect = Effect {
             formula: "F → F − w e^(−|x|/ℓ) while parting",
             strength: PULL,
             shapes: &[LENGTH],
-            act: Act::Force(|scene, parameters, remembered, force| {
+            act: Act::Added(|scene, parameters, remembered, force| {
                 let (pull, length) = (parameters[0], parameters[1]);
                 for (k, parting) in parting(scene, remembered, length).into_iter().enumerate() {
                     let x = scene.motion.displacement[k];
@@ -101,7 +101,7 @@ pub const EFFECT: Effect = Effect {
             formula: "F → F − w e^(−((x − x_p)/ℓ)²) while parting",
             strength: PULL,
             shapes: &[WIDTH, PLACE],
-            act: Act::Force(|scene, parameters, remembered, force| {
+            act: Act::Added(|scene, parameters, remembered, force| {
                 let (pull, length, place) = (parameters[0], parameters[1], parameters[2]);
                 for (k, parting) in parting(scene, remembered, length).into_iter().enumerate() {
                     let off = (scene.motion.displacement[k] - place) / length;
@@ -114,14 +114,14 @@ pub const EFFECT: Effect = Effect {
             formula: "F → F − w |v/V|^k e^(−((x − x_p)/ℓ)²) while parting",
             strength: Strength { meaning: "largest force of the pull at full speed", ..PULL },
             shapes: &[WIDTH, PLACE, EXPONENT, FULL_SPEED],
-            act: Act::Force(neck),
+            act: Act::Added(neck),
         },
         Law {
             name: "rate",
             formula: "F → F − w |v/V|^k e^(−|x|/ℓ) while parting",
             strength: Strength { meaning: "largest force of the pull at full speed", ..PULL },
             shapes: &[LENGTH, EXPONENT, FULL_SPEED],
-            act: Act::Force(by_rate),
+            act: Act::Added(by_rate),
         },
         Law {
             name: "cohesive",

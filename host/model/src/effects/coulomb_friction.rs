@@ -48,7 +48,7 @@ pub const EFFECT: Effect = Effect {
             formula: "F → F + F_c tanh(v/v0)",
             strength: FRICTION,
             shapes: &[SLIDING_SPEED],
-            act: Act::Force(|scene, parameters, _, force| {
+            act: Act::Added(|scene, parameters, _, force| {
                 for (force, velocity) in force.iter_mut().zip(scene.velocity.iter()) {
                     *force += parameters[0] * (velocity / parameters[1]).tanh();
                 }
@@ -59,7 +59,7 @@ pub const EFFECT: Effect = Effect {
             formula: "F → F + F_c z, dz = (sgn dx − z) |dx|/ℓ",
             strength: FRICTION,
             shapes: &[PRESLIDING],
-            act: Act::Force(|scene, parameters, remembered, force| {
+            act: Act::Added(|scene, parameters, remembered, force| {
                 dahl(scene, parameters, remembered, force, |_| true);
             }),
         },
@@ -96,7 +96,7 @@ pub const EFFECT: Effect = Effect {
                 grid: |scales| vec![0.1 * scales.speed],
                 role: Role::Fitted(|scales| (0.005 * scales.speed, 0.5 * scales.speed)),
             }],
-            act: Act::Force(|scene, parameters, _, force| {
+            act: Act::Added(|scene, parameters, _, force| {
                 for (force, velocity) in force.iter_mut().zip(scene.velocity.iter()) {
                     let speeds = velocity / parameters[1];
                     let sticking = 1.0 + 0.5 * (-speeds * speeds).exp();

@@ -33,7 +33,7 @@ pub const EFFECT: Effect = Effect {
             formula: "F → F + Σ k_j channel_j",
             strength: LEAK,
             shapes: &[],
-            act: Act::Force(|scene, parameters, _, force| {
+            act: Act::Added(|scene, parameters, _, force| {
                 for (leak, channel) in parameters.iter().zip(scene.channels) {
                     for (force, value) in force.iter_mut().zip(channel.values) {
                         *force += leak * value;
@@ -46,7 +46,7 @@ pub const EFFECT: Effect = Effect {
             formula: "F → F + Σ k_j (channel_j − channel_j at the first sample of the set)",
             strength: LEAK,
             shapes: &[],
-            act: Act::Force(|scene, parameters, first, force| {
+            act: Act::Added(|scene, parameters, first, force| {
                 if first.is_empty() {
                     let begin =
                         |channel: &Channel| channel.values.first().copied().unwrap_or_default();
@@ -71,7 +71,7 @@ pub const EFFECT: Effect = Effect {
                 ..LEAK
             },
             shapes: &[],
-            act: Act::Force(|scene, parameters, _, force| {
+            act: Act::Added(|scene, parameters, _, force| {
                 for (leak, channel) in parameters.iter().zip(scene.channels) {
                     for (force, slope) in force.iter_mut().zip(&channel.slope) {
                         *force += leak * slope;

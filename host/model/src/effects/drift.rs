@@ -32,7 +32,7 @@ pub const EFFECT: Effect = Effect {
             formula: "F → F + d t_set",
             strength: RATE,
             shapes: &[],
-            act: Act::Force(|scene, parameters, _, force| {
+            act: Act::Added(|scene, parameters, _, force| {
                 add(force, |k| parameters[0] * minutes(scene, k));
             }),
         },
@@ -47,7 +47,7 @@ pub const EFFECT: Effect = Effect {
                 ..RATE
             },
             shapes: &[],
-            act: Act::Force(|scene, parameters, _, force| {
+            act: Act::Added(|scene, parameters, _, force| {
                 add(force, |k| parameters[0] * minutes(scene, k).max(0.0).sqrt());
             }),
         },
@@ -62,7 +62,7 @@ pub const EFFECT: Effect = Effect {
                 grid: |scales| [0.3, 0.6].map(|part| part * scales.set_duration).to_vec(),
                 role: Role::Fitted(|scales| (0.0, 0.95 * scales.set_duration)),
             }],
-            act: Act::Force(|scene, parameters, _, force| {
+            act: Act::Added(|scene, parameters, _, force| {
                 let onset = parameters[1] / MINUTE;
                 add(force, |k| parameters[0] * (minutes(scene, k) - onset).max(0.0));
             }),
@@ -80,7 +80,7 @@ pub const EFFECT: Effect = Effect {
                     (0.05 * scales.set_duration, 100.0 * scales.set_duration)
                 }),
             }],
-            act: Act::Force(|scene, parameters, _, force| {
+            act: Act::Added(|scene, parameters, _, force| {
                 let doubling = parameters[1] / MINUTE;
                 let way = |time: f64| time * (1.0 + time / doubling);
                 add(force, |k| parameters[0] * way(minutes(scene, k)));
@@ -95,7 +95,7 @@ pub const EFFECT: Effect = Effect {
                 ..RATE
             },
             shapes: &[],
-            act: Act::Force(|scene, parameters, _, force| {
+            act: Act::Added(|scene, parameters, _, force| {
                 add(force, |k| parameters[0] * scene.since[k] / MINUTE);
             }),
         },

@@ -23,7 +23,7 @@ pub const EFFECT: Effect = Effect {
             formula: "F → F + m a",
             strength: MASS,
             shapes: &[],
-            act: Act::Force(|scene, parameters, _, force| {
+            act: Act::Added(|scene, parameters, _, force| {
                 for (force, acceleration) in force.iter_mut().zip(scene.acceleration.iter()) {
                     *force += parameters[0] * NEWTON * acceleration;
                 }
@@ -40,7 +40,7 @@ pub const EFFECT: Effect = Effect {
                 grid: |scales| vec![2.0 * scales.interval],
                 role: Role::Fitted(|scales| (0.05 * scales.interval, 50.0 * scales.interval)),
             }],
-            act: Act::Force(|scene, parameters, _, force| {
+            act: Act::Added(|scene, parameters, _, force| {
                 let (time, acceleration) = (&scene.motion.time, &scene.acceleration);
                 let mut felt = 0.0;
                 for (k, force) in force.iter_mut().enumerate().skip(1) {

@@ -39,7 +39,7 @@ pub const EFFECT: Effect = Effect {
             formula: "F → F + A sin(2π f t_set) + B cos(2π f t_set)",
             strength: AMPLITUDE,
             shapes: &[FREQUENCY],
-            act: Act::Force(|scene, parameters, _, force| {
+            act: Act::Added(|scene, parameters, _, force| {
                 let frequency = parameters[2];
                 hum(force, &parameters[..2], |k| frequency * scene.set_time(k));
             }),
@@ -49,7 +49,7 @@ pub const EFFECT: Effect = Effect {
             formula: "F → F + A sin(2π f t) + B cos(2π f t), t since each trace began",
             strength: AMPLITUDE,
             shapes: &[FREQUENCY],
-            act: Act::Force(|scene, parameters, _, force| {
+            act: Act::Added(|scene, parameters, _, force| {
                 let frequency = parameters[2];
                 hum(force, &parameters[..2], |k| frequency * scene.since[k]);
             }),
@@ -59,7 +59,7 @@ pub const EFFECT: Effect = Effect {
             formula: "F → F + A sin(2π f t) + B cos(2π f t), one A and one B for each trace",
             strength: Strength { count: Count::EachTrace(&["sine", "cosine"]), ..AMPLITUDE },
             shapes: &[FREQUENCY],
-            act: Act::Force(free_phase),
+            act: Act::Added(free_phase),
         },
     ],
 };

@@ -42,7 +42,7 @@ pub const EFFECT: Effect = Effect {
             formula: "F → F + c sgn(v) |v/V|^m",
             strength: DRAG,
             shapes: &[EXPONENT, FULL_SPEED],
-            act: Act::Force(|scene, parameters, _, force| {
+            act: Act::Added(|scene, parameters, _, force| {
                 for (force, &velocity) in force.iter_mut().zip(scene.velocity.iter()) {
                     *force += power(velocity, parameters);
                 }
@@ -75,7 +75,7 @@ pub const EFFECT: Effect = Effect {
                 },
                 FULL_SPEED,
             ],
-            act: Act::Force(|scene, parameters, _, force| {
+            act: Act::Added(|scene, parameters, _, force| {
                 let (drag, thinning, full) = (parameters[0], parameters[1], parameters[2]);
                 for (force, velocity) in force.iter_mut().zip(scene.velocity.iter()) {
                     *force += drag * (velocity / thinning).asinh() / (full / thinning).asinh();

@@ -31,7 +31,7 @@ pub const EFFECT: Effect = Effect {
             formula: "F → F + β (T − T0)",
             strength: OUTPUT,
             shapes: &[],
-            act: Act::Force(|scene, parameters, _, force| {
+            act: Act::Added(|scene, parameters, _, force| {
                 for (k, force) in force.iter_mut().enumerate() {
                     *force += parameters[0] * scene.warmth(k);
                 }
@@ -42,7 +42,7 @@ pub const EFFECT: Effect = Effect {
             formula: "F → F + β (T_s − T0), θ dT_s/dt = T − T_s",
             strength: OUTPUT,
             shapes: &[BODY_TIME],
-            act: Act::Force(|scene, parameters, remembered, force| {
+            act: Act::Added(|scene, parameters, remembered, force| {
                 let warmth = body_warmth(scene, remembered, parameters[1]);
                 for (force, warmth) in force.iter_mut().zip(warmth) {
                     *force += parameters[0] * warmth;
@@ -54,7 +54,7 @@ pub const EFFECT: Effect = Effect {
             formula: "F → F + β (T − T0) − γ (T_s − T0), θ dT_s/dt = T − T_s",
             strength: Strength { count: Count::Fixed(&["output", "compensation"]), ..OUTPUT },
             shapes: &[BODY_TIME],
-            act: Act::Force(|scene, parameters, remembered, force| {
+            act: Act::Added(|scene, parameters, remembered, force| {
                 let body = body_warmth(scene, remembered, parameters[2]);
                 for (k, (force, body)) in force.iter_mut().zip(body).enumerate() {
                     *force += parameters[0] * scene.warmth(k) - parameters[1] * body;
@@ -66,7 +66,7 @@ pub const EFFECT: Effect = Effect {
             formula: "F → F + β (T − T0) + γ (T − T0)²",
             strength: Strength { count: Count::Fixed(&["output", "curvature"]), ..OUTPUT },
             shapes: &[],
-            act: Act::Force(|scene, parameters, _, force| {
+            act: Act::Added(|scene, parameters, _, force| {
                 for (k, force) in force.iter_mut().enumerate() {
                     let warmth = scene.warmth(k);
                     *force += (parameters[0] + parameters[1] * warmth) * warmth;
@@ -78,7 +78,7 @@ pub const EFFECT: Effect = Effect {
             formula: "F → F + β (T − T_1), T_1 at the first sample of the set",
             strength: OUTPUT,
             shapes: &[],
-            act: Act::Force(|scene, parameters, first, force| {
+            act: Act::Added(|scene, parameters, first, force| {
                 for (k, force) in force.iter_mut().enumerate() {
                     let warmth = scene.warmth(k);
                     if first.is_empty() {

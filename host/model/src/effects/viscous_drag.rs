@@ -30,7 +30,7 @@ pub const EFFECT: Effect = Effect {
             formula: "F → F + η v",
             strength: VISCOSITY,
             shapes: &[],
-            act: Act::Force(|scene, parameters, _, force| {
+            act: Act::Added(|scene, parameters, _, force| {
                 for (force, velocity) in force.iter_mut().zip(scene.velocity.iter()) {
                     *force += parameters[0] * velocity;
                 }
@@ -54,7 +54,7 @@ pub const EFFECT: Effect = Effect {
             formula: "F → F + η v x/X for x > 0",
             strength: Strength { meaning: "force for each mm/s at full compression", ..VISCOSITY },
             shapes: &[FULL_COMPRESSION],
-            act: Act::Force(|scene, parameters, _, force| {
+            act: Act::Added(|scene, parameters, _, force| {
                 let path = scene.motion.displacement.iter();
                 for ((force, velocity), x) in force.iter_mut().zip(scene.velocity.iter()).zip(path)
                 {
@@ -76,7 +76,7 @@ pub const EFFECT: Effect = Effect {
                 },
                 FULL_SPEED,
             ],
-            act: Act::Force(|scene, parameters, _, force| {
+            act: Act::Added(|scene, parameters, _, force| {
                 let &[viscosity, exponent, full] = parameters else { return };
                 for (force, velocity) in force.iter_mut().zip(scene.velocity.iter()) {
                     let speed = (velocity / full).abs().powf(exponent);

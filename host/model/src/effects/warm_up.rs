@@ -37,7 +37,7 @@ pub const EFFECT: Effect = Effect {
             formula: "F → F + b (1 − e^(−t_set/τ))",
             strength: ZERO,
             shapes: &[TIME],
-            act: Act::Force(|scene, parameters, _, force| {
+            act: Act::Added(|scene, parameters, _, force| {
                 for (k, force) in force.iter_mut().enumerate() {
                     *force -= parameters[0] * (-scene.set_time(k) / parameters[1]).exp_m1();
                 }
@@ -48,7 +48,7 @@ pub const EFFECT: Effect = Effect {
             formula: "F → F + b t_set/(t_set + τ)",
             strength: ZERO,
             shapes: &[TIME],
-            act: Act::Force(|scene, parameters, _, force| {
+            act: Act::Added(|scene, parameters, _, force| {
                 for (k, force) in force.iter_mut().enumerate() {
                     let time = scene.set_time(k);
                     *force += parameters[0] * time / (time + parameters[1]);
@@ -60,7 +60,7 @@ pub const EFFECT: Effect = Effect {
             formula: "F → F + b e^(−t_set/τ)",
             strength: Strength { meaning: "how far the zero is off at the beginning", ..ZERO },
             shapes: &[TIME],
-            act: Act::Force(|scene, parameters, _, force| {
+            act: Act::Added(|scene, parameters, _, force| {
                 for (k, force) in force.iter_mut().enumerate() {
                     *force += parameters[0] * (-scene.set_time(k) / parameters[1]).exp();
                 }

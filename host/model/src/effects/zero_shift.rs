@@ -26,7 +26,7 @@ pub const EFFECT: Effect = Effect {
             count: Count::Traces,
         },
         shapes: &[],
-        act: Act::Force(|scene, parameters, _, force| {
+        act: Act::Added(|scene, parameters, _, force| {
             if let Some(zero) = parameters.get(scene.trace) {
                 for force in force {
                     *force += zero;

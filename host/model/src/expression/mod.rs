@@ -112,6 +112,12 @@ impl Expression {
         Ok(Self { text: text.into(), program })
     }
 
+    /// Whether its value depends on the force.
+    #[must_use]
+    pub fn follows_force(&self) -> bool {
+        self.program.iter().any(|step| matches!(step, Step::Variable(k) if VARIABLES[*k].0 == "F"))
+    }
+
     /// The expression as it was written.
     #[must_use]
     pub fn text(&self) -> &str {
