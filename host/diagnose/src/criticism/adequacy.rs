@@ -91,7 +91,7 @@ impl Floor {
             1.0 => Sums { squares, count: 1.0 },
             _ => Sums { squares: squares - sum * sum / traces, count: traces - 1.0 },
         };
-        self.before.iter().map(about).fold(Sums::default(), |all, own| all.with(own))
+        self.before.iter().map(about).fold(Sums::default(), Sums::with)
     }
 
     /// Whether blocks after a touch surely hold more than noise.

@@ -19,7 +19,7 @@ pub struct Cause {
 }
 
 /// Causes; the first that fits is told.
-pub const CAUSES: [Cause; 22] = [
+pub const CAUSES: [Cause; 26] = [
     Cause {
         shapes: &[],
         quantities: &["since((0.5 - abs(sign(v))) * total(abs(v)))"],
@@ -50,10 +50,38 @@ pub const CAUSES: [Cause; 22] = [
     },
     Cause {
         shapes: &["periodic"],
-        quantities: &["t", "since"],
+        quantities: &["t", "since", "t_set"],
         stages: &[],
         cause: "something vibrates or hums at a steady rate",
         experiment: "record at rest off the specimen with the drive on, then off",
+    },
+    Cause {
+        shapes: &["sawtooth"],
+        quantities: &["F"],
+        stages: &[],
+        cause: "the converter's codes are uneven, or the signal was rounded to coarse steps",
+        experiment: "load slowly through a few periods: jumps at the same values of the signal belong to the converter",
+    },
+    Cause {
+        shapes: &["sawtooth"],
+        quantities: &["x", "total"],
+        stages: &[],
+        cause: "something catches and slips at even distances: a ratchet, teeth, a surface with ridges",
+        experiment: "run the same stroke without contact, then at a tenth of the speed",
+    },
+    Cause {
+        shapes: &["worn by"],
+        quantities: &["v"],
+        stages: &[],
+        cause: "motion breaks a structure down that rest builds up again: thixotropy, a filler network",
+        experiment: "press after rests of 1, 10 and 100 s, and at three speeds after the same rest",
+    },
+    Cause {
+        shapes: &["worn by"],
+        quantities: &[],
+        stages: &[],
+        cause: "load drives something out that comes back: a fluid, bonds that open, a zero that creeps",
+        experiment: "hold at two depths for ten times as long, and rest as long after each",
     },
     Cause {
         shapes: &["bump"],

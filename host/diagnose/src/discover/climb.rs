@@ -133,15 +133,8 @@ impl Climb<'_> {
         }
     }
 
-    /// The term near the last one that gains most in its place, if traces left out bear it out; it stands in its place then.
-    fn near_the_last(&self, found: &mut Found, varied: &[Term]) -> Option<Term> {
-        let (model, step) = (found.model(), found.steps.last()?);
-        let term = self
-            .grammar
-            .terms
-            .iter()
-            .chain(varied)
-            .find(|term| term.candidate.name == step.effect)?;
+    /// The term near a model's last one that gains most in its place, and the model with it.
+    fn likeliest_near(&self, term: &Term, model: &Fitted) -> Option<(Term, Fitted)> {
         let place = model.chain.effects.len() - 1;
         let (kept, values) = model.point.split_at(model.chain.range(place).start);
         let without = model.chain.without(place);
@@ -160,6 +153,15 @@ impl Climb<'_> {
         let problem = self.search.problem.with_chain(&chain);
         let mut fitted = Fitted::new(&problem, &fit.point, Effort::QUICK);
         fitted.go_on(self.search.problem);
+        Some((term, fitted))
+    }
+
+    /// Puts the likeliest term near the last one in its place, if traces left out bear it out.
+    fn near_the_last(&self, found: &mut Found, varied: &[Term]) -> Option<Term> {
+        let (model, step) = (found.model(), found.steps.last()?);
+        let known = |term: &&Term| term.candidate.name == step.effect;
+        let last = self.grammar.terms.iter().chain(varied).find(known)?;
+        let (term, fitted) = self.likeliest_near(last, model)?;
         let before = Judged { fitted: model, evidence: found.evidence.last()? };
         let exact = self.search.leaves_noise(&fitted);
         let (evidence, refusal) = self.search.weigh(before, &fitted, exact, None);

@@ -10,23 +10,15 @@ use super::shape::Family;
 use palpate_model::effects::{Candidate, Form};
 use palpate_model::{Act, Applied, Expression, Parameter};
 
-/// Quantities with a power of which a term may change.
-pub(super) static POWERS: [Quantity; 2] = [
-    Quantity {
-        symbol: "peak(abs(v))",
-        name: "largest speed so far",
-        unit: Some("mm/s"),
-        kind: Kind::Plain,
-    },
-    Quantity {
-        symbol: "since(x)",
-        name: "time since the touch",
-        unit: Some("s"),
-        kind: Kind::Clock,
-    },
-];
+/// A quantity with a power of which a term may change, and on which none depends alone.
+static FASTEST: Quantity = Quantity {
+    symbol: "peak(abs(v))",
+    name: "largest speed so far",
+    unit: Some("mm/s"),
+    kind: Kind::Plain,
+};
 /// The same of those that a term may depend on.
-const ALSO: [&str; 7] = ["abs(v)", "x", "F", "x_max", "t", "t_set", "n"];
+const POWERS: [&str; 8] = ["since(x)", "abs(v)", "x", "F", "x_max", "t", "t_set", "n"];
 /// Part of its largest value below which a quantity counts as that: a power of nothing is nothing, or infinite.
 const FLOOR: f64 = 1e-3;
 /// Largest power.
@@ -58,8 +50,9 @@ pub(super) fn near(
 pub(super) fn quantities(
     of: impl Fn(&'static Quantity) -> Option<Reach>,
 ) -> Vec<(&'static Quantity, Reach)> {
-    let also = ALSO.iter().filter_map(|symbol| find(symbol));
-    POWERS.iter().chain(also).filter_map(|quantity| Some((quantity, of(quantity)?))).collect()
+    let powers = POWERS.iter().filter_map(|symbol| find(symbol));
+    let all = std::iter::once(&FASTEST).chain(powers);
+    all.filter_map(|quantity| Some((quantity, of(quantity)?))).collect()
 }
 
 /// A law multiplied by a power of a quantity.
