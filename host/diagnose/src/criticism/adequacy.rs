@@ -3,7 +3,7 @@
 //!
 //! The whitened residual is summed in blocks of several lengths. White noise gives block sums whose
 //! mean square is that of the samples; what a model lacks adds up within a block. What the whitening
-//! itself leaves in the noise is in the rest off the specimen as well, so the two are [compared](Floor). Where neighbouring samples scatter
+//! itself leaves in the noise is in the rest off the specimen as well, so the two are compared. Where neighbouring samples scatter
 //! farther in contact than at rest, the noise is louder there, and the residual is evened out first.
 
 use super::tail::log_tail;
