@@ -104,6 +104,12 @@ fn a_law_whose_fit_takes_many_steps_is_fitted_to_its_end() {
     assert!(held_out(&discovery, &set) < 1.15, "{:?}", discovery.ladder);
 }
 
+/// The value of a parameter of the hidden effect.
+fn hidden_parameter(set: &DataSet, name: &str) -> f64 {
+    let mut parameters = set.truth.hidden[0].parameters.iter();
+    parameters.find(|(own, _)| *own == name).expect("a parameter of this name").1
+}
+
 /// Thixotropy: motion wears the structure off, rest builds it up again.
 #[test]
 fn a_structure_that_motion_wears_off_is_found_with_how_it_recovers() {
@@ -112,7 +118,7 @@ fn a_structure_that_motion_wears_off_is_found_with_how_it_recovers() {
     let formula = &formulas(&discovery)[0];
     let told = (formula.term.shape.name, formula.term.quantity.symbol);
     assert_eq!(told, ("worn by", "abs(v)"));
-    let truth = set.truth.hidden[0].parameters.iter().find(|(name, _)| *name == "tau_s").unwrap().1;
+    let truth = hidden_parameter(&set, "tau_s");
     let recovers = formula.law.parameters["time"].value;
     assert!((recovers / truth - 1.0).abs() < 0.25, "{recovers} for {truth}");
     assert!(held_out(&discovery, &set) < 1.1, "{:?}", discovery.ladder);
@@ -137,8 +143,7 @@ fn what_jumps_in_each_period_is_a_sawtooth() {
     let discovery = ask(&set);
     let sawtooth = |it: &Formula| it.term.shape.name == "sawtooth in";
     let formula = formulas(&discovery).iter().find(|it| sawtooth(it)).expect("a sawtooth");
-    let truth =
-        set.truth.hidden[0].parameters.iter().find(|(name, _)| *name == "step_N").unwrap().1;
+    let truth = hidden_parameter(&set, "step_N");
     let period = formula.law.parameters["period"].value;
     assert!((period / truth - 1.0).abs() < 0.02, "{period} for {truth}");
 }

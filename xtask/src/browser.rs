@@ -2,17 +2,16 @@
 
 use std::process::Command;
 
-use crate::check::{rust, set_up_tests, workspace};
+use crate::check::{linted_with, set_up_tests, workspace};
 use crate::packages;
 
 /// Installs the browser, then writes the pictures of the local page to docs/.
 pub fn pictures() -> miette::Result<()> {
     let axe = set_up()?;
-    let tests = ["test", "--workspace", "--test", "browser"];
     let how = ["--", "--ignored", "--nocapture", "--test-threads=1", "pictures::"];
     let mut environment = vec![("PALPATE_PICTURES", "docs")];
     environment.extend(axe.iter().map(|(name, file)| (*name, file.as_str())));
-    rust("pictures", workspace(), &[&tests[..], &how].concat(), &environment)
+    linted_with("pictures", &[&["--test", "browser"], &how[..]].concat(), &environment)
 }
 
 /// Installs the browser, then does everything that its user is promised; the Live room runs for so many seconds.

@@ -65,8 +65,10 @@ impl Balance {
         let allowed = THIRD * TOLERANCE * (x.abs() + change.abs());
         let bent = self.bend * away;
         let near = (self.third * away * away * away).abs() <= allowed && bent.abs() < 0.1;
-        let kept = (-self.rate * part).exp();
-        near.then(|| self.at + away * kept / (1.0 + bent * (1.0 - kept)))
+        near.then(|| {
+            let kept = (-self.rate * part).exp();
+            self.at + away * kept / (1.0 + bent * (1.0 - kept))
+        })
     }
 }
 

@@ -94,7 +94,7 @@ impl LeftoverCurve {
 }
 
 /// A number to four significant digits.
-fn rounded(number: f64) -> f64 {
+pub(crate) fn rounded(number: f64) -> f64 {
     format!("{number:.3e}").parse().unwrap_or(number)
 }
 

@@ -4,6 +4,7 @@
 use super::grammar::{Made, Term};
 use super::reach::{Kind, Quantity, Reach};
 use super::shape::CURVE;
+use crate::criticism::leftover_curve::rounded;
 use palpate_model::{Expression, Parameter, StoredEffect, StoredParameter};
 
 /// Knots over a quantity that passes through its range within a trace.
@@ -61,11 +62,6 @@ fn knots(quantity: &Quantity, reach: &Reach) -> Vec<f64> {
         Kind::Slow => even(SLOW),
         _ => even(FAST),
     }
-}
-
-/// To four significant digits.
-fn rounded(number: f64) -> f64 {
-    format!("{number:.3e}").parse().unwrap_or(number)
 }
 
 impl Knots {

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use super::grammar::{Grammar, Term};
 use super::reach::{Kind, Quantity, Reach, find};
 use super::shape::Family;
+use crate::criticism::leftover_curve::rounded;
 use palpate_model::effects::{Candidate, Form};
 use palpate_model::{Act, Applied, Expression, Parameter};
 
@@ -99,11 +100,6 @@ fn sawtooths(term: &Term, values: &[f64], grammar: &Grammar) -> Vec<Varied> {
             start: vec![size, period, phase, SHARP],
         })
         .into()
-}
-
-/// To four significant digits.
-fn rounded(number: f64) -> f64 {
-    format!("{number:.3e}").parse().unwrap_or(number)
 }
 
 #[cfg(test)]
