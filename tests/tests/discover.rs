@@ -161,6 +161,45 @@ fn a_swing_through_all_traces_is_a_wave_over_the_time_in_the_data_set() {
     assert!((period / truth - 1.0).abs() < 0.02, "{period} for {truth}");
 }
 
+/// A dome that snaps through, and back at a smaller compression.
+#[test]
+fn what_snaps_over_and_back_is_found_with_both_places() {
+    let set = thinned_set(2, (1 << 40) ^ (14 << 10), &[("snap-through", LawKind::Beyond)], 2.0);
+    let discovery = ask(&set);
+    let formula = &formulas(&discovery)[0];
+    let told = (formula.term.shape.name, formula.term.quantity.symbol);
+    assert_eq!(told, ("switched at one", "x"));
+    let value = |name: &str| formula.law.parameters[name].value;
+    for (found, name) in
+        [(value("place") + value("gap"), "x_1_mm"), (value("place") - value("gap"), "x_2_mm")]
+    {
+        let truth = hidden_parameter(&set, name);
+        assert!((found - truth).abs() < 0.1 * truth, "{name}: {found} for {truth}");
+    }
+    assert!(held_out(&discovery, &set) < 1.15, "{:?}", discovery.ladder);
+}
+
+/// A film between tip and specimen that resists near the touch only: nothing off the specimen.
+#[test]
+fn what_acts_near_the_touch_alone_is_nothing_off_the_specimen() {
+    let set = thinned_set(2, (1 << 40) ^ (20 << 10), &[("splashed-film", LawKind::Beyond)], 2.0);
+    let discovery = ask(&set);
+    assert!(held_out(&discovery, &set) < 1.15, "{:?}", discovery.ladder);
+    let term = &formulas(&discovery)[0].term;
+    let told = (term.shape.name, term.quantity.symbol, term.factor.name);
+    assert_eq!(told, ("decaying in contact with", "x", " times velocity"));
+}
+
+/// A specimen that is the stiffer the faster it moves, either way.
+#[test]
+fn what_grows_with_the_speed_either_way_levels_off() {
+    let set = thinned_set(2, (1 << 40) ^ (15 << 10), &[("stiff-when-fast", LawKind::Beyond)], 2.0);
+    let discovery = ask(&set);
+    let term = &formulas(&discovery)[0].term;
+    assert_eq!((term.shape.name, term.quantity.symbol), ("saturating with", "abs(v)"));
+    assert!(held_out(&discovery, &set) < 1.15, "{:?}", discovery.ladder);
+}
+
 /// Presses that begin in motion, by a drive with a wave of 0.8 mm, and that go 60 mm off the specimen.
 #[test]
 fn a_wave_is_found_where_the_tool_goes_far_off_the_specimen() {

@@ -147,6 +147,11 @@ def since(value: Any) -> Any:
     return called("since", value)
 
 
+def play(value: Any, gap: Any) -> Any:
+    """The value behind a play: it stays until the value is more than the gap away from it."""
+    return called("play", value, gap)
+
+
 def traced(law: Callable[..., Any], parameters: list[str]) -> str:
     """The formula of a function over variables and parameters, which it takes by their names."""
     names = list(inspect.signature(law).parameters)

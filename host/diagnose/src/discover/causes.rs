@@ -19,7 +19,7 @@ pub struct Cause {
 }
 
 /// Causes; the first that fits is told.
-pub const CAUSES: [Cause; 26] = [
+pub const CAUSES: [Cause; 27] = [
     Cause {
         shapes: &[],
         quantities: &["since((0.5 - abs(sign(v))) * total(abs(v)))"],
@@ -82,6 +82,13 @@ pub const CAUSES: [Cause; 26] = [
         stages: &[],
         cause: "load drives something out that comes back: a fluid, bonds that open, a zero that creeps",
         experiment: "hold at two depths for ten times as long, and rest as long after each",
+    },
+    Cause {
+        shapes: &["switched"],
+        quantities: &[],
+        stages: &[],
+        cause: "something snaps over and back at another load: a dome or a strut that buckles, a latch, a bond that opens",
+        experiment: "press slowly to just before that place and back, then to just beyond it and back",
     },
     Cause {
         shapes: &["bump"],

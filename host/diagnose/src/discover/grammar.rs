@@ -86,7 +86,10 @@ impl Grammar {
                 };
                 for factor in place.factors(quantity) {
                     let made = Made { place, factor, quantity, reach, signal_unit };
-                    for shape in SHAPES.iter().filter(|shape| shape.suits(quantity, reach)) {
+                    let suits = |shape: &&Shape| {
+                        shape.suits(quantity, reach) && (**factor == ALWAYS || !shape.has_a_way())
+                    };
+                    for shape in SHAPES.iter().filter(suits) {
                         let to = if on_grid(shape, factor) { &mut screened } else { &mut more };
                         to.extend(made.term(shape));
                     }
@@ -102,13 +105,13 @@ impl Grammar {
 
 /// Whether a shape with a factor is screened from a grid of starts; else a free curve or a wave leads to it.
 fn on_grid(shape: &Shape, factor: &Factor) -> bool {
-    use Family::{Decay, Local, Sawtooth, Straight, Wave};
+    use Family::{ContactDecay, Decay, Local, Sawtooth, Straight, Wave};
     let one_way = *factor == PRESSING || *factor == LEAVING;
     match shape.family {
         Sawtooth => false,
         _ if *factor == ALWAYS => true,
         Straight => *factor == PRESSING,
-        Decay => *factor == LEAVING,
+        Decay | ContactDecay => *factor == LEAVING,
         Wave => one_way,
         Local => (one_way || *factor == TURNING) && shape.power == 0,
         _ => false,

@@ -27,7 +27,7 @@ impl Place {
                 &[&ALWAYS, &PRESSING, &LEAVING, &TURNING, &VELOCITY, &SPEED]
             }
             (Kind::Fast, _) => &[&ALWAYS, &PRESSING, &LEAVING, &TURNING],
-            (Kind::Rate, _) => &[&ALWAYS, &PRESSING],
+            (Kind::Rate, _) if quantity.symbol == "v" => &[&ALWAYS, &PRESSING],
             _ => &[&ALWAYS],
         }
     }

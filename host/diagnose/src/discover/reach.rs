@@ -61,7 +61,7 @@ pub const QUANTITIES: [Quantity; 22] = [
     quantity("n", "loadings before", "", Kind::Slow),
     quantity("x_max", "largest displacement", "mm", Kind::Slow),
     quantity("sign(v)", "direction of the motion", "", Kind::Plain),
-    quantity("abs(v)", "speed", "mm/s", Kind::Plain),
+    quantity("abs(v)", "speed", "mm/s", Kind::Rate),
     quantity("a", "acceleration", "mm/s²", Kind::Plain),
     quantity("F * v", "power", "N mm/s", Kind::Plain),
     quantity("x * v", "displacement times velocity", "mm²/s", Kind::Plain),

@@ -35,8 +35,12 @@ pub(super) enum Family {
     Curve,
     /// Away from 0.
     Decay,
+    /// The same from the touch on, with nothing off the specimen.
+    ContactDecay,
     /// With a place in the range.
     Local,
+    /// With one place on the way up and another on the way down.
+    Switch,
     /// With a period in the range.
     Wave,
     /// The same with a jump in each period.
@@ -140,10 +144,20 @@ const ORDER: ShapeParameter = ShapeParameter {
     bounds: |_| (0.3, 4.0),
 };
 
+const GAP: ShapeParameter = ShapeParameter {
+    name: "gap",
+    unit: Unit::Quantity,
+    grid: |reach| [0.08, 0.2].map(|part| part * reach.span()).to_vec(),
+    bounds: |reach| (0.0, 0.5 * reach.span()),
+};
+
+/// Part of its range from which on a displacement below 0 is off the specimen.
+const OFF: f64 = 0.02;
+
 const ONE: fn(&Reach) -> f64 = |_| 1.0;
 
 /// Every shape but free curves.
-pub const SHAPES: [Shape; 13] = [
+pub const SHAPES: [Shape; 15] = [
     Shape {
         name: "proportional to",
         family: Family::Straight,
@@ -187,6 +201,17 @@ pub const SHAPES: [Shape; 13] = [
         parameters: &[SCALE],
         size: ONE,
         slow: true,
+    },
+    Shape {
+        name: "decaying in contact with",
+        family: Family::ContactDecay,
+        words: "is {size} at the touch and fades over {scale} of the {c}",
+        text: "sign(max(0, {c})) * exp(-max(0, {c}) / scale)",
+        value: Some(|c, at| if c > 0.0 { (-c / at[0]).exp() } else { 0.0 }),
+        power: 0,
+        parameters: &[SCALE],
+        size: ONE,
+        slow: false,
     },
     Shape {
         name: "bump at one",
@@ -250,6 +275,21 @@ pub const SHAPES: [Shape; 13] = [
         parameters: &[PLACE, ShapeParameter { grid: |reach| vec![0.02 * reach.span()], ..WIDTH }],
         size: ONE,
         slow: true,
+    },
+    Shape {
+        name: "switched at one",
+        family: Family::Switch,
+        words: "is {size} from where the {c} rises past {place} + {gap} to where it falls past {place} - {gap}",
+        text: "0.5 * (1 + tanh((play({c}, gap) - place) / width))",
+        value: None,
+        power: 0,
+        parameters: &[
+            PLACE,
+            ShapeParameter { grid: |reach| vec![0.02 * reach.span()], ..WIDTH },
+            GAP,
+        ],
+        size: ONE,
+        slow: false,
     },
     Shape {
         name: "from one on proportional to",
@@ -318,22 +358,34 @@ impl Shape {
         self.family == Family::Free
     }
 
+    /// Whether it depends by itself on the way in which its quantity changes.
+    pub(super) fn has_a_way(&self) -> bool {
+        self.family == Family::Switch
+    }
+
     /// Whether a quantity can be tried in it.
     pub(super) fn suits(&self, quantity: &Quantity, reach: &Reach) -> bool {
-        use Family::{Curve, Decay, DyingWave, Memory, SquareMemory, Straight, Wearing};
-        // An exponential of what goes far below 0 is no decay.
-        if matches!(self.family, Decay | DyingWave) && reach.least < -0.1 * reach.span() {
-            return false;
-        }
-        if self.family == Wearing && quantity.kind == Kind::Plain && reach.least < 0.0 {
+        use Family::{
+            ContactDecay, Curve, Decay, DyingWave, Memory, SquareMemory, Straight, Switch, Wearing,
+        };
+        let leaves = quantity.symbol == "x" && reach.least < -OFF * reach.span();
+        let fits = match self.family {
+            ContactDecay => leaves,
+            // An exponential of what goes far below 0 is no decay.
+            Decay => !leaves && reach.least >= -0.1 * reach.span(),
+            DyingWave => reach.least >= -0.1 * reach.span(),
+            Wearing => quantity.kind == Kind::Fast || reach.least >= 0.0,
+            _ => true,
+        };
+        if !fits {
             return false;
         }
         match quantity.kind {
             Kind::Fast => self.family != DyingWave,
-            Kind::Clock => !matches!(self.family, Memory | SquareMemory | Wearing),
+            Kind::Clock => !matches!(self.family, Memory | SquareMemory | Wearing | Switch),
             // A wave is tried only where one was seen.
             Kind::Slow => self.slow || self.family == Family::Wave && !reach.periods.is_empty(),
-            Kind::Rate => matches!(self.family, Straight | Curve | Decay | Memory),
+            Kind::Rate => matches!(self.family, Straight | Curve | Decay | Memory | Wearing),
             Kind::Plain => matches!(self.family, Straight | Memory | Wearing),
         }
     }

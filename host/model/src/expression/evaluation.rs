@@ -60,10 +60,10 @@ impl<'a> Evaluation<'a> {
                     self.joined(first, second, apply)
                 }
                 Step::Remember((memory, values)) => {
-                    let time = if values == 2 { self.pop() } else { Operand::Same(0.0) };
+                    let own = if values == 2 { self.pop() } else { Operand::Same(0.0) };
                     let value = self.pop();
                     memories += 1;
-                    self.followed(memories - 1, memory, (value, time), intervals.clone())
+                    self.followed(memories - 1, memory, (value, own), intervals.clone())
                 }
             };
             self.stack.push(value);
@@ -106,16 +106,16 @@ impl<'a> Evaluation<'a> {
         &mut self,
         number: usize,
         memory: Memory,
-        (value, time): (Operand, Operand),
+        (value, own): (Operand, Operand),
         intervals: impl Iterator<Item = f64>,
     ) -> Operand {
         let mut column = self.column();
         let kept = &mut self.kept[number];
         for (k, interval) in intervals.enumerate() {
-            column.push(memory.follow(kept, value.at(k), time.at(k), interval));
+            column.push(memory.follow(kept, value.at(k), own.at(k), interval));
         }
         self.recycle(value);
-        self.recycle(time);
+        self.recycle(own);
         Operand::Each(column)
     }
 }

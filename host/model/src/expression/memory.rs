@@ -11,14 +11,17 @@ pub(super) enum Memory {
     Total,
     /// For how long the value has been above 0, s; 0 while it is not.
     Since,
+    /// The value behind a play: it stays until the value is more than this far from it; at the first sample the value itself.
+    Play,
 }
 
 /// Functions with a memory, and how many values they take.
-pub(super) const MEMORIES: [(&str, (Memory, usize)); 4] = [
+pub(super) const MEMORIES: [(&str, (Memory, usize)); 5] = [
     ("lag", (Memory::Lag, 2)),
     ("peak", (Memory::Peak, 1)),
     ("total", (Memory::Total, 1)),
     ("since", (Memory::Since, 1)),
+    ("play", (Memory::Play, 2)),
 ];
 
 /// What one function of an expression has kept.
@@ -29,24 +32,27 @@ pub(super) struct Kept {
 }
 
 impl Memory {
-    /// Its value at a sample `interval` seconds after the one before, of `kept` from there; none at the first sample. `time` is the
-    /// time constant, s, of those that have one.
+    /// Its value at a sample `interval` seconds after the one before, of `kept` from there; none at the first sample. `own` is the
+    /// time constant, s, or the play of those that have one.
     pub(super) fn follow(
         self,
         kept: &mut Option<Kept>,
         value: f64,
-        time: f64,
+        own: f64,
         interval: f64,
     ) -> f64 {
         let now = match (self, *kept) {
-            (Self::Lag | Self::Peak, None) => value,
+            (Self::Lag | Self::Peak | Self::Play, None) => value,
             (Self::Total | Self::Since, None) => 0.0,
-            (Self::Lag, Some(_)) if time <= 0.0 => value,
-            (Self::Lag, Some(kept)) => low_pass(kept.value, kept.before, value, interval / time),
+            (Self::Lag, Some(_)) if own <= 0.0 => value,
+            (Self::Lag, Some(kept)) => low_pass(kept.value, kept.before, value, interval / own),
             (Self::Peak, Some(kept)) => kept.value.max(value),
             (Self::Total, Some(kept)) => kept.value + 0.5 * interval * (kept.before + value),
             (Self::Since, Some(_)) if value <= 0.0 => 0.0,
             (Self::Since, Some(kept)) => kept.value + interval,
+            (Self::Play, Some(kept)) => {
+                kept.value.min(value + own.max(0.0)).max(value - own.max(0.0))
+            }
         };
         *kept = Some(Kept { value: now, before: value });
         now

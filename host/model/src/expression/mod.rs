@@ -289,6 +289,12 @@ mod tests {
         close(since[10], 0.0);
         close(since[20], 0.9 + 0.1);
         close(since[40], 0.0);
+        // A play of 0.35 to either side: it follows on the way in, stays over 0.7 mm at the turn, and follows on the way out.
+        let play = over_a_press("play(x, k / 2)");
+        close(play[3], 0.0);
+        close(play[20], 2.0 - 0.35);
+        close(play[26], 2.0 - 0.35);
+        close(play[33], 0.7 + 0.35);
         // Two of the same name do not share what they keep.
         close(over_a_press("peak(x) - peak(-x)")[40], 2.0);
         close(over_a_press("lag(x, 0)")[13], 1.3);

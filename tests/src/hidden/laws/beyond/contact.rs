@@ -30,6 +30,17 @@ pub(super) fn squeezed_film(setting: &Setting, random: &mut ChaCha8Rng) -> Recip
     adds(form, vec![("h_mm", thick)], newtons(setting), Act::Contact, shape)
 }
 
+/// A film is pushed aside near the touch, with the drag of a fluid in turbulence.
+pub(super) fn splashed_film(setting: &Setting, random: &mut ChaCha8Rng) -> Recipe {
+    let reach = even(random, 0.8, 2.5);
+    let shape = move |now: &Now<'_>, _| {
+        let drag = now.speed * now.speed.abs() / 900.0;
+        if now.x > 0.0 { drag * (-now.x / reach).exp() } else { 0.0 }
+    };
+    let form = "F + s v |v|/900 e^(-x/r) in contact";
+    adds(form, vec![("r_mm", reach)], newtons(setting), Act::Contact, shape)
+}
+
 /// While it leaves the tip sucks, the more the faster, near the end of contact.
 pub(super) fn suction(setting: &Setting, random: &mut ChaCha8Rng) -> Recipe {
     let reach = even(random, 0.8, 2.5);

@@ -83,6 +83,44 @@ pub(super) fn fast_inside(_: &Setting, random: &mut ChaCha8Rng) -> Recipe {
     }
 }
 
+/// A dome snaps through at one compression, and back at a smaller one.
+pub(super) fn snap_through(setting: &Setting, random: &mut ChaCha8Rng) -> Recipe {
+    let through = even(random, 3.0, 7.0);
+    let back = through * even(random, 0.35, 0.7);
+    let scale = setting.base.elastic(through);
+    Recipe {
+        form: "N - s N(x_1) from x > x_1 to x < x_2",
+        inner: vec![("x_1_mm", through), ("x_2_mm", back)],
+        unit: "",
+        guess: 0.03,
+        most: 0.9,
+        act: Box::new(move |s| {
+            let mut snapped = false;
+            one(Act::Elastic(Box::new(move |_, x, n| {
+                snapped = x > if snapped { back } else { through };
+                if snapped { n - s * scale } else { n }
+            })))
+        }),
+    }
+}
+
+/// The specimen is stiffer while it is moved fast, either way.
+pub(super) fn stiff_when_fast(_: &Setting, random: &mut ChaCha8Rng) -> Recipe {
+    let fast = log_even(random, 5.0, 40.0);
+    Recipe {
+        form: "N (1 + s |v|/(|v| + v_0))",
+        inner: vec![("v_0_mm_per_s", fast)],
+        unit: "",
+        guess: 0.03,
+        most: 0.9,
+        act: Box::new(move |s| {
+            one(Act::Elastic(Box::new(move |now, _, n| {
+                n * (1.0 + s * now.speed.abs() / (now.speed.abs() + fast))
+            })))
+        }),
+    }
+}
+
 /// Two struts give way, one after the other.
 pub(super) fn two_struts(setting: &Setting, random: &mut ChaCha8Rng) -> Recipe {
     let (first, second) = (even(random, 1.5, 3.2), even(random, 4.5, 7.5));
