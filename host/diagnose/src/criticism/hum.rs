@@ -22,6 +22,9 @@ const STEPS: usize = 4;
 const BLOCK: usize = 1 << 16;
 /// Slowest line, Hz, as the samples show it, whose power is taken: a slower one is what a law leaves of the motion.
 const SLOWEST: f64 = 1.0;
+/// Longest time, s, over which the mains keep their phase: they wander by some hundredths of a hertz; and fewest samples of that.
+const STEADY: f64 = 4.0;
+const FEWEST: usize = 16;
 /// Power of a line over the median of its surroundings above which it is one.
 const LINE: f64 = 4.0;
 
@@ -45,18 +48,23 @@ pub(super) fn without_hum(stretches: Vec<Vec<f64>>, interval: f64) -> Vec<Vec<f6
     centred
 }
 
-/// Mean square of a line of this frequency, Hz, in what a model leaves of a data set; stretches in which it looks slow have none.
+/// Mean square of a line of about this frequency, Hz, in what a model leaves of a data set; stretches in which it looks slow have none.
 pub(super) fn power_of_line(left: &[Vec<f64>], data: &Data, frequency: f64) -> f64 {
     let squares = left.iter().zip(&data.pieces).map(|(left, piece)| {
         let (time, samples) = (&piece.motion.time, left.len());
-        let turns = frequency * (time[samples - 1] - time[0]) / (samples as f64 - 1.0);
+        let interval = (time[samples - 1] - time[0]) / (samples as f64 - 1.0);
+        let turns = frequency * interval;
         let shown = (turns - turns.round()).abs() / turns * frequency;
         if shown.is_nan() || shown < SLOWEST {
             return 0.0;
         }
-        let (cosine, sine) = components(left, |k| TAU * frequency * time[k]);
-        // An amplitude has a mean square of half its own.
-        2.0 * (cosine * cosine + sine * sine) / samples as f64
+        let block = ((STEADY / interval) as usize).max(FEWEST);
+        let squares = left.chunks(block).zip(time.chunks(block)).map(|(left, time)| {
+            let (cosine, sine) = components(left, |k| TAU * frequency * time[k]);
+            // An amplitude has a mean square of half its own.
+            2.0 * (cosine * cosine + sine * sine) / left.len() as f64
+        });
+        squares.sum::<f64>()
     });
     squares.sum::<f64>() / data.samples() as f64
 }

@@ -52,12 +52,14 @@ fn knots(quantity: &Quantity, reach: &Reach) -> Vec<f64> {
         reach.at(&parts)
     };
     match quantity.kind {
-        Kind::Rate if reach.speeds.is_empty() => {
-            RATES.iter().map(|part| part * reach.size()).collect()
-        }
         Kind::Rate => {
-            let back = reach.speeds.iter().rev().map(|speed| -speed);
-            back.chain([0.0]).chain(reach.speeds.iter().copied()).collect()
+            let both_ways: Vec<f64> = if reach.speeds.is_empty() {
+                RATES.iter().map(|part| part * reach.size()).collect()
+            } else {
+                let back = reach.speeds.iter().rev().map(|speed| -speed);
+                back.chain([0.0]).chain(reach.speeds.iter().copied()).collect()
+            };
+            both_ways.into_iter().filter(|speed| *speed >= 0.0 || reach.least < 0.0).collect()
         }
         Kind::Slow => even(SLOW),
         _ => even(FAST),

@@ -6,7 +6,8 @@ use super::curves::{Knots, curve};
 use super::place::{PLACES, Place};
 use super::reach::{QUANTITIES, Quantity, Reach};
 use super::shape::{
-    ALWAYS, Factor, Family, LEAVING, PRESSING, SHAPES, Shape, ShapeParameter, TURNING, Unit,
+    ALWAYS, CURVE, DRAG, Factor, Family, LEAVING, PRESSING, SHAPES, Shape, ShapeParameter, TURNING,
+    Unit, VELOCITY,
 };
 use palpate_model::effects::{Candidate, Form};
 use palpate_model::{Act, Applied, Expression, Parameter, Stage};
@@ -87,13 +88,14 @@ impl Grammar {
                 for factor in place.factors(quantity) {
                     let made = Made { place, factor, quantity, reach, signal_unit };
                     let suits = |shape: &&Shape| {
-                        shape.suits(quantity, reach) && (**factor == ALWAYS || !shape.has_a_way())
+                        let has_a_way = *factor != &ALWAYS && shape.has_a_way();
+                        shape.suits(quantity, reach) && place.takes(shape) && !has_a_way
                     };
                     for shape in SHAPES.iter().filter(suits) {
                         let to = if on_grid(shape, factor) { &mut screened } else { &mut more };
                         to.extend(made.term(shape));
                     }
-                    screened.extend(curve(&made));
+                    screened.extend(curve(&made).filter(|_| place.takes(&CURVE)));
                 }
             }
         }
@@ -106,11 +108,13 @@ impl Grammar {
 /// Whether a shape with a factor is screened from a grid of starts; else a free curve or a wave leads to it.
 fn on_grid(shape: &Shape, factor: &Factor) -> bool {
     use Family::{ContactDecay, Decay, Local, Sawtooth, Straight, Wave};
+    let in_a_film = *factor == VELOCITY || *factor == DRAG;
     let one_way = *factor == PRESSING || *factor == LEAVING;
     match shape.family {
         Sawtooth => false,
         _ if *factor == ALWAYS => true,
         Straight => *factor == PRESSING,
+        ContactDecay if in_a_film => true,
         Decay | ContactDecay => *factor == LEAVING,
         Wave => one_way,
         Local => (one_way || *factor == TURNING) && shape.power == 0,
@@ -169,7 +173,7 @@ impl Made<'_> {
     pub fn strength(&self, name: &str, shape: &Shape) -> Parameter {
         let own_unit = self.quantity.unit.unwrap_or(self.signal_unit);
         let unit = per(self.place.unit.unwrap_or(self.signal_unit), own_unit, shape.power);
-        let unit = if self.factor.of_speed { per(&unit, "mm/s", 1) } else { unit };
+        let unit = per(&unit, "mm/s", self.factor.speeds);
         let most = (self.place.sizes)(self.reach).1 / self.size(shape);
         Parameter {
             name: name.to_owned().into(),
@@ -183,8 +187,8 @@ impl Made<'_> {
 
     /// Largest size of what a strength of a shape is multiplied by.
     fn size(&self, shape: &Shape) -> f64 {
-        let speed = if self.factor.of_speed { self.reach.fastest } else { 1.0 };
-        (speed * (shape.size)(self.reach)).max(f64::MIN_POSITIVE)
+        let speeds = self.reach.fastest.powi(self.factor.speeds);
+        (speeds * (shape.size)(self.reach)).max(f64::MIN_POSITIVE)
     }
 
     /// A term with these parameters, the strengths first, and these starts of the others.

@@ -181,13 +181,20 @@ const CLOCK: &str = "t_set";
 
 /// Error on traces left out, in noises, from which on nothing can predict much better.
 const CLOSE: f64 = 1.05;
+/// Part of what the library leaves beyond the noise, as mean squares, below which a formula alone leaves little.
+const LITTLE: f64 = 0.1;
 
 /// The climb from the model without effects; or from what the library explains of it, where that predicts traces left out better by
 /// more than its uncertainty over the traces: an effect of the library that was named for want of a better one is no part of a formula.
 fn best_climb(climb: &Climb, library: &Found, noise: f64) -> Climbed {
     let alone = climb.from(&library.base);
-    let left_out = |it: &Climbed| it.found.evidence.last().and_then(|it| it.left_out().cloned());
-    let close = left_out(&alone).is_some_and(|errors| errors.rms <= CLOSE * noise);
+    let last_left_out = |it: &Found| it.evidence.last().and_then(|it| it.left_out().cloned());
+    let left_out = |it: &Climbed| last_left_out(&it.found);
+    let beyond_noise = |rms: f64| rms * rms - noise * noise;
+    let close = left_out(&alone).is_some_and(|alone| {
+        let of_library = last_left_out(library).map_or(0.0, |it| LITTLE * beyond_noise(it.rms));
+        alone.rms <= CLOSE * noise || beyond_noise(alone.rms) <= of_library
+    });
     if library.steps.is_empty() || close || climb.search.leaves_noise(alone.found.model()) {
         return alone;
     }

@@ -1,7 +1,9 @@
 //! Where in the chain a term acts, and what it may depend on there.
 
 use super::reach::{Kind, Quantity, Reach};
-use super::shape::{ALWAYS, Factor, LEAVING, PRESSING, SPEED, TURNING, VELOCITY};
+use super::shape::{
+    ALWAYS, DRAG, Factor, Family, LEAVING, PRESSING, SPEED, Shape, TURNING, VELOCITY,
+};
 use palpate_model::Stage;
 
 /// Where a term acts.
@@ -24,17 +26,27 @@ impl Place {
     pub fn factors(&self, quantity: &Quantity) -> &'static [&'static Factor] {
         match (quantity.kind, self.stage) {
             (Kind::Fast, Stage::Sensor | Stage::Contact) => {
-                &[&ALWAYS, &PRESSING, &LEAVING, &TURNING, &VELOCITY, &SPEED]
+                &[&ALWAYS, &PRESSING, &LEAVING, &TURNING, &VELOCITY, &SPEED, &DRAG]
             }
             (Kind::Fast, _) => &[&ALWAYS, &PRESSING, &LEAVING, &TURNING],
             (Kind::Rate, _) if quantity.symbol == "v" => &[&ALWAYS, &PRESSING],
             _ => &[&ALWAYS],
         }
     }
+
+    /// Whether a shape is tried here: a switch adds to a force, anything else to the elastic response is a part of it.
+    pub fn takes(&self, shape: &Shape) -> bool {
+        let adds = self.factor.is_empty();
+        match self.stage {
+            Stage::Sensor => true,
+            Stage::Elasticity => adds == (shape.family == Family::Switch),
+            _ => shape.family != Family::Switch,
+        }
+    }
 }
 
 /// Every place.
-pub(super) const PLACES: [Place; 5] = [
+pub(super) const PLACES: [Place; 6] = [
     Place {
         stage: Stage::Sensor,
         factor: "",
@@ -78,6 +90,13 @@ pub(super) const PLACES: [Place; 5] = [
         unit: Some(""),
         sizes: |_| (0.01, 100.0),
         of: &["x", "v", "t", "T", "n", "t_set", "x_max", "abs(v)"],
+    },
+    Place {
+        stage: Stage::Elasticity,
+        factor: "",
+        unit: None,
+        sizes: |reach| (0.01 * reach.force, 10.0 * reach.force),
+        of: &["x"],
     },
     Place {
         stage: Stage::Motion,

@@ -92,6 +92,13 @@ const WIDTH: ShapeParameter = ShapeParameter {
     bounds: |reach| (0.002 * reach.span(), 2.0 * reach.span()),
 };
 
+/// That of a step, which may be a jump.
+const EDGE: ShapeParameter = ShapeParameter {
+    grid: |reach| vec![0.02 * reach.span()],
+    bounds: |reach| (1e-5 * reach.span(), 2.0 * reach.span()),
+    ..WIDTH
+};
+
 const SCALE: ShapeParameter = ShapeParameter {
     name: "scale",
     unit: Unit::Quantity,
@@ -147,7 +154,7 @@ const ORDER: ShapeParameter = ShapeParameter {
 const GAP: ShapeParameter = ShapeParameter {
     name: "gap",
     unit: Unit::Quantity,
-    grid: |reach| [0.08, 0.2].map(|part| part * reach.span()).to_vec(),
+    grid: |reach| [0.05, 0.1, 0.17, 0.26].map(|part| part * reach.span()).to_vec(),
     bounds: |reach| (0.0, 0.5 * reach.span()),
 };
 
@@ -272,7 +279,7 @@ pub const SHAPES: [Shape; 15] = [
         text: "0.5 * (1 + tanh(({c} - place) / width))",
         value: Some(|c, at| 0.5 * (1.0 + ((c - at[0]) / at[1]).tanh())),
         power: 0,
-        parameters: &[PLACE, ShapeParameter { grid: |reach| vec![0.02 * reach.span()], ..WIDTH }],
+        parameters: &[PLACE, EDGE],
         size: ONE,
         slow: true,
     },
@@ -285,7 +292,7 @@ pub const SHAPES: [Shape; 15] = [
         power: 0,
         parameters: &[
             PLACE,
-            ShapeParameter { grid: |reach| vec![0.02 * reach.span()], ..WIDTH },
+            ShapeParameter { grid: |reach| vec![0.05 * reach.span()], ..EDGE },
             GAP,
         ],
         size: ONE,
@@ -400,44 +407,51 @@ pub struct Factor {
     pub words: &'static str,
     /// As an expression that ends before what it is multiplied by.
     pub(super) text: &'static str,
-    /// Whether it has the unit of a velocity.
-    pub(super) of_speed: bool,
+    /// The power of a velocity that its unit is.
+    pub(super) speeds: i32,
 }
 
 /// Nothing more.
-pub const ALWAYS: Factor = Factor { name: "", words: "", text: "", of_speed: false };
+pub const ALWAYS: Factor = Factor { name: "", words: "", text: "", speeds: 0 };
 /// Only while the tip goes in.
 pub const PRESSING: Factor = Factor {
     name: " while pressing",
     words: ", and only while pressing",
     text: "0.5 * (1 + sign(v)) * ",
-    of_speed: false,
+    speeds: 0,
 };
 /// Only while the tip goes out.
 pub const LEAVING: Factor = Factor {
     name: " while leaving",
     words: ", and only while leaving",
     text: "max(0, -sign(v)) * ",
-    of_speed: false,
+    speeds: 0,
 };
 /// With the sign of the motion.
 pub const TURNING: Factor = Factor {
     name: " with the direction",
     words: ", and turns over with the direction of the motion",
     text: "sign(v) * ",
-    of_speed: false,
+    speeds: 0,
 };
 /// Times the velocity.
 pub const VELOCITY: Factor = Factor {
     name: " times velocity",
     words: ", for each unit of velocity",
     text: "v * ",
-    of_speed: true,
+    speeds: 1,
 };
 /// Times the speed.
 pub const SPEED: Factor = Factor {
     name: " times speed",
     words: ", for each unit of speed either way",
     text: "abs(v) * ",
-    of_speed: true,
+    speeds: 1,
+};
+/// Times the velocity and the speed: the drag of a fluid in turbulence.
+pub const DRAG: Factor = Factor {
+    name: " times velocity and speed",
+    words: ", for each unit of speed squared, and turns over with the direction of the motion",
+    text: "v * abs(v) * ",
+    speeds: 2,
 };
