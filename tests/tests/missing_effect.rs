@@ -1,6 +1,8 @@
 //! What is hidden is found: a small, seeded part of the benchmark `missing_effect`, on data from the
 //! generator in `src/hidden`, which shares no physics with the library.
 
+use std::f64::consts::TAU;
+
 use palpate::criticism::diagnose::{Diagnosis, Verdict, diagnose};
 use palpate::criticism::incident::Change;
 use palpate::criticism::outside::Outside;
@@ -101,14 +103,28 @@ fn an_effect_is_named_in_other_motions_and_at_other_rates() {
 fn a_hum_is_named_beside_an_effect_that_is_many_times_as_large() {
     let mut set = reaching(71, ("elastic-stiffening", LawKind::Reference), 8.0);
     let hum = 1.4 * set.truth.noise_rms;
+    add_hum(&mut set, |time| hum * (TAU * 50.043 * time).sin());
+    assert_eq!(names(&ask(&set)), ["elastic-stiffening", "mains-hum"]);
+}
+
+/// Adds a force that depends on the time in the data set, s.
+fn add_hum(set: &mut DataSet, hum: impl Fn(f64) -> f64) {
     for trace in &mut set.traces {
         let start = trace.head.setup.start_s.unwrap_or_default();
-        let hum = |time: f64| hum * (std::f64::consts::TAU * 50.043 * (start + time)).sin();
-        let force = trace.column("force_N").expect("a force");
-        let force = force.iter().zip(&trace.time).map(|(force, &time)| force + hum(time)).collect();
-        trace.set_column("force_N", force);
+        let force = trace.column("force_N").expect("a force").iter().zip(&trace.time);
+        let humming = force.map(|(force, &time)| force + hum(start + time)).collect();
+        trace.set_column("force_N", humming);
     }
-    assert_eq!(names(&ask(&set)), ["elastic-stiffening", "mains-hum"]);
+}
+
+/// Mains whose frequency swings within a trace: what comes before the touch tells nothing of the phase after it.
+#[test]
+fn a_hum_that_keeps_no_phase_is_no_noise() {
+    let mut set = generate(&scenario(72, &[], 0.0));
+    let hum = set.truth.noise_rms;
+    add_hum(&mut set, |time| hum * (TAU * 50.0 * time + 3.0 * (TAU * time / 20.0).sin()).sin());
+    let diagnosis = ask(&set);
+    assert_eq!((names(&diagnosis).len(), diagnosis.verdict), (0, Verdict::Unknown));
 }
 
 #[test]

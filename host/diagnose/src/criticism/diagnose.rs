@@ -127,15 +127,18 @@ pub fn diagnose_with(
     let known = noise_model(&all).or_else(|| (!long).then(|| noise_left(&all, false)));
     let at_rest = if known.is_none() { block_means(traces) } else { None };
     let thinned = at_rest.as_deref().map(|traces| options.data(model, traces)).transpose()?;
-    let loud = |lines: [f64; 2]| {
-        let left = Residuals::new(&chain, &values, &all).values();
-        let least = known.as_ref().map_or(f64::INFINITY, |noise| LOUD * noise.level.powi(2));
-        lines.iter().any(|line| power_of_line(&left, &all, *line) > least)
+    let level = known.as_ref().map(|noise| noise.level);
+    let loud = |left: &[Vec<f64>], line: f64| {
+        level.is_some_and(|level| power_of_line(left, &all, line) > LOUD * level.powi(2))
     };
-    let hums = setting.scales.mains.is_some_and(|lines| !long || loud(lines));
+    let left_at_first = || Residuals::new(&chain, &values, &all).values();
+    let shows_a_line = |lines: [f64; 2]| {
+        let left = left_at_first();
+        lines.iter().any(|line| loud(&left, *line))
+    };
+    let hums = setting.scales.mains.is_some_and(|lines| !long || shows_a_line(lines));
     let stays_for_hum = hums && all.samples() <= LONG_WITH_HUM;
     let stays = thinned.is_some() || stays_for_hum || known.as_ref().is_some_and(dwarfs);
-    let level = known.as_ref().map(|noise| noise.level);
     let means = if stays { None } else { Means::of(&all, level) };
     let stand_in = |means: &Means| {
         let noise = known.as_ref().filter(|_| !long);
@@ -172,6 +175,16 @@ pub fn diagnose_with(
     }
     if hums && few.is_some() {
         course.say_that_no_mean_shows_the_line();
+    }
+    if let Some(lines) = setting.scales.mains.filter(|_| hums) {
+        let model = course.found.model();
+        let left = Residuals::new(&model.chain, &model.values, &all).values();
+        // Where sampling is slow, noise that wanders looks like the alias.
+        let shown =
+            lines.into_iter().filter(|line| 2.0 * line * setting.scales.common_interval < 1.0);
+        if let Some(line) = shown.into_iter().find(|line| loud(&left, *line)) {
+            course.say_that_a_line_is_left(line);
+        }
     }
     course.say_where_noise_is_louder();
     course.say_what_hardly_shows();
@@ -321,6 +334,17 @@ impl<'a> Course<'a> {
         self.notes.push(format!(
             "a line of the mains stands out in these recordings; the means that are searched do not show it: where the rest off the \
              specimen shows the noise, up to {LONG_WITH_HUM} rows are searched as they are, which can name mains-hum"
+        ));
+    }
+
+    /// Says that a line of the mains, Hz, stays, which no hum of one frequency predicts: something is missing.
+    fn say_that_a_line_is_left(&mut self, line: f64) {
+        if self.assessed.verdict != Verdict::Adequate {
+            return;
+        }
+        self.assessed.verdict = Verdict::Unknown;
+        self.notes.push(format!(
+            "a line near {line:.0} Hz stands out, with a phase that wanders: no hum of one frequency predicts traces left out"
         ));
     }
 

@@ -24,7 +24,7 @@ const BLOCK: usize = 1 << 16;
 const SLOWEST: f64 = 1.0;
 /// Longest time, s, over which the mains keep their phase: they wander by some hundredths of a hertz; and fewest samples of that.
 const STEADY: f64 = 4.0;
-const FEWEST: usize = 16;
+const FEWEST: usize = 64;
 /// Power of a line over the median of its surroundings above which it is one.
 const LINE: f64 = 4.0;
 
