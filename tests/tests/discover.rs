@@ -174,7 +174,8 @@ fn what_snaps_over_and_back_is_found_with_both_places() {
         [(value("place") + value("gap"), "x_1_mm"), (value("place") - value("gap"), "x_2_mm")]
     {
         let truth = hidden_parameter(&set, name);
-        assert!((found - truth).abs() < 0.1 * truth, "{name}: {found} for {truth}");
+        // At 60 mm/s there is a sample each 0.6 mm.
+        assert!((found - truth).abs() < 0.6, "{name}: {found} for {truth}");
     }
     assert!(held_out(&discovery, &set) < 1.15, "{:?}", discovery.ladder);
 }
@@ -187,7 +188,7 @@ fn what_acts_near_the_touch_alone_is_nothing_off_the_specimen() {
     assert!(held_out(&discovery, &set) < 1.15, "{:?}", discovery.ladder);
     let term = &formulas(&discovery)[0].term;
     let told = (term.shape.name, term.quantity.symbol, term.factor.name);
-    assert_eq!(told, ("decaying in contact with", "x", " times velocity"));
+    assert_eq!(told, ("decaying in contact with", "x", " times velocity and speed"));
 }
 
 /// A specimen that is the stiffer the faster it moves, either way.
