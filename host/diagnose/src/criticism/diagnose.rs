@@ -13,7 +13,9 @@ use super::outside::Outside;
 use super::residuals::Residuals;
 use super::screen::ABSORBED;
 use super::search::{DECISIVE, Found, SURE, Search};
-use super::verdict::{Assessed, FAR_BEYOND_NEIGHBOURS, beyond_held_out, beyond_noise};
+use super::verdict::{
+    AT_THE_NOISE, Assessed, FAR_BEYOND_NEIGHBOURS, beyond_held_out, beyond_noise,
+};
 use palpate_fit::data::{Data, DataError};
 use palpate_fit::least_squares::{Effort, LeastSquares};
 use palpate_fit::means::Means;
@@ -22,6 +24,8 @@ use palpate_fit::whitening::Whitening;
 use palpate_model::effects::{Candidate, EffectError, candidates, chain_of};
 use palpate_model::{BaseLaw, Chain, Model, Separation};
 use palpate_trace::{Noise, Trace, block_means, pooled_noise};
+
+use super::vibration::Vibration;
 
 pub use super::verdict::Verdict;
 
@@ -186,6 +190,8 @@ pub fn diagnose_with(
             course.say_that_a_line_is_left(line);
         }
     }
+    course.look_for_a_vibration();
+    course.say_what_vibrates();
     course.say_where_noise_is_louder();
     course.say_what_hardly_shows();
     let given_rms = rows.rms(&rows.point(&values));
@@ -222,8 +228,7 @@ impl<'a> Course<'a> {
     fn likeliest(search: &'a Search<'a>, noise: &'a NoiseModel, start: &[f64]) -> Self {
         let mut notes = Vec::new();
         let (separation, before, found) = likeliest(search, start, &mut notes);
-        let known = noise.is_known();
-        let outside = Outside::of(search, &found.base, known, before.louder_loaded);
+        let outside = Outside::of(search, &found.base, noise, before.louder_loaded);
         let assessed = Assessed::of(search, &found, &before, noise, outside.as_ref());
         Self { search, noise, separation, before, found, outside, assessed, inexact: false, notes }
     }
@@ -346,6 +351,32 @@ impl<'a> Course<'a> {
         self.notes.push(format!(
             "a line near {line:.0} Hz stands out, with a phase that wanders: no hum of one frequency predicts traces left out"
         ));
+    }
+
+    /// Looks for a vibration in what is larger than the noise and has no name.
+    fn look_for_a_vibration(&mut self) {
+        let (last, unnamed) = (self.found.model(), self.found.steps.is_empty());
+        let large = last.rms() > AT_THE_NOISE * self.noise.level;
+        if !(unnamed && large && self.noise.is_known() && self.outside.is_none()) {
+            return;
+        }
+        let vibration = Vibration::anywhere(self.search.samples, last).map(Outside::Vibration);
+        if let Some(vibration) = vibration.filter(Outside::is_sure) {
+            self.outside = Some(vibration);
+            self.assess();
+        }
+    }
+
+    /// Says that there is a vibration beside the effects that are named.
+    fn say_what_vibrates(&mut self) {
+        let Some(Outside::Vibration(vibration)) = &self.outside else { return };
+        if !self.found.steps.is_empty() {
+            self.notes.push(format!(
+                "a vibration of {:.2} Hz stays beside what is named: its amplitude is {:.1} times the noise",
+                vibration.frequency_hz,
+                vibration.amplitude / self.noise.level,
+            ));
+        }
     }
 
     /// Says where the noise is louder than off the specimen.

@@ -14,10 +14,12 @@ use palpate_fit::fourier::Planner;
 const MAINS: [f64; 2] = [50.0, 60.0];
 /// How far from them a line is looked for, Hz.
 const WITHIN: f64 = 3.0;
+/// How far from them a line is theirs for certain, Hz.
+const OWN: f64 = 1.5;
 /// Widths of a line, as the longest block shows it, over which its surroundings reach: most of a narrower band is the line.
 const WIDTHS: f64 = 6.0;
 /// Steps between frequencies in one turn over the longest block.
-const STEPS: usize = 4;
+pub(super) const STEPS: usize = 4;
 /// Longest block, in samples, over which a line keeps its phase: the mains wander, and memory is bounded.
 const BLOCK: usize = 1 << 16;
 /// Slowest line, Hz, as the samples show it, whose power is taken: a slower one is what a law leaves of the motion.
@@ -75,8 +77,17 @@ pub(super) fn centred(values: Vec<f64>) -> Vec<f64> {
     values.into_iter().map(|value| value - mean).collect()
 }
 
+/// Whether a line that turns by this much from sample to sample looks like one of the mains.
+pub(super) fn near_the_mains(turn: f64, interval: f64) -> bool {
+    MAINS.into_iter().any(|mains| {
+        let turns = mains * interval;
+        let shown = TAU * (turns - turns.round()).abs();
+        (turn - shown).abs() <= TAU * OWN * interval
+    })
+}
+
 /// Blocks of about the same length, none longer than [`BLOCK`].
-fn blocks(samples: usize) -> impl Iterator<Item = Range<usize>> {
+pub(super) fn blocks(samples: usize) -> impl Iterator<Item = Range<usize>> {
     let count = samples.div_ceil(BLOCK).max(1);
     (0..count).map(move |k| k * samples / count..(k + 1) * samples / count)
 }
@@ -149,7 +160,7 @@ fn bins(longest: usize, interval: f64, mains: f64) -> usize {
 }
 
 /// Sum over the parts of 2/n Σ y(k) y(k + l), for the lags l on both sides together.
-fn autocorrelation(parts: &[&[f64]], longest: usize, planner: &mut Planner) -> Vec<f64> {
+pub(super) fn autocorrelation(parts: &[&[f64]], longest: usize, planner: &mut Planner) -> Vec<f64> {
     let mut sums = vec![0.0; longest];
     for values in parts {
         let size = (2 * values.len()).next_power_of_two();
@@ -171,7 +182,7 @@ fn autocorrelation(parts: &[&[f64]], longest: usize, planner: &mut Planner) -> V
 }
 
 /// Sums of the values times the cosine and the sine of the phase at each.
-fn components(values: &[f64], phase: impl Fn(usize) -> f64) -> (f64, f64) {
+pub(super) fn components(values: &[f64], phase: impl Fn(usize) -> f64) -> (f64, f64) {
     values.iter().enumerate().fold((0.0, 0.0), |(cosine, sine), (k, value)| {
         let phase = phase(k);
         (cosine + value * phase.cos(), sine + value * phase.sin())
@@ -179,7 +190,7 @@ fn components(values: &[f64], phase: impl Fn(usize) -> f64) -> (f64, f64) {
 }
 
 /// Takes off the line that turns by `turn` from sample to sample, by least squares: at half a turn its cosine alone shows.
-fn clean(values: &mut [f64], turn: f64) {
+pub(super) fn clean(values: &mut [f64], turn: f64) {
     let along = |k: usize| Vector2::new((turn * k as f64).cos(), (turn * k as f64).sin());
     let (mut squares, mut products) = (Matrix2::zeros(), Vector2::zeros());
     for (k, value) in values.iter().enumerate() {

@@ -46,5 +46,6 @@ pub mod swing;
 mod tail;
 mod touch;
 mod verdict;
+pub mod vibration;
 
 pub use palpate_model::covariate;

@@ -2,6 +2,7 @@
 
 use super::adequacy::LEVEL;
 use super::hum::{centred, without_hum};
+use super::vibration::without_vibration;
 use palpate_fit::data::Data;
 use palpate_fit::whitening::{Likelihood, Stretch, Whitening, decays};
 use palpate_trace::{Noise, Source, Trace, pooled_noise};
@@ -18,6 +19,8 @@ pub struct NoiseModel {
     pub samples: usize,
     /// Standard deviation of one sample, in the unit of the signal.
     pub level: f64,
+    /// Frequency, Hz, of a steady vibration that it was seen without; none where there is none.
+    pub vibration_hz: Option<f64>,
 }
 
 impl NoiseModel {
@@ -101,13 +104,14 @@ pub fn noise_model(data: &Data) -> Option<NoiseModel> {
         return None;
     }
     let longest = data.pieces.iter().map(|piece| piece.measured.len()).max().unwrap_or(0);
-    let quiet = without_hum(quiet, data.shortest_interval());
+    let interval = data.shortest_interval();
+    let (quiet, vibration_hz) = without_vibration(without_hum(quiet, interval), interval);
     let whitening = own_noise(&quiet[..first], longest).unwrap_or_else(|| estimate(quiet, longest));
     let level = whitening.standard_deviation();
-    let interval = data.shortest_interval();
     let middles: Vec<f64> = data.middles().into_iter().map(|time| time / interval).collect();
     let whitening = whitening.through_pauses(&middles);
-    (level > 0.0).then_some(NoiseModel { level, whitening, seen: Seen::OffTheSpecimen, samples })
+    let seen = Seen::OffTheSpecimen;
+    (level > 0.0).then_some(NoiseModel { level, whitening, seen, samples, vibration_hz })
 }
 
 /// The noise of rests before the touch in which the same comes anew, trace after trace: what each differs by from their mean. None where
@@ -174,6 +178,7 @@ pub fn residual_noise(residuals: &[Vec<f64>], seen: Option<Noise>, means: bool) 
         seen: Seen::Residual,
         samples,
         level: seen.map_or(size, |noise| noise.standard_deviation),
+        vibration_hz: None,
     }
 }
 

@@ -1,11 +1,13 @@
-//! What is no effect and yet describes the misfit: a change at one instant, a slow swing, or what came before the recording. Where one of them
+//! What is no effect and yet describes the misfit: a change at one instant, a slow swing, a vibration, or what came before the recording. Where one of them
 //! describes it better than everything named, nothing is named.
 
 use super::fitted::Fitted;
 use super::incident::Incident;
+use super::noise::NoiseModel;
 use super::past::Past;
 use super::search::{DECISIVE, Search};
 use super::swing::Swing;
+use super::vibration::Vibration;
 
 /// Something that is no effect.
 #[derive(Clone, Debug, PartialEq)]
@@ -14,6 +16,8 @@ pub enum Outside {
     Incident(Incident),
     /// A slow sine through all traces.
     Swing(Swing),
+    /// A faster one, with a phase of its own in each stretch of recording.
+    Vibration(Vibration),
     /// What the specimen remembers of before the recording.
     Past(Past),
 }
@@ -29,15 +33,24 @@ impl Outside {
     /// What describes the misfit of a model best of all that is no effect; none that noise alone would show. What comes and goes by itself
     /// is told from noise only where that is known; noise that is so many times louder in contact shows more of it.
     #[must_use]
-    pub fn of(search: &Search, fitted: &Fitted, noise_is_known: bool, louder: f64) -> Option<Self> {
+    pub fn of(search: &Search, fitted: &Fitted, noise: &NoiseModel, louder: f64) -> Option<Self> {
         let incident = || Incident::of(search.problem, fitted).map(Self::Incident);
         // Means over more than a period show no swing.
         let swing = || Swing::of(search.samples, fitted).map(Self::Swing);
-        let known = if noise_is_known { [incident(), swing()] } else { [None, None] };
+        let known = if noise.is_known() { [incident(), swing()] } else { [None, None] };
+        let near = noise.vibration_hz;
+        let vibration =
+            near.and_then(|near| Vibration::of(search.samples, fitted, near)).map(Self::Vibration);
         let past = Past::of(search.problem, fitted).map(Self::Past);
         let sure = |it: &Self| it.log_chance() < CHANCE.ln() * louder * louder;
-        let all = known.into_iter().flatten().chain(past).filter(sure);
+        let all = known.into_iter().flatten().chain(vibration).chain(past).filter(sure);
         all.max_by(|a, b| a.gain().total_cmp(&b.gain()))
+    }
+
+    /// Whether noise alone hardly shows as much.
+    #[must_use]
+    pub fn is_sure(&self) -> bool {
+        self.log_chance() < CHANCE.ln()
     }
 
     /// Fall of the sum of squares of the whitened residual.
@@ -46,6 +59,7 @@ impl Outside {
         match self {
             Self::Incident(it) => it.gain,
             Self::Swing(it) => it.gain,
+            Self::Vibration(it) => it.gain,
             Self::Past(it) => it.gain,
         }
     }
@@ -56,6 +70,7 @@ impl Outside {
         match self {
             Self::Incident(it) => it.log_chance,
             Self::Swing(it) => it.log_chance,
+            Self::Vibration(it) => it.log_chance,
             Self::Past(it) => it.log_chance,
         }
     }
@@ -82,6 +97,8 @@ impl Outside {
             && match self {
                 Self::Incident(_) => better(Incident::NUMBERS),
                 Self::Swing(_) => better(Swing::NUMBERS),
+                // It is there at rest as well, whatever effects there are beside it.
+                Self::Vibration(_) => false,
                 Self::Past(it) => it.gain > AS_MUCH * (base.cost - model.cost),
             }
     }

@@ -45,7 +45,7 @@ const HALF: f64 = 0.5;
 /// Times the scatter of neighbours up to which a residual can be noise that correlates.
 pub(super) const FAR_BEYOND_NEIGHBOURS: f64 = 5.0;
 /// An error within this many times the noise is at the noise.
-const AT_THE_NOISE: f64 = 1.1;
+pub(super) const AT_THE_NOISE: f64 = 1.1;
 
 /// What the last model of a search leaves, and the verdict on it.
 pub(super) struct Assessed {

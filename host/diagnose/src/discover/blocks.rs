@@ -76,7 +76,13 @@ mod tests {
         let samples = Problem::new(&chain, &data, &whitening, None);
         let base = Fitted::new(&samples, &samples.point(&[200.0, 0.5, 5.0, 1.0]), Effort::QUICK);
         let seen = Seen::OffTheSpecimen;
-        let noise = NoiseModel { whitening: whitening.clone(), seen, samples: 400, level: 1.0 };
+        let noise = NoiseModel {
+            whitening: whitening.clone(),
+            seen,
+            samples: 400,
+            level: 1.0,
+            vibration_hz: None,
+        };
         of(&samples, &base, &noise).map(|means| samples.rows() as f64 / means.len() as f64)
     }
 

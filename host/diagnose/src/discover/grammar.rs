@@ -6,8 +6,8 @@ use super::curves::{Knots, curve};
 use super::place::{PLACES, Place};
 use super::reach::{QUANTITIES, Quantity, Reach};
 use super::shape::{
-    ALWAYS, CURVE, DRAG, Factor, Family, LEAVING, PRESSING, SHAPES, Shape, ShapeParameter, TURNING,
-    Unit, VELOCITY,
+    ALWAYS, CURVE, DRAG, Factor, Family, LEAVING, MOVING, PRESSING, SHAPES, Shape, ShapeParameter,
+    TURNING, Unit, VELOCITY,
 };
 use palpate_model::effects::{Candidate, Form};
 use palpate_model::{Act, Applied, Expression, Parameter, Stage};
@@ -88,14 +88,16 @@ impl Grammar {
                 for factor in place.factors(quantity) {
                     let made = Made { place, factor, quantity, reach, signal_unit };
                     let suits = |shape: &&Shape| {
-                        let has_a_way = *factor != &ALWAYS && shape.has_a_way();
-                        shape.suits(quantity, reach) && place.takes(shape) && !has_a_way
+                        shape.suits(quantity, reach)
+                            && shape.goes_with(factor)
+                            && place.takes(shape)
                     };
                     for shape in SHAPES.iter().filter(suits) {
                         let to = if on_grid(shape, factor) { &mut screened } else { &mut more };
                         to.extend(made.term(shape));
                     }
-                    screened.extend(curve(&made).filter(|_| place.takes(&CURVE)));
+                    let free = CURVE.goes_with(factor) && place.takes(&CURVE);
+                    screened.extend(curve(&made).filter(|_| free));
                 }
             }
         }
@@ -113,6 +115,7 @@ fn on_grid(shape: &Shape, factor: &Factor) -> bool {
     match shape.family {
         Sawtooth => false,
         _ if *factor == ALWAYS => true,
+        Wave if *factor == MOVING => true,
         Straight => *factor == PRESSING,
         ContactDecay if in_a_film => true,
         Decay | ContactDecay => *factor == LEAVING,

@@ -95,12 +95,14 @@ pub fn discover(
     let whitening = diagnosis.noise.whitening.clone();
     let chain = base.chain.clone();
     let whole = Problem::new(&chain, &all, &whitening, None);
-    let swing = match &diagnosis.outside {
-        Some(Outside::Swing(swing)) => Some(1.0 / swing.frequency_hz),
-        _ => None,
+    let (swing, vibration) = match &diagnosis.outside {
+        Some(Outside::Swing(swing)) => (Some(1.0 / swing.frequency_hz), None),
+        Some(Outside::Vibration(it)) => (None, Some(1.0 / it.frequency_hz)),
+        _ => (None, None),
     };
     // A mean over more than a period of a swing shows nothing of it.
-    let blocks = blocks::of(&whole, &base, &diagnosis.noise).filter(|_| swing.is_none());
+    let shown = swing.is_none() && vibration.is_none();
+    let blocks = blocks::of(&whole, &base, &diagnosis.noise).filter(|_| shown);
     // Without them a long recording is searched on means of its rests alone.
     let at_rest = if blocks.is_none() { block_means(traces) } else { None };
     let thinned = at_rest.as_deref().map(|traces| Data::of_model(model, traces)).transpose()?;
@@ -144,8 +146,12 @@ pub fn discover(
     let reach = |quantity| Reach::of(quantity, data, &left.predicted, &residuals);
     let mut reaches: Vec<Option<Reach>> = QUANTITIES.iter().map(reach).collect();
     for (quantity, reach) in QUANTITIES.iter().zip(&mut reaches) {
-        if let Some(reach) = reach.as_mut().filter(|_| quantity.symbol == CLOCK) {
-            reach.periods.extend(swing);
+        let Some(reach) = reach else { continue };
+        match quantity.symbol {
+            CLOCK => reach.periods.extend(swing.or(vibration)),
+            // A vibration that sets in with the recording has the same phase in each.
+            TIME => reach.periods.extend(vibration),
+            _ => (),
         }
     }
     let grammar = Grammar::new(&reaches, signal_unit);
@@ -178,6 +184,9 @@ pub fn discover(
 
 /// The quantity in which a swing through all traces is a wave.
 const CLOCK: &str = "t_set";
+
+/// The time in a trace.
+const TIME: &str = "t";
 
 /// Error on traces left out, in noises, from which on nothing can predict much better.
 const CLOSE: f64 = 1.05;

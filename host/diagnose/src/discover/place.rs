@@ -2,7 +2,7 @@
 
 use super::reach::{Kind, Quantity, Reach};
 use super::shape::{
-    ALWAYS, DRAG, Factor, Family, LEAVING, PRESSING, SPEED, Shape, TURNING, VELOCITY,
+    ALWAYS, DRAG, Factor, Family, LEAVING, MOVING, PRESSING, SPEED, Shape, TURNING, VELOCITY,
 };
 use palpate_model::Stage;
 
@@ -30,6 +30,8 @@ impl Place {
             }
             (Kind::Fast, _) => &[&ALWAYS, &PRESSING, &LEAVING, &TURNING],
             (Kind::Rate, _) if quantity.symbol == "v" => &[&ALWAYS, &PRESSING],
+            // A drive may vibrate.
+            (_, Stage::Sensor) if matches!(quantity.symbol, "t" | "t_set") => &[&ALWAYS, &MOVING],
             _ => &[&ALWAYS],
         }
     }

@@ -365,9 +365,14 @@ impl Shape {
         self.family == Family::Free
     }
 
-    /// Whether it depends by itself on the way in which its quantity changes.
-    pub(super) fn has_a_way(&self) -> bool {
-        self.family == Family::Switch
+    /// Whether it is tried with a factor: a switch depends by itself on the way in which its quantity changes, and what is there only while
+    /// the tip moves, whichever way, is a vibration.
+    pub(super) fn goes_with(&self, factor: &Factor) -> bool {
+        match self.family {
+            Family::Switch => *factor == ALWAYS,
+            Family::Wave => true,
+            _ => *factor != MOVING,
+        }
     }
 
     /// Whether a quantity can be tried in it.
@@ -425,6 +430,13 @@ pub const LEAVING: Factor = Factor {
     name: " while leaving",
     words: ", and only while leaving",
     text: "max(0, -sign(v)) * ",
+    speeds: 0,
+};
+/// Only while the tip moves.
+pub const MOVING: Factor = Factor {
+    name: " while moving",
+    words: ", and only while the tip moves",
+    text: "abs(sign(v)) * ",
     speeds: 0,
 };
 /// With the sign of the motion.

@@ -11,6 +11,7 @@ use palpate_diagnose::criticism::noise::NoiseModel;
 use palpate_diagnose::criticism::outside::Outside;
 use palpate_diagnose::criticism::search::Rival;
 use palpate_diagnose::criticism::swing::Swing;
+use palpate_diagnose::criticism::vibration::Vibration;
 use palpate_diagnose::criticism::{agreement, dependence, screen};
 use serde::Serialize;
 
@@ -58,6 +59,9 @@ pub struct DiagnosisAnswer {
     /// A slow sine through all traces, which no effect is; absent where none was found or effects are named.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub swing: Option<SwingAnswer>,
+    /// A faster sine that is there at rest as well, which no effect is; absent where none was found or effects are named.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub vibration: Option<SwingAnswer>,
     /// What the specimen remembers of before the recording, which no effect is; absent where no trace begins in motion, that describes
     /// little, or effects are named.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -284,7 +288,7 @@ pub enum IncidentUntil {
     Set,
 }
 
-/// A slow swing: one frequency through all traces and the pauses between them.
+/// A sine of one frequency: a swing through all traces and the pauses between them, or a vibration with a phase of its own in each trace.
 #[derive(Clone, Copy, Debug, Serialize)]
 #[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct SwingAnswer {
@@ -313,11 +317,12 @@ pub struct PastAnswer {
     pub p_value: f64,
 }
 
-/// What is no effect and describes the misfit, at most one of the three.
+/// What is no effect and describes the misfit, at most one of these.
 #[derive(Default)]
 struct OutsideAnswer {
     incident: Option<IncidentAnswer>,
     swing: Option<SwingAnswer>,
+    vibration: Option<SwingAnswer>,
     past: Option<PastAnswer>,
 }
 
@@ -345,6 +350,11 @@ fn outside(summary: &DiagnosisSummary) -> OutsideAnswer {
             let Swing { frequency_hz, amplitude, .. } = *swing;
             let swing = SwingAnswer { frequency_hz, amplitude, share, p_value };
             OutsideAnswer { swing: Some(swing), ..OutsideAnswer::default() }
+        }
+        Outside::Vibration(vibration) => {
+            let Vibration { frequency_hz, amplitude, .. } = *vibration;
+            let vibration = SwingAnswer { frequency_hz, amplitude, share, p_value };
+            OutsideAnswer { vibration: Some(vibration), ..OutsideAnswer::default() }
         }
         Outside::Past(past) => {
             let label = |trace: &usize| diagnosis.labels[*trace].clone();
@@ -455,7 +465,7 @@ impl From<&DiagnosisSummary<'_>> for DiagnosisAnswer {
             (PValueBasis::Noise, ErrorBasis::Noise)
         };
         let dependences = &summary.after().comparison.dependences;
-        let OutsideAnswer { incident, swing, past } = outside(summary);
+        let OutsideAnswer { incident, swing, vibration, past } = outside(summary);
         Self {
             palpate_diagnosis: 1,
             verdict: diagnosis.verdict.into(),
@@ -474,6 +484,7 @@ impl From<&DiagnosisSummary<'_>> for DiagnosisAnswer {
             depends_on: dependences.iter().map(DependenceAnswer::from).collect(),
             incident,
             swing,
+            vibration,
             past,
             untestable: diagnosis.untestable.iter().map(untestable).collect(),
             next_experiment: summary.next_experiment(),

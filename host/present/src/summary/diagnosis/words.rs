@@ -89,6 +89,17 @@ impl DiagnosisSummary<'_> {
                 significant(swing.amplitude, 2),
                 self.unit(),
             ),
+            Outside::Vibration(vibration) => format!(
+                "a vibration of {} Hz and an amplitude of {} {}, {}",
+                significant(vibration.frequency_hz, 3),
+                significant(vibration.amplitude, 2),
+                self.unit(),
+                if vibration.at_rest {
+                    "at rest off the specimen as well: the building, a fan, a pump"
+                } else {
+                    "hardly there at rest off the specimen: the drive, the specimen or what holds it"
+                },
+            ),
             Outside::Past(past) => {
                 let (begun, all) = (past.traces.len(), self.diagnosis.labels.len());
                 format!(
