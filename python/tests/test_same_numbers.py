@@ -227,11 +227,11 @@ def test_a_law_as_a_python_function_is_the_law_as_an_expression(practice: Path, 
 
 def test_a_law_as_a_python_function_may_do_all_that_a_formula_may(model: Path) -> None:
     def law(t, x, v, depth, tau):
-        late = palpate.formula.lag(np.maximum(v, 0), tau) + palpate.formula.peak(x) - palpate.formula.total(abs(v)) / palpate.formula.since(x)
+        late = palpate.formula.lag(np.maximum(v, 0), tau) + palpate.formula.peak(x) - palpate.formula.total(abs(v)) / palpate.formula.since(palpate.formula.play(x, 0.5))
         return depth * (-late**2 + np.exp(-t) * np.arctan2(x, 1) - +np.square(x))
 
     found = palpate.Model.read(model).with_law("own", "sensor", law, {"depth": 0.0, "tau": 1.0}).to_dict()["candidate"][0]["expression"]
-    late = "((lag(max(v, 0.0), tau) + peak(x)) - (total(abs(v)) / since(x)))"
+    late = "((lag(max(v, 0.0), tau) + peak(x)) - (total(abs(v)) / since(play(x, 0.5))))"
     assert found == f"(depth * (((-({late} ^ 2.0)) + (exp((-t)) * atan2(x, 1.0))) - (x ^ 2.0)))"
 
 

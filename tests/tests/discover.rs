@@ -202,6 +202,26 @@ fn what_grows_with_the_speed_either_way_levels_off() {
     assert!(held_out(&discovery, &set) < 1.15, "{:?}", discovery.ladder);
 }
 
+/// A pump that runs through all traces.
+#[test]
+fn a_vibration_is_a_wave_over_the_time() {
+    let mut set = thinned_set(2, 45, &[], 0.0);
+    let size = 2.0 * set.truth.noise_rms;
+    for trace in &mut set.traces {
+        let start = trace.head.setup.start_s.unwrap_or_default();
+        let force = trace.column(FORCE).unwrap().iter().zip(&trace.time);
+        let shaken = force.map(|(force, time)| force + size * (TAU * 9.7 * (start + time)).sin());
+        let shaken = shaken.collect();
+        trace.set_column(FORCE, shaken);
+    }
+    let discovery = ask(&set);
+    let formula = &formulas(&discovery)[0];
+    assert_eq!((formula.term.shape.name, formula.term.quantity.symbol), ("periodic in", "t_set"));
+    let period = formula.law.parameters["period"].value;
+    assert!((9.7 * period - 1.0).abs() < 1e-3, "{period}");
+    assert!(held_out(&discovery, &set) < 1.1, "{:?}", discovery.ladder);
+}
+
 /// Presses that begin in motion, by a drive with a wave of 0.8 mm, and that go 60 mm off the specimen.
 #[test]
 fn a_wave_is_found_where_the_tool_goes_far_off_the_specimen() {

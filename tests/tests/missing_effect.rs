@@ -127,6 +127,46 @@ fn a_hum_that_keeps_no_phase_is_no_noise() {
     assert_eq!((names(&diagnosis).len(), diagnosis.verdict), (0, Verdict::Unknown));
 }
 
+/// A fan beside the rig, or a drive that shakes what it moves.
+#[test]
+fn a_vibration_is_no_noise_and_is_told_by_its_frequency() {
+    let vibrates = |moving: bool| {
+        let mut set = generate(&scenario(73, &[], 0.0));
+        let size = 2.0 * set.truth.noise_rms;
+        for trace in &mut set.traces {
+            let x = trace.column("displacement_mm").expect("a displacement").to_vec();
+            let moves = |k: usize| k > 0 && (x[k] - x[k - 1]).abs() > 2e-3;
+            let force = trace.column("force_N").expect("a force").iter().zip(&trace.time);
+            let shaken = force.enumerate().map(|(k, (force, time))| {
+                let wave = size * (TAU * 12.3 * time).sin();
+                force + if moves(k) || !moving { wave } else { 0.0 }
+            });
+            let shaken = shaken.collect();
+            trace.set_column("force_N", shaken);
+        }
+        ask(&set)
+    };
+    for moving in [false, true] {
+        let diagnosis = vibrates(moving);
+        let Some(Outside::Vibration(vibration)) = &diagnosis.outside else {
+            panic!("{moving}: {:?}, {:?}", diagnosis.verdict, diagnosis.outside);
+        };
+        assert!((vibration.frequency_hz - 12.3).abs() < 0.1, "{} Hz", vibration.frequency_hz);
+        let told = (names(&diagnosis).len(), diagnosis.verdict, vibration.at_rest);
+        assert_eq!(told, (0, Verdict::Unknown, !moving));
+    }
+}
+
+#[test]
+fn an_effect_is_named_beside_a_vibration() {
+    let mut set = reaching(74, ("mullins", LawKind::Reference), 2.0);
+    let size = 2.0 * set.truth.noise_rms;
+    add_hum(&mut set, |time| size * (TAU * 17.1 * time).sin());
+    let diagnosis = ask(&set);
+    assert_eq!(names(&diagnosis), ["mullins"]);
+    assert!(diagnosis.notes.iter().any(|note| note.contains("17.10 Hz")), "{:?}", diagnosis.notes);
+}
+
 #[test]
 fn a_strong_effect_of_the_temperature_is_not_cut_off_where_that_hardly_changes() {
     let set = reaching(0x105_0000_2000, ("time-temperature", LawKind::Reference), 2.0);
