@@ -150,7 +150,7 @@ impl Vibration {
 /// What a model leaves of each stretch, with the time since the set began, s.
 fn left_by(problem: &Problem, fitted: &Fitted) -> Vec<(Vec<f64>, Vec<f64>)> {
     let mut left = Vec::new();
-    problem.each_piece(&[fitted.point.clone()], |piece, forces| {
+    problem.each_piece(std::slice::from_ref(&fitted.point), |piece, forces| {
         let residual: Vec<f64> =
             piece.measured.iter().zip(&forces[0]).map(|(y, f)| y - f).collect();
         let scene = problem.data().scene(piece);
