@@ -222,6 +222,19 @@ fn a_vibration_is_a_wave_over_the_time() {
     assert!(held_out(&discovery, &set) < 1.1, "{:?}", discovery.ladder);
 }
 
+/// A specimen that swells and shrinks over the session, once in two sessions to twice in one.
+#[test]
+fn a_slow_wave_over_the_session_is_found() {
+    let set = thinned_set(4, (1 << 40) ^ (65 << 10), &[("swelling", LawKind::Beyond)], 4.0);
+    let discovery = ask(&set);
+    let formula = &formulas(&discovery)[0];
+    assert_eq!((formula.term.shape.name, formula.term.quantity.symbol), ("periodic in", "t_set"));
+    let truth = hidden_parameter(&set, "period_s");
+    let period = formula.law.parameters["period"].value;
+    assert!((period / truth - 1.0).abs() < 0.1, "{period} s for {truth}");
+    assert!(held_out(&discovery, &set) < 1.1, "{:?}", discovery.ladder);
+}
+
 /// Presses that begin in motion, by a drive with a wave of 0.8 mm, and that go 60 mm off the specimen.
 #[test]
 fn a_wave_is_found_where_the_tool_goes_far_off_the_specimen() {

@@ -104,6 +104,9 @@ pub struct Reach {
 
 /// Periods that are tried.
 const PERIODS: usize = 4;
+/// Periods of a wave over a session, in parts of it, and fewest traces in which it is looked for.
+const SLOW_PERIODS: [f64; 3] = [2.0, 1.0, 0.6];
+const SESSION: usize = 6;
 /// Places that are tried of every range, in parts of it.
 const EVEN_PLACES: [f64; 6] = [0.1, 0.25, 0.4, 0.55, 0.7, 0.85];
 /// Classes of a range in which the residual is summed up to see where most of it is, and those that are taken together.
@@ -142,7 +145,12 @@ impl Reach {
         let (short, long) = (3.0 * scales.interval, 0.5 * scales.duration);
         let ratio = (long / short).max(1.0).powf(1.0 / 3.0);
         let wavy = matches!(quantity.kind, Kind::Fast | Kind::Clock);
-        let periods = if wavy { periods(&values, left, (least, most - least)) } else { Vec::new() };
+        let session = quantity.symbol == "t_set" && data.labels.len() >= SESSION;
+        let periods = match wavy {
+            true => periods(&values, left, (least, most - least)),
+            false if session => SLOW_PERIODS.map(|part| part * (most - least)).to_vec(),
+            false => Vec::new(),
+        };
         let even = EVEN_PLACES.map(|part| least + part * (most - least));
         let mut places = even.to_vec();
         if wavy {
