@@ -16,6 +16,7 @@ use super::search::{DECISIVE, Found, SURE, Search};
 use super::verdict::{
     AT_THE_NOISE, Assessed, FAR_BEYOND_NEIGHBOURS, beyond_held_out, beyond_noise,
 };
+use super::vibration::Vibration;
 use palpate_fit::data::{Data, DataError};
 use palpate_fit::least_squares::{Effort, LeastSquares};
 use palpate_fit::means::Means;
@@ -24,8 +25,6 @@ use palpate_fit::whitening::Whitening;
 use palpate_model::effects::{Candidate, EffectError, candidates, chain_of};
 use palpate_model::{BaseLaw, Chain, Model, Separation};
 use palpate_trace::{Noise, Trace, block_means, pooled_noise};
-
-use super::vibration::Vibration;
 
 pub use super::verdict::Verdict;
 
@@ -135,9 +134,8 @@ pub fn diagnose_with(
     let loud = |left: &[Vec<f64>], line: f64| {
         level.is_some_and(|level| power_of_line(left, &all, line) > LOUD * level.powi(2))
     };
-    let left_at_first = || Residuals::new(&chain, &values, &all).values();
     let shows_a_line = |lines: [f64; 2]| {
-        let left = left_at_first();
+        let left = Residuals::new(&chain, &values, &all).values();
         lines.iter().any(|line| loud(&left, *line))
     };
     let hums = setting.scales.mains.is_some_and(|lines| !long || shows_a_line(lines));
@@ -180,15 +178,13 @@ pub fn diagnose_with(
     if hums && few.is_some() {
         course.say_that_no_mean_shows_the_line();
     }
-    if let Some(lines) = setting.scales.mains.filter(|_| hums) {
+    if hums && course.assessed.verdict == Verdict::Adequate {
         let model = course.found.model();
         let left = Residuals::new(&model.chain, &model.values, &all).values();
         // Where sampling is slow, noise that wanders looks like the alias.
-        let shown =
-            lines.into_iter().filter(|line| 2.0 * line * setting.scales.common_interval < 1.0);
-        if let Some(line) = shown.into_iter().find(|line| loud(&left, *line)) {
-            course.say_that_a_line_is_left(line);
-        }
+        let shows = |line: &f64| 2.0 * line * setting.scales.common_interval < 1.0;
+        let mut lines = setting.scales.mains.into_iter().flatten().filter(shows);
+        course.miss_a_line(lines.find(|line| loud(&left, *line)));
     }
     course.look_for_a_vibration();
     course.say_what_vibrates();
@@ -342,11 +338,9 @@ impl<'a> Course<'a> {
         ));
     }
 
-    /// Says that a line of the mains, Hz, stays, which no hum of one frequency predicts: something is missing.
-    fn say_that_a_line_is_left(&mut self, line: f64) {
-        if self.assessed.verdict != Verdict::Adequate {
-            return;
-        }
+    /// Takes a line of the mains, Hz, that stays and that no hum of one frequency predicts for something that is missing.
+    fn miss_a_line(&mut self, line: Option<f64>) {
+        let Some(line) = line else { return };
         self.assessed.verdict = Verdict::Unknown;
         self.notes.push(format!(
             "a line near {line:.0} Hz stands out, with a phase that wanders: no hum of one frequency predicts traces left out"

@@ -19,7 +19,7 @@ pub struct Cause {
 }
 
 /// Causes; the first that fits is told.
-pub const CAUSES: [Cause; 27] = [
+pub const CAUSES: [Cause; 28] = [
     Cause {
         shapes: &[],
         quantities: &["since((0.5 - abs(sign(v))) * total(abs(v)))"],
@@ -47,6 +47,13 @@ pub const CAUSES: [Cause; 27] = [
         stages: &[],
         cause: "teeth, poles or a screw of the drive, or a surface with ridges",
         experiment: "run the same stroke without contact: what stays belongs to the drive, not to the specimen",
+    },
+    Cause {
+        shapes: &["periodic"],
+        quantities: &["t_set"],
+        stages: &[Stage::Motion, Stage::Elasticity, Stage::Relaxation, Stage::Contact],
+        cause: "what surrounds the specimen swings over the session: the room's temperature or humidity, a supply",
+        experiment: "log temperature and humidity beside the recordings, and repeat one press every ten minutes",
     },
     Cause {
         shapes: &["periodic"],
