@@ -459,6 +459,15 @@ fn a_call_that_cannot_be_is_refused_with_status_2() {
     assert_eq!(said(&["--replay", &press(), "--speed", "0"]).0, Some(2));
 }
 
+/// A page that looks at one finger of a hand.
+fn page_of(server: &Server, number: usize) -> Page {
+    let token = format!("token.{}", server.token);
+    let origin = format!("http://{}", server.host());
+    let path = format!("/api/fingers/{number}/live/stream");
+    let socket = server.socket_with(&path, &[("origin", &origin)], &[PROTOCOL, &token]);
+    Page { socket: socket.unwrap() }
+}
+
 #[test]
 fn each_finger_of_a_hand_has_a_device_of_its_own() {
     let server = Server::begin(&["--simulate", "--fingers", "3"]);
@@ -478,11 +487,7 @@ fn each_finger_of_a_hand_has_a_device_of_its_own() {
     assert_eq!(server.get("/api/fingers/4/live/about").status, 404);
     assert_eq!(server.wish_of(2, &json!("stop")).0, 200);
     let streams = |number: usize| {
-        let token = format!("token.{}", server.token);
-        let origin = format!("http://{}", server.host());
-        let path = format!("/api/fingers/{number}/live/stream");
-        let socket = server.socket_with(&path, &[("origin", &origin)], &[PROTOCOL, &token]);
-        let mut page = Page { socket: socket.unwrap() };
+        let mut page = page_of(&server, number);
         page.until("the device is there", |health| health["linked"] == true)["health"]["streaming"]
             .clone()
     };
@@ -505,7 +510,10 @@ fn the_fingers_of_a_hand_are_recorded_into_one_file_on_one_clock() {
     let wish = |number: usize, wish: &Value| server.wish_of(number, wish).0;
     let record = json!({ "record": { "file": "grasp", "together": true } });
     assert_eq!([1, 2, 3].map(|number| wish(number, &record)), [200; 3]);
-    std::thread::sleep(Duration::from_millis(1_500));
+    for number in 1..=3 {
+        let recorded = |health: &Value| health["recording"]["rows"].as_u64() > Some(1_400);
+        page_of(&server, number).until("1400 rows", recorded);
+    }
     assert_eq!([1, 2, 3].map(|number| wish(number, &json!("end-recording"))), [200; 3]);
     assert_ne!(wish(2, &record), 200, "the file is there now");
     let call = ["convert", "grasp.palpate", "-o", "hand.csv"];
