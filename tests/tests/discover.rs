@@ -207,13 +207,7 @@ fn what_grows_with_the_speed_either_way_levels_off() {
 fn a_vibration_is_a_wave_over_the_time() {
     let mut set = thinned_set(2, 45, &[], 0.0);
     let size = 2.0 * set.truth.noise_rms;
-    for trace in &mut set.traces {
-        let start = trace.head.setup.start_s.unwrap_or_default();
-        let force = trace.column(FORCE).unwrap().iter().zip(&trace.time);
-        let shaken = force.map(|(force, time)| force + size * (TAU * 9.7 * (start + time)).sin());
-        let shaken = shaken.collect();
-        trace.set_column(FORCE, shaken);
-    }
+    set.add_force(|time, _| size * (TAU * 9.7 * time).sin());
     let discovery = ask(&set);
     let formula = &formulas(&discovery)[0];
     assert_eq!((formula.term.shape.name, formula.term.quantity.symbol), ("periodic in", "t_set"));

@@ -103,18 +103,8 @@ fn an_effect_is_named_in_other_motions_and_at_other_rates() {
 fn a_hum_is_named_beside_an_effect_that_is_many_times_as_large() {
     let mut set = reaching(71, ("elastic-stiffening", LawKind::Reference), 8.0);
     let hum = 1.4 * set.truth.noise_rms;
-    add_hum(&mut set, |time| hum * (TAU * 50.043 * time).sin());
+    set.add_force(|time, _| hum * (TAU * 50.043 * time).sin());
     assert_eq!(names(&ask(&set)), ["elastic-stiffening", "mains-hum"]);
-}
-
-/// Adds a force that depends on the time in the data set, s.
-fn add_hum(set: &mut DataSet, hum: impl Fn(f64) -> f64) {
-    for trace in &mut set.traces {
-        let start = trace.head.setup.start_s.unwrap_or_default();
-        let force = trace.column("force_N").expect("a force").iter().zip(&trace.time);
-        let humming = force.map(|(force, &time)| force + hum(start + time)).collect();
-        trace.set_column("force_N", humming);
-    }
 }
 
 /// Mains whose frequency swings within a trace: what comes before the touch tells nothing of the phase after it.
@@ -122,7 +112,7 @@ fn add_hum(set: &mut DataSet, hum: impl Fn(f64) -> f64) {
 fn a_hum_that_keeps_no_phase_is_no_noise() {
     let mut set = generate(&scenario(72, &[], 0.0));
     let hum = set.truth.noise_rms;
-    add_hum(&mut set, |time| hum * (TAU * 50.0 * time + 3.0 * (TAU * time / 20.0).sin()).sin());
+    set.add_force(|time, _| hum * (TAU * 50.0 * time + 3.0 * (TAU * time / 20.0).sin()).sin());
     let diagnosis = ask(&set);
     assert_eq!((names(&diagnosis).len(), diagnosis.verdict), (0, Verdict::Unknown));
 }
@@ -133,16 +123,10 @@ fn a_vibration_is_no_noise_and_is_told_by_its_frequency() {
     let vibrates = |touched: bool| {
         let mut set = generate(&scenario(73, &[], 0.0));
         let size = 2.0 * set.truth.noise_rms;
-        for trace in &mut set.traces {
-            let x = trace.column("displacement_mm").expect("a displacement").to_vec();
-            let force = trace.column("force_N").expect("a force").iter().zip(&trace.time);
-            let shaken = force.enumerate().map(|(k, (force, time))| {
-                let wave = size * (TAU * 12.3 * time).sin();
-                force + if x[k] > 0.0 || !touched { wave } else { 0.0 }
-            });
-            let shaken = shaken.collect();
-            trace.set_column("force_N", shaken);
-        }
+        set.add_force(|time, x| {
+            let wave = size * (TAU * 12.3 * time).sin();
+            if x > 0.0 || !touched { wave } else { 0.0 }
+        });
         ask(&set)
     };
     for touched in [false, true] {
@@ -160,7 +144,7 @@ fn a_vibration_is_no_noise_and_is_told_by_its_frequency() {
 fn an_effect_is_named_beside_a_vibration() {
     let mut set = reaching(74, ("mullins", LawKind::Reference), 2.0);
     let size = 2.0 * set.truth.noise_rms;
-    add_hum(&mut set, |time| size * (TAU * 17.1 * time).sin());
+    set.add_force(|time, _| size * (TAU * 17.1 * time).sin());
     let diagnosis = ask(&set);
     assert_eq!(names(&diagnosis), ["mullins"]);
     assert!(diagnosis.notes.iter().any(|note| note.contains("17.10 Hz")), "{:?}", diagnosis.notes);

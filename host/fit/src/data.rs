@@ -95,7 +95,8 @@ impl Piece<'_> {
     }
 
     /// Time of each sample since the data set began, s.
-    pub(super) fn set_time(&self) -> Vec<f64> {
+    #[must_use]
+    pub fn set_time(&self) -> Vec<f64> {
         self.motion.time.iter().map(|time| self.begin + time).collect()
     }
 

@@ -92,6 +92,22 @@ pub struct DataSet {
     pub clean: Vec<Vec<f64>>,
 }
 
+impl DataSet {
+    /// Adds a force, N, that depends on the time in the data set, s, and the displacement, mm.
+    ///
+    /// # Panics
+    /// When a trace has no force or no displacement.
+    pub fn add_force(&mut self, added: impl Fn(f64, f64) -> f64) {
+        for trace in &mut self.traces {
+            let start = trace.head.setup.start_s.unwrap_or_default();
+            let column = |name: &str| trace.column(name).expect("a column").iter();
+            let samples = trace.time.iter().zip(column(DISPLACEMENT)).zip(column(FORCE));
+            let sum = samples.map(|((time, x), force)| force + added(start + time, *x)).collect();
+            trace.set_column(FORCE, sum);
+        }
+    }
+}
+
 /// Generates ten traces of one specimen. A law whose R cannot be reached within what physics allows
 /// is drawn anew with other inner parameters, a few times; `truth` says the R that was reached.
 ///

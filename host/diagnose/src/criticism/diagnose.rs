@@ -355,7 +355,7 @@ impl<'a> Course<'a> {
             return;
         }
         let vibration = Vibration::anywhere(self.search.samples, last).map(Outside::Vibration);
-        if let Some(vibration) = vibration.filter(Outside::is_sure) {
+        if let Some(vibration) = vibration.filter(|it| it.is_sure(1.0)) {
             self.outside = Some(vibration);
             self.assess();
         }

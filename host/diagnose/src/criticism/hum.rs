@@ -41,11 +41,7 @@ pub(super) fn without_hum(stretches: Vec<Vec<f64>>, interval: f64) -> Vec<Vec<f6
         return centred;
     };
     if highest > LINE * powers[powers.len() / 2].power {
-        for values in &mut centred {
-            for block in blocks(values.len()) {
-                clean(&mut values[block], turn);
-            }
-        }
+        clean(&mut centred, turn);
     }
     centred
 }
@@ -61,11 +57,10 @@ pub(super) fn power_of_line(left: &[Vec<f64>], data: &Data, frequency: f64) -> f
             return 0.0;
         }
         let block = ((STEADY / interval) as usize).max(FEWEST);
-        let squares = left.chunks(block).zip(time.chunks(block)).map(|(left, time)| {
-            let (cosine, sine) = components(left, |k| TAU * frequency * time[k]);
-            // An amplitude has a mean square of half its own.
-            2.0 * (cosine * cosine + sine * sine) / left.len() as f64
-        });
+        let squares = left
+            .chunks(block)
+            .zip(time.chunks(block))
+            .map(|(left, time)| square_of_line(left, |k| TAU * frequency * time[k]));
         squares.sum::<f64>()
     });
     squares.sum::<f64>() / data.samples() as f64
@@ -86,8 +81,14 @@ pub(super) fn near_the_mains(turn: f64, interval: f64) -> bool {
     })
 }
 
+/// The blocks of all stretches.
+pub(super) fn parts(stretches: &[Vec<f64>]) -> Vec<&[f64]> {
+    let blocks = stretches.iter().flat_map(|values| blocks(values.len()).map(|it| &values[it]));
+    blocks.filter(|values| !values.is_empty()).collect()
+}
+
 /// Blocks of about the same length, none longer than [`BLOCK`].
-pub(super) fn blocks(samples: usize) -> impl Iterator<Item = Range<usize>> {
+fn blocks(samples: usize) -> impl Iterator<Item = Range<usize>> {
     let count = samples.div_ceil(BLOCK).max(1);
     (0..count).map(move |k| k * samples / count..(k + 1) * samples / count)
 }
@@ -107,11 +108,7 @@ struct Line {
 ///
 /// |Σ y e^(−iωk)|² is the transform of the autocorrelation of y, and transforms add: one serves for all.
 fn powers(stretches: &[Vec<f64>], interval: f64) -> Vec<Line> {
-    let parts: Vec<&[f64]> = stretches
-        .iter()
-        .flat_map(|values| blocks(values.len()).map(|block| &values[block]))
-        .filter(|values| !values.is_empty())
-        .collect();
+    let parts = parts(stretches);
     let longest = parts.iter().map(|values| values.len()).max().unwrap_or(1);
     let mut planner = Planner::new();
     let products = autocorrelation(&parts, longest, &mut planner);
@@ -181,16 +178,32 @@ pub(super) fn autocorrelation(parts: &[&[f64]], longest: usize, planner: &mut Pl
     sums
 }
 
+/// Sum of squares of the line in the values that has this phase at each.
+pub(super) fn square_of_line(values: &[f64], phase: impl Fn(usize) -> f64) -> f64 {
+    let (cosine, sine) = components(values, phase);
+    // An amplitude has a mean square of half its own.
+    2.0 * (cosine * cosine + sine * sine) / values.len() as f64
+}
+
 /// Sums of the values times the cosine and the sine of the phase at each.
-pub(super) fn components(values: &[f64], phase: impl Fn(usize) -> f64) -> (f64, f64) {
+fn components(values: &[f64], phase: impl Fn(usize) -> f64) -> (f64, f64) {
     values.iter().enumerate().fold((0.0, 0.0), |(cosine, sine), (k, value)| {
         let phase = phase(k);
         (cosine + value * phase.cos(), sine + value * phase.sin())
     })
 }
 
-/// Takes off the line that turns by `turn` from sample to sample, by least squares: at half a turn its cosine alone shows.
-pub(super) fn clean(values: &mut [f64], turn: f64) {
+/// Takes the line that turns by `turn` from sample to sample off every block of the stretches.
+pub(super) fn clean(stretches: &mut [Vec<f64>], turn: f64) {
+    for values in stretches {
+        for block in blocks(values.len()) {
+            clean_block(&mut values[block], turn);
+        }
+    }
+}
+
+/// The same of one block, by least squares: at half a turn its cosine alone shows.
+fn clean_block(values: &mut [f64], turn: f64) {
     let along = |k: usize| Vector2::new((turn * k as f64).cos(), (turn * k as f64).sin());
     let (mut squares, mut products) = (Matrix2::zeros(), Vector2::zeros());
     for (k, value) in values.iter().enumerate() {

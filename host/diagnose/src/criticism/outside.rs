@@ -42,15 +42,15 @@ impl Outside {
         let vibration =
             near.and_then(|near| Vibration::of(search.samples, fitted, near)).map(Self::Vibration);
         let past = Past::of(search.problem, fitted).map(Self::Past);
-        let sure = |it: &Self| it.log_chance() < CHANCE.ln() * louder * louder;
+        let sure = |it: &Self| it.is_sure(louder);
         let all = known.into_iter().flatten().chain(vibration).chain(past).filter(sure);
         all.max_by(|a, b| a.gain().total_cmp(&b.gain()))
     }
 
-    /// Whether noise alone hardly shows as much.
+    /// Whether noise alone, so many times louder in contact, hardly shows as much.
     #[must_use]
-    pub fn is_sure(&self) -> bool {
-        self.log_chance() < CHANCE.ln()
+    pub fn is_sure(&self, louder: f64) -> bool {
+        self.log_chance() < CHANCE.ln() * louder * louder
     }
 
     /// Fall of the sum of squares of the whitened residual.

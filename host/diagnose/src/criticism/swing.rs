@@ -3,7 +3,6 @@
 
 use std::f64::consts::TAU;
 
-use palpate_fit::data::Data;
 use palpate_fit::problem::Problem;
 
 use super::beside::{Beside, Products};
@@ -90,7 +89,7 @@ fn blocks(problem: &Problem, point: &[f64], together: usize) -> Vec<Block> {
             forces[0].iter().zip(piece.measured).map(|(f, y)| f - y).collect();
         problem.whiten_residual(index, &mut residual);
         index += 1;
-        let times = set_times(problem.data(), piece);
+        let times = piece.set_time();
         for (values, times) in residual.chunks(together).zip(times.chunks(together)) {
             let count = values.len() as f64;
             let (sum, time) = (values.iter().sum::<f64>(), times.iter().sum::<f64>() / count);
@@ -98,11 +97,6 @@ fn blocks(problem: &Problem, point: &[f64], together: usize) -> Vec<Block> {
         }
     });
     blocks
-}
-
-fn set_times(data: &Data, piece: &palpate_fit::data::Piece) -> Vec<f64> {
-    let scene = data.scene(piece);
-    (0..scene.len()).map(|k| scene.set_time(k)).collect()
 }
 
 /// Cosine and sine of every frequency of a grid in the blocks, by least squares as if they were at right angles.
@@ -137,7 +131,7 @@ fn power(blocks: &[Block], [cosine, sine]: [f64; 2]) -> f64 {
 fn exactly(problem: &Problem, point: &[f64], frequency: f64) -> Option<(f64, f64)> {
     let mut waves: [Option<Products>; 2] = [None, None];
     let beside = Beside::of(problem, point, |piece, stretch| {
-        let turns = set_times(problem.data(), piece).into_iter().map(|time| TAU * frequency * time);
+        let turns = piece.set_time().into_iter().map(|time| TAU * frequency * time);
         let (sines, cosines): (Vec<f64>, Vec<f64>) = turns.map(f64::sin_cos).unzip();
         for (sum, wave) in waves.iter_mut().zip([cosines, sines]) {
             *sum = Some(stretch.products(wave).with(sum.as_ref()));

@@ -9,7 +9,8 @@ use palpate_fit::problem::Problem;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use super::fitted::Fitted;
-use super::hum::{STEPS, autocorrelation, blocks, centred, clean, components, near_the_mains};
+use super::hum::{STEPS, autocorrelation, centred, clean, near_the_mains, parts, square_of_line};
+use super::residuals::Residuals;
 use super::tail::log_tail;
 
 /// A sine of one frequency in every stretch of recording, with an amplitude and a phase of its own in each.
@@ -43,21 +44,15 @@ pub(super) fn without_vibration(
     interval: f64,
 ) -> (Vec<Vec<f64>>, Option<f64>) {
     let Some(turn) = line(&rests, interval) else { return (rests, None) };
-    for rest in &mut rests {
-        for block in blocks(rest.len()) {
-            clean(&mut rest[block], turn);
-        }
-    }
+    clean(&mut rests, turn);
     (rests, Some(turn / (TAU * interval)))
 }
 
 /// By how much the line that stands out most turns from sample to sample.
 fn line(rests: &[Vec<f64>], interval: f64) -> Option<f64> {
-    let parts: Vec<&[f64]> =
-        rests.iter().flat_map(|rest| blocks(rest.len()).map(|block| &rest[block])).collect();
+    let parts = parts(rests);
     let longest = parts.iter().map(|part| part.len()).max()?;
     let powers = powers(&parts, longest);
-    let samples = parts.iter().map(|part| part.len()).sum::<usize>() as f64;
     let squares: f64 = parts.iter().flat_map(|part| part.iter()).map(|value| value * value).sum();
     let law = ChiSquared::new(2.0 * parts.len() as f64).ok()?;
     let middle = law.inverse_cdf(0.5);
@@ -71,7 +66,7 @@ fn line(rests: &[Vec<f64>], interval: f64) -> Option<f64> {
     let told_apart = 0.5 * longest as f64;
     let stands_out = law.sf(over * middle) * told_apart < CHANCE;
     let line = powers[highest] * (1.0 - 1.0 / over);
-    (stands_out && line > SHARE * squares && samples > 0.0).then(|| turn(highest))
+    (stands_out && line > SHARE * squares).then(|| turn(highest))
 }
 
 /// Sum over the parts of 2/n |Σ y e^(−iωk)|² at each of the frequencies from 0 to half a turn a sample.
@@ -116,48 +111,37 @@ impl Vibration {
         let problem = samples.with_chain(&fitted.chain);
         let left = left_by(&problem, fitted);
         let interval = problem.data().shortest_interval();
-        let centred: Vec<Vec<f64>> = left.iter().map(|(_, left)| centred(left.clone())).collect();
+        let centred: Vec<Vec<f64>> = left.iter().cloned().map(centred).collect();
         let near = line(&centred, interval)? / (TAU * interval);
         Some(Self { at_rest: false, ..Self::near(&problem, &left, near)? })
     }
 
-    fn near(problem: &Problem, left: &[(Vec<f64>, Vec<f64>)], near: f64) -> Option<Self> {
+    fn near(problem: &Problem, left: &[Vec<f64>], near: f64) -> Option<Self> {
+        let pieces = &problem.data().pieces;
         let stretches: Vec<(Vec<f64>, &[f64])> =
-            left.iter().map(|(times, residual)| (times.clone(), &residual[..])).collect();
+            pieces.iter().zip(left).map(|(piece, left)| (piece.set_time(), &left[..])).collect();
         let frequency = line_near(&stretches, near)?;
-        let power = |times: &[f64], values: &[f64]| {
-            let (cosine, sine) = components(values, |k| TAU * frequency * times[k]);
-            2.0 * (cosine * cosine + sine * sine) / values.len() as f64
-        };
-        let count: usize = left.iter().map(|(times, _)| times.len()).sum();
-        let squares: f64 = left.iter().map(|(times, residual)| power(times, residual)).sum();
-        let whitened = left.iter().enumerate().map(|(index, (times, residual))| {
-            let mut white = residual.clone();
+        let (mut square, mut gain) = (0.0, 0.0);
+        for (index, (times, left)) in stretches.iter().enumerate() {
+            let phase = |k: usize| TAU * frequency * times[k];
+            square += square_of_line(left, phase);
+            let mut white = left.to_vec();
             problem.whiten_residual(index, &mut white);
-            power(times, &white)
-        });
-        let gain = whitened.sum();
+            gain += square_of_line(&white, phase);
+        }
         Some(Self {
             frequency_hz: frequency,
             at_rest: true,
-            amplitude: (2.0 * squares / count.max(1) as f64).sqrt(),
+            amplitude: (2.0 * square / problem.data().samples() as f64).sqrt(),
             gain,
             log_chance: log_tail(gain, 2 * left.len(), false),
         })
     }
 }
 
-/// What a model leaves of each stretch, with the time since the set began, s.
-fn left_by(problem: &Problem, fitted: &Fitted) -> Vec<(Vec<f64>, Vec<f64>)> {
-    let mut left = Vec::new();
-    problem.each_piece(std::slice::from_ref(&fitted.point), |piece, forces| {
-        let residual: Vec<f64> =
-            piece.measured.iter().zip(&forces[0]).map(|(y, f)| y - f).collect();
-        let scene = problem.data().scene(piece);
-        let times: Vec<f64> = (0..scene.len()).map(|k| scene.set_time(k)).collect();
-        left.push((times, residual));
-    });
-    left
+/// What a model leaves, stretch by stretch.
+fn left_by(problem: &Problem, fitted: &Fitted) -> Vec<Vec<f64>> {
+    Residuals::new(&fitted.chain, &fitted.values, problem.data()).values()
 }
 
 #[cfg(test)]

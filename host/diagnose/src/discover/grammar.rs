@@ -96,8 +96,9 @@ impl Grammar {
                         let to = if on_grid(shape, factor) { &mut screened } else { &mut more };
                         to.extend(made.term(shape));
                     }
-                    let free = CURVE.goes_with(factor) && place.takes(&CURVE);
-                    screened.extend(curve(&made).filter(|_| free));
+                    if CURVE.goes_with(factor) && place.takes(&CURVE) {
+                        screened.extend(curve(&made));
+                    }
                 }
             }
         }

@@ -102,7 +102,7 @@ pub fn discover(
     };
     // A mean over more than a period of a swing shows nothing of it.
     let shown = swing.is_none() && vibration.is_none();
-    let blocks = blocks::of(&whole, &base, &diagnosis.noise).filter(|_| shown);
+    let blocks = if shown { blocks::of(&whole, &base, &diagnosis.noise) } else { None };
     // Without them a long recording is searched on means of its rests alone.
     let at_rest = if blocks.is_none() { block_means(traces) } else { None };
     let thinned = at_rest.as_deref().map(|traces| Data::of_model(model, traces)).transpose()?;

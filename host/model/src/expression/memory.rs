@@ -51,7 +51,8 @@ impl Memory {
             (Self::Since, Some(_)) if value <= 0.0 => 0.0,
             (Self::Since, Some(kept)) => kept.value + interval,
             (Self::Play, Some(kept)) => {
-                kept.value.min(value + own.max(0.0)).max(value - own.max(0.0))
+                let gap = own.max(0.0);
+                kept.value.min(value + gap).max(value - gap)
             }
         };
         *kept = Some(Kept { value: now, before: value });
