@@ -58,7 +58,8 @@ struct Sums {
 #[must_use]
 pub fn adequacy(problem: &Problem, point: &[f64], whitening: &Whitening) -> Adequacy {
     let (even, scatter) = weighed(problem, point, whitening, None);
-    match scatter.louder() {
+    // Where the noise is a guess, the samples may be means over blocks that are longer off the specimen.
+    match scatter.louder().filter(|_| !whitening.is_guess()) {
         None => even,
         louder => weighed(problem, point, whitening, louder.as_ref()).0,
     }

@@ -1,12 +1,12 @@
 //! What a model lacks: the whole procedure from the noise to the verdict.
 
-use super::adequacy::{Adequacy, LEVEL, adequacy};
+use super::adequacy::{Adequacy, LEVEL};
 use super::compare::{Cell, cells_of};
 use super::evidence::{Evidence, Refused};
 use super::experiment::{deciding, repeating};
 use super::fitted::Fitted;
 use super::held_out::HeldOut;
-use super::hum::power_of_line;
+use super::hum::has_line;
 use super::noise::{NoiseModel, noise_model, residual_noise, samples_at_rest};
 use super::options::Options;
 use super::outside::Outside;
@@ -132,7 +132,7 @@ pub fn diagnose_with(
     let thinned = at_rest.as_deref().map(|traces| options.data(model, traces)).transpose()?;
     let level = known.as_ref().map(|noise| noise.level);
     let loud = |left: &[Vec<f64>], line: f64| {
-        level.is_some_and(|level| power_of_line(left, &all, line) > LOUD * level.powi(2))
+        level.is_some_and(|level| has_line(left, &all, line, LOUD * level.powi(2)))
     };
     let shows_a_line = |lines: [f64; 2]| {
         let left = Residuals::new(&chain, &values, &all).values();
@@ -223,7 +223,11 @@ impl<'a> Course<'a> {
     /// Begins with the likeliest model under the noise, and the rule of separation that it takes.
     fn likeliest(search: &'a Search<'a>, noise: &'a NoiseModel, start: &[f64]) -> Self {
         let mut notes = Vec::new();
-        let (separation, before, found) = likeliest(search, start, &mut notes);
+        let (separation, before, mut found) = likeliest(search, start, &mut notes);
+        // Scores count means as samples without correlation there: what is noise that correlates lacks no effect.
+        if search.counts_means_as_samples() && before.p_value >= 1.0 && !found.steps.is_empty() {
+            found.name_nothing();
+        }
         let outside = Outside::of(search, &found.base, noise, before.louder_loaded);
         let assessed = Assessed::of(search, &found, &before, noise, outside.as_ref());
         Self { search, noise, separation, before, found, outside, assessed, inexact: false, notes }
@@ -510,8 +514,7 @@ fn likeliest(
         let chain = Chain { base, ..chain.clone() };
         let problem = search.problem.with_chain(&chain);
         let base = Fitted::new(&problem, start, Effort::QUICK);
-        let samples = search.samples.with_chain(&chain);
-        (adequacy(&samples, &base.point, search.whitening), base)
+        (search.left_by(&base), base)
     };
     let separation = chain.base.separation;
     let (before, base) = attempt(separation);

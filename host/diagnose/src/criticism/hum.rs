@@ -29,6 +29,8 @@ const STEADY: f64 = 4.0;
 const FEWEST: usize = 64;
 /// Power of a line over the median of its surroundings above which it is one.
 const LINE: f64 = 4.0;
+/// Where the surroundings of a line are looked at, Hz.
+const ASIDE: [f64; 4] = [-3.0, -2.0, 2.0, 3.0];
 
 /// The stretches, samples `interval` seconds apart, about their means and without a line of the mains, if
 /// they have one.
@@ -46,8 +48,20 @@ pub(super) fn without_hum(stretches: Vec<Vec<f64>>, interval: f64) -> Vec<Vec<f6
     centred
 }
 
+/// Whether what a model leaves of a data set has a line of about this frequency, Hz, whose mean square is more than `least` and stands
+/// out of what a misfit has at the frequencies on either side.
+pub(super) fn has_line(left: &[Vec<f64>], data: &Data, frequency: f64, least: f64) -> bool {
+    let power = power_of_line(left, data, frequency);
+    if power <= least {
+        return false;
+    }
+    let mut around = ASIDE.map(|aside| power_of_line(left, data, frequency + aside));
+    around.sort_by(f64::total_cmp);
+    power > LINE * around[around.len() / 2]
+}
+
 /// Mean square of a line of about this frequency, Hz, in what a model leaves of a data set; stretches in which it looks slow have none.
-pub(super) fn power_of_line(left: &[Vec<f64>], data: &Data, frequency: f64) -> f64 {
+fn power_of_line(left: &[Vec<f64>], data: &Data, frequency: f64) -> f64 {
     let squares = left.iter().zip(&data.pieces).map(|(left, piece)| {
         let (time, samples) = (&piece.motion.time, left.len());
         let interval = (time[samples - 1] - time[0]) / (samples as f64 - 1.0);
@@ -225,6 +239,8 @@ mod tests {
     use rand_chacha::ChaCha8Rng;
     use rand_distr::{Distribution, StandardNormal};
 
+    use palpate_trace::{Column, DISPLACEMENT, FORCE, Trace};
+
     /// Noise in stretches of several lengths, with a hum.
     fn noisy(lengths: &[usize], interval: f64, hum: f64) -> Vec<Vec<f64>> {
         let mut random = ChaCha8Rng::seed_from_u64(11);
@@ -265,6 +281,23 @@ mod tests {
                 assert!((value - expected).abs() < 1e-9 * (1.0 + expected), "{value} {expected}");
             }
         }
+    }
+
+    #[test]
+    fn a_line_stands_out_of_a_misfit_and_a_misfit_is_no_line() {
+        let time: Vec<f64> = (0..8000).map(|k| 0.002 * f64::from(k)).collect();
+        let column = |name: &str, values: Vec<f64>| Column { name: name.into(), values };
+        let columns = vec![column(DISPLACEMENT, time.clone()), column(FORCE, vec![0.0; 8000])];
+        let traces = [Trace { time: time.clone(), columns, ..Trace::default() }];
+        let data = Data::of(&traces, FORCE).expect("a data set");
+        // Steps, as a law leaves them where the motion turns: power at every frequency.
+        let misfit = |t: f64| if t % 1.3 < 0.4 { 5.0 } else { -2.0 };
+        let left = |hum: f64| {
+            vec![time.iter().map(|t| misfit(*t) + hum * (TAU * 50.0 * t).sin()).collect()]
+        };
+        assert!(has_line(&left(1.0), &data, 50.0, 0.1));
+        assert!(power_of_line(&left(0.0), &data, 50.0) > 1e-4);
+        assert!(!has_line(&left(0.0), &data, 50.0, 1e-4));
     }
 
     #[test]

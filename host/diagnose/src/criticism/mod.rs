@@ -14,6 +14,7 @@
 
 pub mod adequacy;
 pub mod agreement;
+mod approach;
 mod beside;
 pub mod change;
 pub mod character;

@@ -1,6 +1,7 @@
 //! The noise of a data set, from where the specimen is not touched: never from the misfit.
 
 use super::adequacy::LEVEL;
+use super::approach::{approaches, whitens};
 use super::hum::{centred, without_hum};
 use super::vibration::without_vibration;
 use palpate_fit::data::Data;
@@ -27,7 +28,7 @@ impl NoiseModel {
     /// Whether it was seen where nothing touches, so that nothing that the model lacks is in it.
     #[must_use]
     pub fn is_known(&self) -> bool {
-        self.seen == Seen::OffTheSpecimen
+        self.seen != Seen::Residual
     }
 
     /// Its size, and the correlation of neighbours, as other parts of the program take it.
@@ -47,6 +48,8 @@ impl NoiseModel {
 pub enum Seen {
     /// At rest off the specimen, before and after the touch.
     OffTheSpecimen,
+    /// Off the specimen too, on the way to the first touch, where a recording begins in motion: nothing else is on it.
+    OnTheWayIn,
     /// In the residual of the model, for want of rest: what the model lacks is in it.
     Residual,
 }
@@ -55,6 +58,8 @@ pub enum Seen {
 const ENOUGH: usize = 60;
 /// Samples of rest before the touch that are enough by themselves.
 const PLENTY: usize = 300;
+/// Samples on the way to the first touch that are enough to see that nothing but noise is there.
+const TELLS_OF_MOTION: usize = 200;
 /// Variance after the touch over that before it above which the rest after it is not quiet.
 const LOUDER: f64 = 1.4;
 /// The same where there are few samples before the touch: their own scatter explains no such ratio.
@@ -65,6 +70,8 @@ const MOST_CORRELATED: f64 = 0.9;
 const SEVERAL: usize = 3;
 /// Times that the square of the mean over rests is that of the mean of noise, above which they may be the same.
 const REPEATS: f64 = 2.0;
+/// Samples that tell an autoregression as well as more.
+const TELLING: usize = 50_000;
 /// A stretch of rest has at least this many samples.
 const SHORTEST: usize = 16;
 /// Highest order of the autoregression.
@@ -101,7 +108,7 @@ pub fn noise_model(data: &Data) -> Option<NoiseModel> {
     let quiet = if alone { before } else { [before, after].concat() };
     let samples = count(&quiet);
     if samples < ENOUGH {
-        return None;
+        return on_the_way_in(data);
     }
     let longest = data.pieces.iter().map(|piece| piece.measured.len()).max().unwrap_or(0);
     let interval = data.shortest_interval();
@@ -112,6 +119,35 @@ pub fn noise_model(data: &Data) -> Option<NoiseModel> {
     let whitening = whitening.through_pauses(&middles);
     let seen = Seen::OffTheSpecimen;
     (level > 0.0).then_some(NoiseModel { level, whitening, seen, samples, vibration_hz })
+}
+
+/// The noise, from the ways to the first touch, where nothing but noise that correlates for a few samples is on them; none otherwise.
+fn on_the_way_in(data: &Data) -> Option<NoiseModel> {
+    let ways = approaches(data);
+    let samples = ways.iter().map(Vec::len).sum();
+    if samples < TELLS_OF_MOTION {
+        return None;
+    }
+    let interval = data.shortest_interval();
+    let (ways, vibration_hz) = without_vibration(without_hum(ways, interval), interval);
+    let stretches: Vec<Stretch> = ways.iter().cloned().map(Stretch::new).collect();
+    let whitening = autoregression(&stretches).0;
+    let level = whitening.standard_deviation();
+    let alone = vibration_hz.is_none() && level > 0.0 && whitens(&whitening, ways);
+    alone.then_some(NoiseModel { whitening, seen: Seen::OnTheWayIn, samples, level, vibration_hz })
+}
+
+/// Whether what a model leaves, stretch by stretch, is no more than noise that correlates for a few samples.
+pub(super) fn is_noise(left: Vec<Vec<f64>>) -> bool {
+    let stretches: Vec<Stretch> = some_of(&left).into_iter().map(Stretch::new).collect();
+    !stretches.is_empty() && whitens(&autoregression(&stretches).0, left)
+}
+
+/// As many samples of all stretches as tell an autoregression.
+fn some_of(stretches: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    let own = (TELLING / stretches.len().max(1)).max(PLENTY);
+    let begin = |values: &Vec<f64>| values[..values.len().min(own)].to_vec();
+    stretches.iter().filter(|values| values.len() >= SHORTEST).map(begin).collect()
 }
 
 /// The noise of rests before the touch in which the same comes anew, trace after trace: what each differs by from their mean. None where

@@ -7,12 +7,14 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
-use super::adequacy::{LEVEL, adequacy};
+use super::adequacy::{Adequacy, LEVEL, adequacy};
 use super::agreement;
 use super::evidence::{Evidence, Judged, Refusal, Refused, weigh, weigh_fit, weigh_left_out};
 use super::fitted::Fitted;
 use super::held_out::{held_out_in_one_step, held_out_on, over_sections};
+use super::noise::is_noise;
 use super::options::Options;
+use super::residuals::Residuals;
 use super::screen::{Direction, Screen, screen};
 use super::touch::begun_at_touch;
 use palpate_fit::data::Data;
@@ -43,7 +45,7 @@ const LIKELIEST: usize = 2;
 const WORTH_TRYING: f64 = 0.04;
 /// Part of all that is explained, of the sum of squares and of that of the whitened residual, below which the last effect is
 /// how the law of another differs from the specimen's: with one effect in another law it is less, and the smaller of two
-/// effects explains more (docs/measured.md).
+/// effects explains more (docs/measured.md). Where the law is inexact, the part of the mean square error that such an effect must lower.
 const MINOR: f64 = 0.12;
 /// Part of all that is explained which one strength for all may leave of it and yet stand for one of each trace: that many strengths
 /// lie by chance where one law for all puts them is less likely.
@@ -264,6 +266,13 @@ impl Found {
     #[must_use]
     pub fn names(&self, effect: &str) -> bool {
         self.steps.iter().any(|step| step.effect == effect)
+    }
+
+    /// Whether a further effect explains next to nothing of what those before it did.
+    fn hardly_explains(&self, with: &Fitted) -> bool {
+        let current = self.model();
+        let explained = self.base.cost - current.cost;
+        !self.steps.is_empty() && current.cost - with.cost < WORTH_TRYING * explained
     }
 
     /// Takes back every step: what the base leaves is described better by what is no effect.
@@ -568,6 +577,11 @@ impl Search<'_> {
         let agreement = self.voted(&found.last);
         self.most_promising(&mut rivals, &agreement);
         rivals.retain(|it| found.last.chance[it.candidate] <= 0.5 * self.options.false_alarms);
+        rivals.retain(|it| {
+            let minor =
+                found.hardly_explains(&it.fitted) && hardly_lowers(found.model(), &it.fitted);
+            !minor || is_line(&it.effect)
+        });
         let without = found.judged(found.steps.len());
         let (borne_out, refusals) = self.borne_out_of(without, &rivals, &agreement);
         found.refuse(refusals);
@@ -699,6 +713,26 @@ impl Search<'_> {
         found.p_value >= LEVEL && !self.whitening.is_guess()
     }
 
+    /// Whether the search is on means each of which counts as one sample, because the noise is not known.
+    #[must_use]
+    pub fn counts_means_as_samples(&self) -> bool {
+        self.rows.is_some() && !self.problem.stands_for_samples()
+    }
+
+    /// What a model leaves beside noise. Where the noise is seen nowhere else, what correlates for a few samples is noise.
+    #[must_use]
+    pub fn left_by(&self, fitted: &Fitted) -> Adequacy {
+        let problem = self.samples.with_chain(&fitted.chain);
+        let mut found = adequacy(&problem, &fitted.point, self.whitening);
+        let rows = self.rows.unwrap_or(self.samples).data();
+        let left = || Residuals::new(&fitted.chain, &fitted.values, rows).values();
+        if self.whitening.is_guess() && is_noise(left()) {
+            found.p_value = 1.0;
+            found.excess = 0.0;
+        }
+        found
+    }
+
     /// Adds the effect that is missed most, if one is missed beyond the chance of `budget`.
     fn advance(&self, found: &mut Found, budget: f64) -> bool {
         let least = found.last.least_chance();
@@ -709,11 +743,9 @@ impl Search<'_> {
         let rivals = self.refit(current, &found.last, &NARROW);
         let Some(winner) = rivals.first() else { return false };
         let fell = current.bic() - winner.fitted.bic();
-        let explained = found.base.cost - current.cost;
-        let hardly = !found.steps.is_empty()
-            && !is_line(&winner.effect)
-            && current.cost - winner.fitted.cost < WORTH_TRYING * explained
-            && !self.completes(current, &winner.fitted);
+        let hardly = !is_line(&winner.effect)
+            && !self.completes(current, &winner.fitted)
+            && found.hardly_explains(&winner.fitted);
         if hardly || fell < DECISIVE {
             return false;
         }
@@ -1181,6 +1213,11 @@ fn with_effect_of(model: &Fitted, other: &Found, index: usize) -> (Chain, Vec<f6
 /// Whether an effect is a line in the spectrum, which the form of another effect's law cannot look like.
 fn is_line(effect: &str) -> bool {
     find(effect).is_some_and(|effect| effect.needs == Needs::FastSampling)
+}
+
+/// Whether the mean square error is hardly less than without the last effect.
+fn hardly_lowers(without: &Fitted, with: &Fitted) -> bool {
+    with.rms().powi(2) > (1.0 - MINOR) * without.rms().powi(2)
 }
 
 /// Whether one more effect explains next to nothing of what all explain together.

@@ -1,6 +1,6 @@
 //! The verdict on what was found: adequate, named, ambiguous or unknown.
 
-use super::adequacy::{Adequacy, LEVEL, adequacy};
+use super::adequacy::{Adequacy, LEVEL};
 use super::evidence::Evidence;
 use super::fitted::Fitted;
 use super::held_out::HeldOut;
@@ -68,8 +68,7 @@ impl Assessed {
         noise: &NoiseModel,
         outside: Option<&Outside>,
     ) -> Self {
-        let problem = search.samples.with_chain(&found.model().chain);
-        let after = adequacy(&problem, &found.model().point, search.whitening);
+        let after = search.left_by(found.model());
         let explained = (found.base.cost - found.model().cost).max(0.0);
         let leftover = after.excess.max(0.0);
         let named = !found.steps.is_empty();

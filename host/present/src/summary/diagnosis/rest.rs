@@ -54,6 +54,7 @@ impl DiagnosisSummary<'_> {
         let white = &noise.whitening;
         let seen = match noise.seen {
             Seen::OffTheSpecimen => "at rest off the specimen",
+            Seen::OnTheWayIn => "off the specimen, on the way to the first touch, for want of rest",
             Seen::Residual => {
                 "in the residual of the model, for want of rest off the specimen: what the model lacks \
                  is in it, and little can be said of it"
