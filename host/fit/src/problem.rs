@@ -609,7 +609,7 @@ impl<'a> Problem<'a> {
                     force.extend_from_slice(&relaxed);
                     self.sense(run, index, &mut force);
                 } else {
-                    self.advance(run, index, &mut elasticity, &mut force);
+                    self.advance(run, index, &mut elasticity.nearby(), &mut force);
                 }
                 for (force, base) in force.iter_mut().zip(&base) {
                     *force -= base;

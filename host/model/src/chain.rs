@@ -81,7 +81,7 @@ impl Elasticity {
     }
 
     /// The same for a run whose parameters differ a little from those of the last one: where a set-up yields, what is nearby is
-    /// followed to a few hundredths of the difference.
+    /// followed to a hundredth of the difference.
     #[must_use]
     pub fn nearby(&self) -> Self {
         Self { unit: Arc::clone(&self.unit), yielding: self.yielding.nearby() }
