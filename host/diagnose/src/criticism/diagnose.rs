@@ -94,6 +94,8 @@ const LONG: usize = 20_000;
 const LONG_WITH_HUM: usize = 300_000;
 /// Mean square of a hum, in variances of the noise, from which on it is worth that.
 const LOUD: f64 = 0.1;
+/// Part of the mean square of what the law leaves that it must be as well.
+const SHARE: f64 = 0.005;
 
 /// Says what a model lacks on the traces of a data set, in order of recording, by the effects of the library.
 ///
@@ -132,7 +134,9 @@ pub fn diagnose_with(
     let thinned = at_rest.as_deref().map(|traces| options.data(model, traces)).transpose()?;
     let level = known.as_ref().map(|noise| noise.level);
     let loud = |left: &[Vec<f64>], line: f64| {
-        level.is_some_and(|level| has_line(left, &all, line, LOUD * level.powi(2)))
+        let squares = left.iter().flatten().map(|value| value * value).sum::<f64>();
+        let share = SHARE * squares / all.samples() as f64;
+        level.is_some_and(|level| has_line(left, &all, line, share.max(LOUD * level.powi(2))))
     };
     let shows_a_line = |lines: [f64; 2]| {
         let left = Residuals::new(&chain, &values, &all).values();
