@@ -29,6 +29,8 @@ pub struct Noise {
 pub enum Source {
     /// The signal before the first touch, its mean removed.
     BeforeTouch,
+    /// The signal on a way to the first touch that knows no rest, about a straight line.
+    WayIn,
     /// Second differences within holds. Correlated noise is underestimated by them.
     Holds,
     /// Second differences of the whole trace, in which nothing rests.

@@ -11,3 +11,4 @@ mod stairs;
 mod taps;
 mod touch;
 mod unknown_past;
+mod without_rest;

@@ -38,7 +38,7 @@ impl NoiseModel {
             standard_deviation: self.level,
             lag1: self.whitening.coefficients().first().copied(),
             samples: self.samples,
-            source: Source::BeforeTouch,
+            source: if self.seen == Seen::OnTheWayIn { Source::WayIn } else { Source::BeforeTouch },
         }
     }
 }

@@ -134,6 +134,7 @@ impl FitSummary<'_> {
             let floor = significant(noise.standard_deviation, 4);
             let source = match noise.source {
                 Source::BeforeTouch => "the rest before the touch",
+                Source::WayIn => "the way to the first touch",
                 Source::Holds => "second differences in the holds",
                 Source::WholeTrace => "second differences of the whole trace",
             };
