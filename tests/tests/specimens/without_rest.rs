@@ -8,7 +8,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use serde_json::Value;
 
-const RATE: f64 = 500.0;
+const RATE: f64 = 1000.0;
 const NOISE: f64 = 0.01;
 
 /// Writes four presses that come from far off and go there again without a stop. Neighbours in the noise correlate as told; `add` gives
@@ -19,7 +19,7 @@ fn record(folder: &Path, correlation: f64, add: impl Fn(f64) -> f64, keeps: impl
         [(4.0, 2.0), (5.0, 3.0), (6.0, 5.0), (5.0, 4.0)].into_iter().enumerate()
     {
         let motion = move |t: f64| (speed * (t - 4.0)).min(deep).min(deep - speed * (t - 12.0));
-        let time = times(8000, RATE);
+        let time = times(16_000, RATE);
         let mut noise = 0.0;
         let mut measured = |(&t, f): (&f64, f64)| {
             let drawn: f64 = StandardNormal.sample(&mut random);

@@ -107,7 +107,7 @@ mod tests {
 
     #[test]
     fn noise_on_the_way_in_is_the_noise_whatever_the_zero_and_a_drift() {
-        for way in [&|_: f64| 0.0 as f64, &|x: f64| 0.7 + 0.05 * x] as [&dyn Fn(f64) -> f64; 2] {
+        for way in [&|_: f64| 0.0, &|x: f64| 0.7 + 0.05 * x] as [&dyn Fn(f64) -> f64; 2] {
             let (level, samples) = seen(way).expect("noise is seen");
             assert!((level / 0.02 - 1.0).abs() < 0.06, "{level}");
             assert!(samples > 900, "{samples}");
