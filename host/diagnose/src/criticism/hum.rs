@@ -287,17 +287,17 @@ mod tests {
     fn a_line_stands_out_of_a_misfit_and_a_misfit_is_no_line() {
         let time: Vec<f64> = (0..8000).map(|k| 0.002 * f64::from(k)).collect();
         let column = |name: &str, values: Vec<f64>| Column { name: name.into(), values };
-        let columns = vec![column(DISPLACEMENT, time.clone()), column(FORCE, vec![0.0; 8000])];
+        let columns = vec![column(DISPLACEMENT, time.clone()), column(FORCE, time.clone())];
         let traces = [Trace { time: time.clone(), columns, ..Trace::default() }];
         let data = Data::of(&traces, FORCE).expect("a data set");
         // Steps, as a law leaves them where the motion turns: power at every frequency.
-        let misfit = |t: f64| if t % 1.3 < 0.4 { 5.0 } else { -2.0 };
+        let misfit = |t: f64| if t % 1.37 < 0.4 { 5.0 } else { -2.0 };
         let left = |hum: f64| {
             vec![time.iter().map(|t| misfit(*t) + hum * (TAU * 50.0 * t).sin()).collect()]
         };
         assert!(has_line(&left(1.0), &data, 50.0, 0.1));
-        assert!(power_of_line(&left(0.0), &data, 50.0) > 1e-4);
-        assert!(!has_line(&left(0.0), &data, 50.0, 1e-4));
+        assert!(power_of_line(&left(0.0), &data, 50.0) > 0.0);
+        assert!(!has_line(&left(0.0), &data, 50.0, 0.0));
     }
 
     #[test]
