@@ -65,6 +65,8 @@ pub const GROUPS: &[Group] = &[
     Group { name: "foreign-other", kind: Kind::One(LawKind::Foreign), r: &[0.5, 1.0, 2.0], noise: NoiseKind::Correlated, day: Day::Other },
     Group { name: "rare-other", kind: Kind::One(LawKind::OutsideMore), r: &[0.5, 1.0, 2.0], noise: NoiseKind::Correlated, day: Day::Other },
     Group { name: "inexact-other", kind: Kind::One(LawKind::Inexact), r: &[0.5, 1.0, 2.0, 5.0], noise: NoiseKind::Correlated, day: Day::Other },
+    Group { name: "null-moving", kind: Kind::Null, r: &[0.0], noise: NoiseKind::Correlated, day: Day::InMotion },
+    Group { name: "reference-moving", kind: Kind::One(LawKind::Reference), r: &[0.5, 1.0, 2.0], noise: NoiseKind::Correlated, day: Day::InMotion },
 ];
 
 /// Draws of a scenario before it is taken although its R is not reached.

@@ -11,6 +11,8 @@ use super::random::{Subject, even, log_even, sign, stream};
 
 /// Samples per second of every trace of a usual day.
 const RATE_HZ: f64 = 200.0;
+/// Speed at which a trace without rest goes away, mm/s.
+const AWAY_MM_S: f64 = 10.0;
 
 /// What is measured on a day.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,6 +21,8 @@ pub enum Day {
     Usual,
     /// What another laboratory would do: [`Session::other`].
     Other,
+    /// The same, but every trace comes from far off and goes there again without a rest: [`Session::in_motion`].
+    InMotion,
 }
 
 /// One trace as it is planned.
@@ -92,15 +96,30 @@ impl Air {
 struct Habits {
     gap_mm: f64,
     corner_s: f64,
+    /// Where a trace begins and ends in motion, off the specimen, mm; none where it begins and ends at rest.
+    far_mm: Option<f64>,
 }
 
 impl Habits {
     fn random(random: &mut ChaCha8Rng) -> Self {
-        Self { gap_mm: even(random, 0.5, 0.8), corner_s: even(random, 0.03, 0.05) }
+        let (gap_mm, corner_s) = (even(random, 0.5, 0.8), even(random, 0.03, 0.05));
+        Self { gap_mm, corner_s, far_mm: None }
     }
 
     fn begin(&self, random: &mut ChaCha8Rng) -> Course {
-        Course::at_rest(-self.gap_mm, even(random, 0.5, 1.0), self.corner_s)
+        let rest_s = even(random, 0.5, 1.0);
+        match self.far_mm {
+            Some(far_mm) => Course::at_rest(-far_mm, 0.0, self.corner_s),
+            None => Course::at_rest(-self.gap_mm, rest_s, self.corner_s),
+        }
+    }
+
+    /// Ends a trace off the specimen.
+    fn end(&self, course: &mut Course, rest_s: f64) {
+        match self.far_mm {
+            Some(far_mm) => course.go(-far_mm, AWAY_MM_S),
+            None => course.stay(rest_s),
+        }
     }
 
     fn hold(&self, random: &mut ChaCha8Rng, to_mm: f64, speed: f64) -> Course {
@@ -135,10 +154,12 @@ const PLANS: [Plan; 5] = [staircases, triangles, wanderings, long_holds, retreat
 fn staircases(habits: &Habits, random: &mut ChaCha8Rng) -> Vec<Course> {
     let mut staircase = |speed: f64| {
         let mut course = habits.begin(random);
-        for to_mm in [3.0, 6.0, 9.0, 12.0, 9.0, 6.0, 3.0, -habits.gap_mm] {
+        for to_mm in [3.0, 6.0, 9.0, 12.0, 9.0, 6.0, 3.0] {
             course.go(to_mm, speed);
             course.stay(even(random, 2.0, 5.0));
         }
+        course.go(-habits.gap_mm, speed);
+        habits.end(&mut course, even(random, 2.0, 5.0));
         course
     };
     [2.0, 5.0, 15.0, 40.0].map(&mut staircase).into()
@@ -152,7 +173,7 @@ fn triangles(habits: &Habits, random: &mut ChaCha8Rng) -> Vec<Course> {
             course.go(to_mm, speed);
             course.go(-habits.gap_mm, speed);
         }
-        course.stay(even(random, 2.0, 3.0));
+        habits.end(&mut course, even(random, 2.0, 3.0));
         course
     };
     [(12.0, 3.0), (12.0, 12.0), (6.0, 3.0), (6.0, 12.0), (12.0, 40.0), (9.0, 6.0)]
@@ -170,7 +191,7 @@ fn wanderings(habits: &Habits, random: &mut ChaCha8Rng) -> Vec<Course> {
             course.go(even(random, -habits.gap_mm, 12.0), log_even(random, 5.0, 60.0));
         }
         course.go(-habits.gap_mm - 2.5, 20.0);
-        course.stay(even(random, 2.0, 3.0));
+        habits.end(&mut course, even(random, 2.0, 3.0));
         course
     };
     (0..6).map(&mut wandering).collect()
@@ -183,7 +204,7 @@ fn long_holds(habits: &Habits, random: &mut ChaCha8Rng) -> Vec<Course> {
         course.go(to_mm, 30.0);
         course.stay(even(random, 40.0, 60.0));
         course.go(-habits.gap_mm, 30.0);
-        course.stay(even(random, 10.0, 20.0));
+        habits.end(&mut course, even(random, 10.0, 20.0));
         course
     };
     [3.0, 6.0, 9.0, 12.0].map(&mut hold).into()
@@ -196,7 +217,7 @@ fn retreats(habits: &Habits, random: &mut ChaCha8Rng) -> Vec<Course> {
         course.go(12.0, 10.0);
         course.stay(1.0);
         course.go(-habits.gap_mm, speed);
-        course.stay(even(random, 2.0, 3.0));
+        habits.end(&mut course, even(random, 2.0, 3.0));
         course
     };
     [1.5, 5.0, 20.0, 60.0, 1.5, 5.0, 20.0, 60.0].map(&mut retreat).into()
@@ -209,6 +230,7 @@ impl Session {
         match day {
             Day::Usual => Self::whole(seed),
             Day::Other => Self::other(seed),
+            Day::InMotion => Self::in_motion(seed),
         }
     }
 
@@ -249,9 +271,22 @@ impl Session {
     pub fn other(seed: u64) -> Self {
         let random = &mut stream(seed, Subject::Session);
         let habits = Habits::random(random);
+        Self::planned(random, &habits)
+    }
+
+    /// The same by habits without a rest: every trace comes from 15 to 30 mm off and goes there again.
+    #[must_use]
+    pub fn in_motion(seed: u64) -> Self {
+        let random = &mut stream(seed, Subject::Session);
+        let far_mm = Some(even(random, 15.0, 30.0));
+        let habits = Habits { far_mm, ..Habits::random(random) };
+        Self::planned(random, &habits)
+    }
+
+    fn planned(random: &mut ChaCha8Rng, habits: &Habits) -> Self {
         let plan = PLANS[random.random_range(0..PLANS.len())];
         let rate_hz = [50.0, 100.0, 250.0][random.random_range(0..3)];
-        let mut planned = plan(&habits, random);
+        let mut planned = plan(habits, random);
         planned.shuffle(random);
         let named = planned.into_iter().enumerate().map(|(k, course)| {
             let name = format!("take {}", k + 1);

@@ -58,6 +58,8 @@ pub enum Seen {
 const ENOUGH: usize = 60;
 /// Samples of rest before the touch that are enough by themselves.
 const PLENTY: usize = 300;
+/// Times as many samples as at rest, where these are few, for which the way to the first touch tells the noise better.
+const FAR_MORE: usize = 3;
 /// Samples on the way to the first touch that are enough to see that nothing but noise is there.
 const TELLS_OF_MOTION: usize = 200;
 /// Variance after the touch over that before it above which the rest after it is not quiet.
@@ -107,8 +109,13 @@ pub fn noise_model(data: &Data) -> Option<NoiseModel> {
     let first = before.len();
     let quiet = if alone { before } else { [before, after].concat() };
     let samples = count(&quiet);
+    if samples < PLENTY
+        && let Some(way) = on_the_way_in(data).filter(|way| way.samples > FAR_MORE * samples)
+    {
+        return Some(way);
+    }
     if samples < ENOUGH {
-        return on_the_way_in(data);
+        return None;
     }
     let longest = data.pieces.iter().map(|piece| piece.measured.len()).max().unwrap_or(0);
     let interval = data.shortest_interval();
