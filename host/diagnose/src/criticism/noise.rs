@@ -60,6 +60,9 @@ const ENOUGH: usize = 60;
 const PLENTY: usize = 300;
 /// Times as many samples as at rest, where these are few, for which the way to the first touch tells the noise better.
 const FAR_MORE: usize = 3;
+/// Samples of a set from which on the way to the first touch is left alone: held against its noise a misfit of a tenth of it is searched
+/// for minutes, and second differences tell a larger one as well.
+const MANY: usize = 300_000;
 /// Samples on the way to the first touch that are enough to see that nothing but noise is there.
 const TELLS_OF_MOTION: usize = 200;
 /// Variance after the touch over that before it above which the rest after it is not quiet.
@@ -130,6 +133,9 @@ pub fn noise_model(data: &Data) -> Option<NoiseModel> {
 
 /// The noise, from the ways to the first touch, where nothing but noise that correlates for a few samples is on them; none otherwise.
 fn on_the_way_in(data: &Data) -> Option<NoiseModel> {
+    if data.samples() > MANY {
+        return None;
+    }
     let ways = approaches(data);
     let samples = ways.iter().map(Vec::len).sum();
     if samples < TELLS_OF_MOTION {
