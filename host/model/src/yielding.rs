@@ -127,19 +127,20 @@ impl StretchYielding {
         }
         let mut at: Vec<f64> =
             x.iter().zip(&self.yielded).map(|(x, yielded)| x - yielded).collect();
-        let mut reached = next(&at);
+        let mut open_at =
+            |at: &[f64]| -> Vec<f64> { at.iter().zip(next(at)).map(|(z, to)| z - to).collect() };
+        let mut rest = open_at(&at);
         // What comes after the first that is open follows it, so that it alone is known to lie between two.
         let (mut first, mut between) = (0, Between::default());
         let mut jumps: Vec<bool> =
             self.slope.iter().map(|slope| self.nearby && *slope >= JUMP).collect();
-        let most = at.iter().zip(&reached).fold(0.0, |most: f64, (z, to)| most.max((z - to).abs()));
+        let most = rest.iter().fold(0.0, |most: f64, rest| most.max(rest.abs()));
         let (settled, most_runs) = match self.nearby {
             true => (STRETCH_SETTLED.max(NEARBY * most), RUNS_NEARBY),
             false => (STRETCH_SETTLED, MOST_RUNS),
         };
         let mut runs = 1;
         while runs < most_runs {
-            let rest: Vec<f64> = at.iter().zip(&reached).map(|(z, to)| z - to).collect();
             let open = |k: &usize| !jumps[*k] && (rest[*k].abs() > settled || rest[*k].is_nan());
             let Some(now) = (0..x.len()).find(open).filter(|&k| rest[k].is_finite()) else { break };
             if first != now {
@@ -153,16 +154,16 @@ impl StretchYielding {
                 jumps[now] = true;
                 moved[now] = at[now];
             }
-            reached = next(&moved);
+            let left = open_at(&moved);
             runs += 1;
             for (k, slope) in self.slope.iter_mut().enumerate() {
                 // More force never lets a set-up yield less.
-                let secant = (moved[k] - reached[k] - rest[k]) / (moved[k] - at[k]);
+                let secant = (left[k] - rest[k]) / (moved[k] - at[k]);
                 if secant.is_finite() {
                     *slope = secant.max(1.0);
                 }
             }
-            at = moved;
+            (at, rest) = (moved, left);
         }
         for (k, z) in at.iter().enumerate() {
             self.yielded[k] = x[k] - z;

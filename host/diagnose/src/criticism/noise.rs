@@ -113,7 +113,7 @@ pub fn noise_model(data: &Data) -> Option<NoiseModel> {
     let quiet = if alone { before } else { [before, after].concat() };
     let samples = count(&quiet);
     if samples < PLENTY
-        && let Some(way) = on_the_way_in(data).filter(|way| way.samples > FAR_MORE * samples)
+        && let Some(way) = on_the_way_in(data, FAR_MORE * samples)
     {
         return Some(way);
     }
@@ -131,14 +131,15 @@ pub fn noise_model(data: &Data) -> Option<NoiseModel> {
     (level > 0.0).then_some(NoiseModel { level, whitening, seen, samples, vibration_hz })
 }
 
-/// The noise, from the ways to the first touch, where nothing but noise that correlates for a few samples is on them; none otherwise.
-fn on_the_way_in(data: &Data) -> Option<NoiseModel> {
+/// The noise, from the ways to the first touch, where nothing but noise that correlates for a few samples is on them and there are
+/// more than `few` samples; none otherwise.
+fn on_the_way_in(data: &Data, few: usize) -> Option<NoiseModel> {
     if data.samples() > MANY {
         return None;
     }
     let ways = approaches(data);
     let samples = ways.iter().map(Vec::len).sum();
-    if samples < TELLS_OF_MOTION {
+    if samples < TELLS_OF_MOTION || samples <= few {
         return None;
     }
     let interval = data.shortest_interval();

@@ -743,9 +743,9 @@ impl Search<'_> {
         let rivals = self.refit(current, &found.last, &NARROW);
         let Some(winner) = rivals.first() else { return false };
         let fell = current.bic() - winner.fitted.bic();
-        let hardly = !is_line(&winner.effect)
-            && !self.completes(current, &winner.fitted)
-            && found.hardly_explains(&winner.fitted);
+        let hardly = found.hardly_explains(&winner.fitted)
+            && !is_line(&winner.effect)
+            && !self.completes(current, &winner.fitted);
         if hardly || fell < DECISIVE {
             return false;
         }
