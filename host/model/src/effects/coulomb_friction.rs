@@ -1,8 +1,8 @@
 //! `coulomb-friction`: a force against the motion that does not depend on its speed.
 
-use super::memory::direction;
+use super::memory::{direction, turned};
 use super::{Count, Covariate, Effect, Law, Needs, Role, Shape, Sign, Strength};
-use crate::{Act, Remembered, Scene, Stage};
+use crate::{Act, Stage};
 
 const FRICTION: Strength = Strength {
     name: "friction",
@@ -60,7 +60,11 @@ pub const EFFECT: Effect = Effect {
             strength: FRICTION,
             shapes: &[PRESLIDING],
             act: Act::Added(|scene, parameters, remembered, force| {
-                dahl(scene, parameters, remembered, force, |_| true);
+                let path = &scene.motion.displacement;
+                let direction = direction(remembered, 0.0, parameters[1], path);
+                for (force, direction) in force.iter_mut().zip(direction) {
+                    *force += parameters[0] * direction;
+                }
             }),
         },
         Law {
@@ -78,11 +82,19 @@ pub const EFFECT: Effect = Effect {
         },
         Law {
             name: "dahl-in-contact",
-            formula: "F → F + F_c z where F > 0, dz = (sgn dx − z) |dx|/ℓ",
+            formula: "F → F + F_c z where F > 0, dz = (sgn dx − z) |dx|/ℓ; z = 0 where F = 0",
             strength: FRICTION,
             shapes: &[PRESLIDING],
             act: Act::Force(|scene, parameters, remembered, force| {
-                dahl(scene, parameters, remembered, force, |force| force > 0.0);
+                for (force, &place) in force.iter_mut().zip(scene.motion.displacement.iter()) {
+                    let direction = turned(remembered, 0.0, parameters[1], place);
+                    if *force > 0.0 {
+                        *force += parameters[0] * direction;
+                    } else {
+                        // What has let go is no longer bent.
+                        remembered[0] = 0.0;
+                    }
+                }
             }),
         },
         Law {
@@ -107,18 +119,41 @@ pub const EFFECT: Effect = Effect {
     ],
 };
 
-/// Adds a friction that sets in over a way after each turn, at the forces at which it rubs.
-fn dahl(
-    scene: &Scene,
-    parameters: &[f64],
-    remembered: &mut Remembered,
-    force: &mut [f64],
-    rubs: impl Fn(f64) -> bool,
-) {
-    let direction = direction(remembered, 0.0, parameters[1], &scene.motion.displacement);
-    for (force, direction) in force.iter_mut().zip(direction) {
-        if rubs(*force) {
-            *force += parameters[0] * direction;
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Motion, Scene};
+
+    #[test]
+    fn a_specimen_that_comes_back_in_a_hold_does_not_rub_before_it_moves() {
+        // Pressed, drawn back until it lets go, held while it recovers, and pressed on.
+        let displacement = [0.0, 2.0, 1.0, 0.5, 0.5, 0.5, 1.0];
+        let alone = [0.0, 3.0, 1.0, 0.0, 0.1, 0.2, 1.0];
+        let motion = Motion {
+            time: (&[0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0][..]).into(),
+            displacement: (&displacement[..]).into(),
+            rest_before: None,
+        };
+        let of_none = &[0.0; 7][..];
+        let scene = Scene {
+            trace: 0,
+            motion: &motion,
+            since: of_none.into(),
+            begin: 0.0,
+            velocity: of_none.into(),
+            acceleration: of_none.into(),
+            loadings: of_none.into(),
+            largest: of_none.into(),
+            warmth: None,
+            channels: &[],
+        };
+        let law = EFFECT.laws.iter().find(|law| law.name == "dahl-in-contact").unwrap();
+        let Act::Force(act) = &law.act else { panic!("friction acts on the force") };
+        let mut force = alone;
+        act(&scene, &[0.1, 0.001], &mut Vec::new(), &mut force);
+        let rubs: Vec<f64> = force.iter().zip(alone).map(|(with, alone)| with - alone).collect();
+        for (rubs, expected) in rubs.iter().zip([0.0, 0.1, -0.1, 0.0, 0.0, 0.0, 0.1]) {
+            assert!((rubs - expected).abs() < 1e-12, "{rubs:?} for {expected}");
         }
     }
 }

@@ -40,19 +40,21 @@ pub(super) fn direction(
     length: f64,
     path: &[f64],
 ) -> Vec<f64> {
-    let turn = |&place: &f64| {
-        if remembered.is_empty() {
-            *remembered = vec![start, place];
-        }
-        let way = place - remembered[1];
-        if way != 0.0 {
-            let towards = way.signum();
-            remembered[0] = towards + (remembered[0] - towards) * (-way.abs() / length).exp();
-        }
-        remembered[1] = place;
-        remembered[0]
-    };
-    path.iter().map(turn).collect()
+    path.iter().map(|&place| turned(remembered, start, length, place)).collect()
+}
+
+/// The same at the next place of the path alone.
+pub(super) fn turned(remembered: &mut Remembered, start: f64, length: f64, place: f64) -> f64 {
+    if remembered.is_empty() {
+        *remembered = vec![start, place];
+    }
+    let way = place - remembered[1];
+    if way != 0.0 {
+        let towards = way.signum();
+        remembered[0] = towards + (remembered[0] - towards) * (-way.abs() / length).exp();
+    }
+    remembered[1] = place;
+    remembered[0]
 }
 
 /// Temperature above the reference, K, of a body that follows that of the air with a time constant,
