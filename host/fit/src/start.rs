@@ -26,7 +26,7 @@ struct Start {
 }
 
 /// Most starts.
-const MOST: usize = 3;
+const MOST: usize = 12;
 
 /// Parameters of the law to start from, the best first. The samples of each stretch weigh as the squares of their `roots`, or all the
 /// same where there are none.
@@ -60,6 +60,8 @@ impl Start {
 }
 
 const RATES: usize = 16;
+/// The first of the rates by which next to nothing relaxes within a stretch.
+const SLOW: usize = 15;
 /// Columns of a sample: the elastic response, the answer at each rate, and the signal.
 const COLUMNS: usize = RATES + 2;
 /// Two intervals closer than this, relatively, are the same: times are printed with few digits.
@@ -81,11 +83,18 @@ fn linear_starts(law: &BaseLaw, set: Set, reference: f64) -> Vec<Start> {
                 lowest = grid.valleys(lowest);
             }
             let between = |cell: &Cell| grid.between(&shapes, cell);
-            let shapes: Vec<f64> = lowest.iter().map(between).collect();
-            let grams = of(&shapes);
-            let start =
-                |((gram, &shape), cell): ((&Gram, &f64), &Cell)| grid.start(gram, shape, cell);
-            grams.iter().zip(&shapes).zip(&lowest).filter_map(start).collect()
+            let shapes: &[f64] = &lowest.iter().map(between).collect::<Vec<f64>>();
+            // Which rates are best shows only where the shape is nearly right.
+            let refined = &Grid { grams: of(shapes), terms: law.terms, rates };
+            let starts = |(place, own): (usize, &Cell)| {
+                let mut cells = refined.minima(place);
+                let rates = |cell: &Cell| cell.chosen == own.chosen;
+                if !cells.iter().any(rates) {
+                    cells.extend(refined.at(place, own.chosen.clone()));
+                }
+                cells.into_iter().filter_map(move |cell| refined.start(shapes[place], &cell))
+            };
+            lowest.iter().enumerate().flat_map(starts).collect()
         }
         memory => {
             let best = |(gram, &shape): (&Gram, &f64)| {
@@ -125,6 +134,30 @@ impl Grid {
         let mut best = None;
         self.descend(shape, &mut Elimination::default(), &mut vec![0], &mut best);
         best
+    }
+
+    /// The cells of a shape that are lower than all that are one step away in some or all rates, and the lowest of those with a rate so
+    /// slow that what relaxes by it hardly shows: a search seldom finds from the one kind to the other. The lowest first.
+    fn minima(&self, shape: usize) -> Vec<Cell> {
+        let mut cells: Vec<Cell> = vec![];
+        let mut choose = vec![vec![0]];
+        while let Some(chosen) = choose.pop() {
+            if chosen.len() > self.terms {
+                cells.extend(self.at(shape, chosen));
+                continue;
+            }
+            let last = chosen[chosen.len() - 1];
+            choose.extend((last + 1..=RATES).map(|next| [&chosen[..], &[next]].concat()));
+        }
+        cells.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+        let beside =
+            |a: &Cell, b: &Cell| a.chosen.iter().zip(&b.chosen).all(|(a, b)| a.abs_diff(*b) <= 1);
+        let is_minimum = |k: usize| !cells[..k].iter().any(|lower| beside(lower, &cells[k]));
+        let slow = cells.iter().position(|cell| cell.chosen.last().is_some_and(|k| *k >= SLOW));
+        (0..cells.len())
+            .filter(|&k| Some(k) == slow || is_minimum(k))
+            .map(|k| cells[k].clone())
+            .collect()
     }
 
     /// Takes the lowest of those that begin with these branches, of which all but the last are eliminated.
@@ -215,9 +248,9 @@ impl Grid {
         if slopes.0 >= 0.0 && slopes.1 >= 0.0 && curvature > 0.0 { own + moved } else { own }
     }
 
-    /// The start at the rates of a cell with another shape, whose products these are.
-    fn start(&self, gram: &Gram, shape: f64, cell: &Cell) -> Option<Start> {
-        let Forces { values, cost } = gram.solve(&cell.chosen)?;
+    /// The start at a cell, with the shape that it stands for.
+    fn start(&self, shape: f64, cell: &Cell) -> Option<Start> {
+        let Forces { values, cost } = self.grams[cell.shape].solve(&cell.chosen)?;
         let rates = cell.chosen[1..].iter().map(|&k| self.rates[k - 1]).collect();
         Some(Start { shape, rates, order: 1.0, forces: values[..=self.terms].to_vec(), cost })
     }

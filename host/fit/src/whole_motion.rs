@@ -503,6 +503,53 @@ mod tests {
         }
     }
 
+    /// Holds at several depths of a specimen that relaxes up to four times, left with play: more than a law with fewer rates describes.
+    fn beyond(seed: u64) -> Vec<Trace> {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let terms = random.random_range(2..5);
+        let truth = BaseLaw::fung(terms, Separation::Clamp);
+        let mut shares: Vec<f64> = (0..terms).map(|_| random.random_range(0.1..0.25)).collect();
+        let fastest = random.random_range(2.0..20.0);
+        let apart = random.random_range(4.0_f64..10.0);
+        shares.extend((0..terms).map(|k| fastest / apart.powi(k as i32)));
+        let p = random.random_range(0.3..3.0);
+        let constants = [&[p, random.random_range(0.3..1.5)], &shares[..]].concat();
+        let play = random.random_range(0.05..0.5);
+        let lasts = [5.0, 20.0, 40.0][seed as usize % 3];
+        let hold = |(deep, speed): (f64, f64)| {
+            let time: Vec<f64> = (0..(75.0 * lasts) as usize).map(|k| 0.02 * k as f64).collect();
+            let way =
+                |t: &f64| (speed * (t - 1.0)).min(deep).min(deep - speed * (t - lasts)).max(-1.0);
+            let felt = |t: &f64| way(t) - if *t < lasts { play } else { 0.0 };
+            let mut trace = noisy((truth, &constants), time, felt, &mut random);
+            let shown = trace.time.iter().map(way).collect();
+            trace.set_column(DISPLACEMENT, shown);
+            trace
+        };
+        [(12.0, 60.0), (3.0, 15.0), (9.0, 20.0), (6.0, 5.0)].map(hold).to_vec()
+    }
+
+    #[test]
+    fn a_fit_ends_as_low_as_the_best_of_many_starts() {
+        let mut random = ChaCha8Rng::seed_from_u64(8);
+        for (seed, terms) in [2, 5, 11, 20].into_iter().flat_map(|seed| [(seed, 2), (seed, 3)]) {
+            let traces = beyond(seed);
+            let data = Data::of(&traces, FORCE).unwrap();
+            let law = BaseLaw::fung(terms, Separation::Clamp);
+            let found = fit(law, &data).unwrap();
+            let mut best = f64::INFINITY;
+            for _ in 0..15 {
+                let rate = |_| 10.0_f64.powf(random.random_range(-2.0..1.5));
+                let mut start = vec![found.values[0], found.values[1]];
+                start.extend(std::iter::repeat_n(0.4 / terms as f64, terms));
+                start.extend((0..terms).map(rate));
+                best = best.min(refit(&Chain::new(law), &start, &data).unwrap().cost);
+            }
+            let over = found.cost / best;
+            assert!(over < 1.001, "set {seed}, {terms} terms: {over:.4} times as much");
+        }
+    }
+
     #[test]
     fn the_means_tell_the_sum_of_squares_of_all_samples() {
         let traces = holds();
