@@ -274,7 +274,8 @@ impl Growth {
                 let ahead = (best - x).abs() * (1.0 - done) / part;
                 x = best;
                 if ahead.is_nan() || ahead <= NEGLIGIBLE * allowed {
-                    return x;
+                    // Where the rate falls with the state no part leaves rest, but the drive does, as far as to the balance.
+                    return if x == 0.0 { balance.map_or(x, |it| it.at) } else { x };
                 }
                 if let Some(x) = near(x, done) {
                     return x;
@@ -384,6 +385,19 @@ mod tests {
 
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(200))]
+
+        /// From beyond rest, where the rate falls with the state, a drive leads through rest to the balance.
+        #[test]
+        fn a_state_does_not_stay_at_rest_where_it_is_driven(
+            x in -0.3..-0.05f64,
+            change in 0.3..0.5f64,
+            turns in 40.0..60.0f64,
+        ) {
+            let growth = Growth::Power(-0.49, 1.0);
+            let balance = growth.balance(change, turns).unwrap().at;
+            let found = growth.driven(x, change, turns);
+            prop_assert!((found - balance).abs() <= 1e-6 * change, "{found} for {balance}");
+        }
 
         /// From whatever side and however stiff, with rates that grow with the state or fall: many halves of the linear law are the
         /// oracle.
