@@ -25,15 +25,31 @@ struct Start {
     cost: f64,
 }
 
-/// Most starts.
-const MOST: usize = 12;
+/// Which starts are wanted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Wanted {
+    /// The likeliest.
+    Likely,
+    /// Those in other valleys of the rates too.
+    Every,
+}
+
+impl Wanted {
+    /// Most starts.
+    const fn most(self) -> usize {
+        match self {
+            Self::Likely => 3,
+            Self::Every => 12,
+        }
+    }
+}
 
 /// Parameters of the law to start from, the best first. The samples of each stretch weigh as the squares of their `roots`, or all the
 /// same where there are none.
-pub fn starts(law: &BaseLaw, data: &Data, roots: &[&[f64]]) -> Vec<Vec<f64>> {
+pub fn starts(law: &BaseLaw, data: &Data, roots: &[&[f64]], wanted: Wanted) -> Vec<Vec<f64>> {
     let reference = data.largest_compression();
-    let mut found = linear_starts(law, (data, roots), reference);
-    found.truncate(MOST);
+    let mut found = linear_starts(law, (data, roots), reference, wanted);
+    found.truncate(wanted.most());
     let scales = data.scales();
     let beginning = Beginning {
         linear: found.iter().map(|start| start.constants(law.elastic, reference)).collect(),
@@ -68,7 +84,7 @@ const COLUMNS: usize = RATES + 2;
 const SAME_INTERVAL: f64 = 1e-7;
 
 /// The starts of Fung's law, the best first: each valley of the grid, or where the law is not quite Fung's the best of each shape.
-fn linear_starts(law: &BaseLaw, set: Set, reference: f64) -> Vec<Start> {
+fn linear_starts(law: &BaseLaw, set: Set, reference: f64, wanted: Wanted) -> Vec<Start> {
     let rates = rate_grid(set.0);
     let has_shapes = law.family.takes(LawOption::Elastic);
     let shapes = if has_shapes { law.elastic.shapes(reference) } else { vec![law.family.shape] };
@@ -87,9 +103,11 @@ fn linear_starts(law: &BaseLaw, set: Set, reference: f64) -> Vec<Start> {
             // Which rates are best shows only where the shape is nearly right.
             let refined = &Grid { grams: of(shapes), terms: law.terms, rates };
             let starts = |(place, own): (usize, &Cell)| {
-                let mut cells = refined.minima(place);
-                let rates = |cell: &Cell| cell.chosen == own.chosen;
-                if !cells.iter().any(rates) {
+                let mut cells = match wanted {
+                    Wanted::Likely => Vec::new(),
+                    Wanted::Every => refined.minima(place),
+                };
+                if !cells.iter().any(|cell| cell.chosen == own.chosen) {
                     cells.extend(refined.at(place, own.chosen.clone()));
                 }
                 cells.into_iter().filter_map(move |cell| refined.start(shapes[place], &cell))

@@ -13,7 +13,7 @@ use super::least_squares::{
     HARDLY, LeastSquares, Normal, Solution, Stop, bounded_step, finish, minimise, race,
 };
 use super::problem::{Problem, Residuals};
-use super::start::starts;
+use super::start::{Wanted, starts};
 use super::uncertainty::{Uncertainty, uncertainty};
 use super::watch;
 use super::whitening::Whitening;
@@ -133,17 +133,25 @@ pub fn fit(law: BaseLaw, data: &Data) -> Result<MotionFit, DataError> {
     let few = compressed.as_ref().zip(means.as_ref());
     let few = few.map(|(compressed, means)| problem.on_means(compressed, means));
     let roots = compressed.as_ref().map_or(Vec::new(), Compressed::roots);
-    let starts: Vec<Vec<f64>> = starts(&law, means.as_ref().unwrap_or(data), &roots)
-        .iter()
-        .map(|start| problem.point(start))
-        .collect();
+    let starts = |wanted| -> Vec<Vec<f64>> {
+        let starts = starts(&law, means.as_ref().unwrap_or(data), &roots, wanted);
+        starts.iter().map(|start| problem.point(start)).collect()
+    };
     let far = few.unwrap_or_else(|| Problem::new(&chain, data, &white, None)).projecting();
-    let kept = race(&far, &starts);
+    let (mut begun, mut kept) = (0, Vec::new());
+    for wanted in [Wanted::Likely, Wanted::Every] {
+        let starts = starts(wanted);
+        (begun, kept) = (starts.len(), race(&far, &starts));
+        // Below noise there is no other valley.
+        if kept.first().is_none_or(|best| leaves_noise(&far, &best.point, &roots)) {
+            break;
+        }
+    }
     let best = finish(&problem, &kept).ok_or(DataError::NothingLeft)?;
     tracing::info!(
         "{}, the best of {} starts: {} after {} steps, sum of squares {:.6e}",
         law.in_words(),
-        starts.len(),
+        begun,
         best.stop,
         best.iterations,
         best.normal.cost
@@ -159,6 +167,28 @@ pub fn fit(law: BaseLaw, data: &Data) -> Result<MotionFit, DataError> {
         fit.stop = Stop::NoBetter;
     }
     Ok(fit)
+}
+
+/// Least sum of squared differences of neighbours, over the sum of squares, of noise: two if it is white.
+const OF_NOISE: f64 = 1.6;
+
+/// Whether neighbours in what a point leaves in contact agree no more than in noise; the samples weigh as the squares of their `roots`.
+fn leaves_noise(problem: &Problem, point: &[f64], roots: &[&[f64]]) -> bool {
+    let (mut squares, mut differences) = (0.0, 0.0);
+    for (index, residual) in problem.residuals(point).iter().enumerate() {
+        let roots = roots.get(index).copied().unwrap_or_default();
+        let motion = &problem.data().pieces[index].motion;
+        let mut before = None;
+        for (k, residual) in
+            residual.iter().enumerate().filter(|(k, _)| motion.displacement[*k] > 0.0)
+        {
+            let value = roots.get(k).copied().unwrap_or(1.0) * residual;
+            squares += value * value;
+            differences += before.map_or(0.0, |before: f64| (value - before).powi(2));
+            before = Some(value);
+        }
+    }
+    differences > OF_NOISE * squares
 }
 
 /// Fits a chain to the data from these parameters.
@@ -492,7 +522,7 @@ mod tests {
             let chain = Chain::new(law);
             let white = Whitening::none();
             let problem = Problem::new(&chain, &data, &white, None);
-            let all = starts(&law, &data, &[]);
+            let all = starts(&law, &data, &[], Wanted::Every);
             let alone = all.iter().map(|start| minimise(&problem, &problem.point(start)));
             let best = alone.map(|found| found.normal.cost).fold(f64::INFINITY, f64::min);
             assert!((found.cost / best - 1.0).abs() < 1e-9, "{} for {best}", found.cost);
