@@ -138,20 +138,22 @@ pub fn fit(law: BaseLaw, data: &Data) -> Result<MotionFit, DataError> {
         starts.iter().map(|start| problem.point(start)).collect()
     };
     let far = few.unwrap_or_else(|| Problem::new(&chain, data, &white, None)).projecting();
-    let (mut begun, mut kept) = (0, Vec::new());
-    for wanted in [Wanted::Likely, Wanted::Every] {
-        let starts = starts(wanted);
-        (begun, kept) = (starts.len(), race(&far, &starts));
-        // Below noise there is no other valley.
-        if kept.first().is_none_or(|best| leaves_noise(&far, &best.point, &roots)) {
-            break;
+    let raced = |wanted| race(&far, &starts(wanted));
+    let mut kept = raced(Wanted::Likely);
+    // Where no more than noise is left there is no other valley.
+    if kept.first().is_some_and(|best| !leaves_noise(&far, &best.point, &roots)) {
+        let every = raced(Wanted::Every);
+        let cost = |kept: &[Solution]| kept.first().map_or(f64::INFINITY, |best| best.normal.cost);
+        // Of two that are as low, what comes after goes on from the likelier.
+        if cost(&every) < (1.0 - LOWER) * cost(&kept) {
+            kept = every;
         }
     }
     let best = finish(&problem, &kept).ok_or(DataError::NothingLeft)?;
     tracing::info!(
-        "{}, the best of {} starts: {} after {} steps, sum of squares {:.6e}",
+        "{}, the best of {} valleys: {} after {} steps, sum of squares {:.6e}",
         law.in_words(),
-        begun,
+        kept.len(),
         best.stop,
         best.iterations,
         best.normal.cost
@@ -169,6 +171,8 @@ pub fn fit(law: BaseLaw, data: &Data) -> Result<MotionFit, DataError> {
     Ok(fit)
 }
 
+/// Part of the sum of squares by which another valley is lower.
+const LOWER: f64 = 1e-5;
 /// Least sum of squared differences of neighbours, over the sum of squares, of noise: two if it is white.
 const OF_NOISE: f64 = 1.6;
 

@@ -274,8 +274,9 @@ impl Growth {
                 let ahead = (best - x).abs() * (1.0 - done) / part;
                 x = best;
                 if ahead.is_nan() || ahead <= NEGLIGIBLE * allowed {
-                    // Where the rate falls with the state no part leaves rest, but the drive does, as far as to the balance.
-                    return if x == 0.0 { balance.map_or(x, |it| it.at) } else { x };
+                    // Where the rate is infinite at rest no part leaves it, but the drive does, as far as to the balance.
+                    let infinite = matches!(self, Self::Power(power, _) if power < 0.0);
+                    return if x == 0.0 && infinite { balance.map_or(x, |it| it.at) } else { x };
                 }
                 if let Some(x) = near(x, done) {
                     return x;
