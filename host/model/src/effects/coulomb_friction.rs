@@ -82,7 +82,7 @@ pub const EFFECT: Effect = Effect {
         },
         Law {
             name: "dahl-in-contact",
-            formula: "F → F + F_c z where F > 0, dz = (sgn dx − z) |dx|/ℓ; z = 0 where F = 0",
+            formula: "F → F + F_c z where F > 0, dz = (sgn dx − z) |dx|/ℓ; z = 0 elsewhere",
             strength: FRICTION,
             shapes: &[PRESLIDING],
             act: Act::Force(|scene, parameters, remembered, force| {
