@@ -2,8 +2,9 @@
 //!
 //! For a given shape of the elastic response (the exponent q) and given rates the law is linear in the
 //! force that each branch carries. So shape and rates go over a grid, the branch forces come from linear
-//! least squares, and every valley that the grid shows is handed on, up to a few. Each law says where it starts from there; a kernel
-//! that is no sum of exponentials goes over a grid of its own.
+//! least squares, and every valley that the grid shows is handed on, up to a few. A coarse grid of shapes hides what the rates explain:
+//! on demand, so are all valleys of the rates at a shape that is nearly right. Each law says where it starts from there; a kernel that is
+//! no sum of exponentials goes over a grid of its own.
 
 use nalgebra::{DMatrix, DVector};
 
