@@ -37,7 +37,7 @@ pub enum Wanted {
 
 impl Wanted {
     /// Most starts.
-    const fn most(self) -> usize {
+    pub const fn most(self) -> usize {
         match self {
             Self::Likely => 3,
             Self::Every => 12,

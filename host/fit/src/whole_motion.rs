@@ -605,6 +605,24 @@ mod tests {
     }
 
     #[test]
+    fn a_fit_that_leaves_noise_seeks_no_other_valley() {
+        let traces = traces(12);
+        let data = Data::of(&traces, FORCE).unwrap();
+        let searches = |terms| {
+            let seen = Arc::new(watch::Watch::default());
+            watch::under(&seen, || fit(BaseLaw::fung(terms, Separation::Clamp), &data))
+                .unwrap()
+                .unwrap();
+            seen.progress().0
+        };
+        let (right, wrong) = (searches(2), searches(1));
+        assert!(
+            right <= 2 * Wanted::Likely.most() && wrong > right,
+            "{right} and {wrong} searches"
+        );
+    }
+
+    #[test]
     fn traces_left_out_cost_no_refit_each() {
         let searches = |count: usize| {
             let traces = traces(count);
