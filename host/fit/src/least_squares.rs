@@ -178,6 +178,18 @@ pub fn race<P: LeastSquares + Sync>(problem: &P, starts: &[Vec<f64>]) -> Vec<Sol
     kept
 }
 
+/// What two races have kept, those of the first before the others, and of searches that end in the same minimum the first alone.
+#[must_use]
+pub fn joined(first: Vec<Solution>, others: Vec<Solution>) -> Vec<Solution> {
+    let mut kept = first;
+    for other in others {
+        if !kept.iter().any(|it| it.met_by(&other)) {
+            kept.push(other);
+        }
+    }
+    kept
+}
+
 /// Takes searches that a race has kept to their end; the lowest. None without one.
 pub fn finish<P: LeastSquares + Sync>(problem: &P, kept: &[Solution]) -> Option<Solution> {
     let finish = |runner: &Solution| {

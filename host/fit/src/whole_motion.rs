@@ -10,7 +10,7 @@ use super::compression::Compressed;
 use super::data::{Data, DataError, Piece};
 use super::fold::Fold;
 use super::least_squares::{
-    HARDLY, LeastSquares, Normal, Solution, Stop, bounded_step, finish, minimise, race,
+    HARDLY, LeastSquares, Normal, Solution, Stop, bounded_step, finish, joined, minimise, race,
 };
 use super::problem::{Problem, Residuals};
 use super::start::{Wanted, starts};
@@ -142,12 +142,8 @@ pub fn fit(law: BaseLaw, data: &Data) -> Result<MotionFit, DataError> {
     let mut kept = raced(Wanted::Likely);
     // Where no more than noise is left there is no other valley.
     if kept.first().is_some_and(|best| !leaves_noise(&far, &best.point, &roots)) {
-        let every = raced(Wanted::Every);
-        let cost = |kept: &[Solution]| kept.first().map_or(f64::INFINITY, |best| best.normal.cost);
         // Of two that are as low, what comes after goes on from the likelier.
-        if cost(&every) < (1.0 - LOWER) * cost(&kept) {
-            kept = every;
-        }
+        kept = joined(kept, raced(Wanted::Every));
     }
     let best = finish(&problem, &kept).ok_or(DataError::NothingLeft)?;
     tracing::info!(
@@ -171,8 +167,6 @@ pub fn fit(law: BaseLaw, data: &Data) -> Result<MotionFit, DataError> {
     Ok(fit)
 }
 
-/// Part of the sum of squares by which another valley is lower.
-const LOWER: f64 = 1e-5;
 /// Least sum of squared differences of neighbours, over the sum of squares, of noise: two if it is white.
 const OF_NOISE: f64 = 1.6;
 
