@@ -168,17 +168,11 @@ pub fn race<P: LeastSquares + Sync>(problem: &P, starts: &[Vec<f64>]) -> Vec<Sol
     let mut runners: Vec<Solution> = starts.par_iter().map(run).collect();
     runners.sort_by(|a, b| a.normal.cost.total_cmp(&b.normal.cost));
     let lead = runners.first().map_or(0.0, |runner| runner.normal.cost);
-    let mut kept: Vec<Solution> = Vec::new();
-    for runner in runners {
-        let beaten = runner.stop.converged() && runner.normal.cost > BEATEN * lead;
-        if !beaten && !kept.iter().any(|better| better.met_by(&runner)) {
-            kept.push(runner);
-        }
-    }
-    kept
+    runners.retain(|it| !(it.stop.converged() && it.normal.cost > BEATEN * lead));
+    joined(Vec::new(), runners)
 }
 
-/// What two races have kept, those of the first before the others, and of searches that end in the same minimum the first alone.
+/// Searches in order, those of the first list before the others, and of those that end in the same minimum the first alone.
 #[must_use]
 pub fn joined(first: Vec<Solution>, others: Vec<Solution>) -> Vec<Solution> {
     let mut kept = first;
