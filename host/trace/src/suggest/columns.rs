@@ -140,11 +140,14 @@ impl Seen {
         }
     }
 
-    /// The unit of that name; a mass is the weight of it where the column is called a force.
+    /// The unit of that name; a mass is the weight of it where the column is called a force, and a capital S a second where it is called
+    /// a time.
     fn named(&self, text: &str) -> Option<&'static Unit> {
         let name = self.name.to_lowercase();
-        let force = || FORCES.iter().any(|word| word.len() > 2 && name.contains(word));
-        unit_named(text).or_else(|| weight_named(text).filter(|_| force()))
+        let called = |list: &[&str]| list.iter().any(|word| word.len() > 2 && name.contains(word));
+        let weight = || weight_named(text).filter(|_| called(FORCES));
+        let second = || units::named("s").filter(|_| text.trim() == "S" && called(TIMES));
+        unit_named(text).or_else(weight).or_else(second)
     }
 
     /// The name without its unit, and the unit.
@@ -160,14 +163,18 @@ impl Seen {
         if let Some(unit) = units::of_column(name) {
             return Some((name.strip_suffix(unit.name)?, unit));
         }
+        // What `rostopic echo -p` calls its clock.
+        if let Some(rest) = name.strip_prefix('%').filter(|rest| *rest == "time") {
+            return Some((rest, units::named("ns")?));
+        }
         // A clock that is called by its unit: `millis`.
         if let Some(unit) = unit_named(name).filter(|unit| unit.quantity == Quantity::Time) {
             return Some((name, unit));
         }
-        let (rest, unit) = name.rsplit_once(['/', ' ', ','])?;
+        let (rest, unit) = name.rsplit_once(['/', ' ', ',', '_'])?;
         // A single letter behind a blank is more often a name (`Channel C`) than a unit.
-        let letter = unit.len() == 1 && !matches!(unit, "s" | "N");
-        let behind_blank = name[..name.len() - unit.len()].ends_with(' ');
+        let letter = unit.len() == 1 && !matches!(unit, "s" | "S" | "N");
+        let behind_blank = name[..name.len() - unit.len()].ends_with([' ', '_']);
         (!(letter && behind_blank)).then_some(())?;
         Some((rest, self.named(unit)?))
     }

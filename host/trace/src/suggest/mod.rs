@@ -3,6 +3,7 @@
 mod columns;
 mod encoding;
 mod guess;
+mod labview;
 mod rest;
 
 use std::fmt::Write as _;
@@ -84,6 +85,9 @@ pub fn propose(path: &Path, part: Option<&str>) -> Result<Proposal, ImportError>
     let clock = columns.get(time).filter(|column| column.kind == Kind::Number);
     let clock = clock.map(|column| column.index);
     let rest = Rest::of(&guess, (header, clock), &beginning.lines, &mut beginning.more);
+    // Rows that are shorter than the names are told by their places.
+    let width = |at: &usize| cells(&beginning.lines[*at], guess.delimiter).len();
+    let header = header.filter(|at| width(at) == guess.kinds.len());
     Ok(text(path, &beginning, &guess, header, (&rest, &columns)))
 }
 
@@ -169,7 +173,7 @@ fn text(
         }
         None => {}
     }
-    let open = write_columns(&mut out, columns, rest.restarts);
+    let open = write_columns(&mut out, columns, header.is_some(), rest.restarts);
     Proposal { text: out, open }
 }
 
@@ -193,27 +197,40 @@ fn cells_told(encoding: Option<&'static Encoding>, guess: &Guess, rest: &Rest) -
     lines.into_iter().map(|line| line + "\n").collect()
 }
 
-/// The line above the numbers that names the columns: as wide as they, with two words at least that are no units.
+/// The line above the numbers that names the columns: as wide as they, but for a comment that few rows have, with two words at least
+/// that are no units.
 fn header(lines: &[String], guess: &Guess) -> Option<usize> {
     let width = guess.kinds.len();
     let named = |line: &String| {
         let cells = cells(line, guess.delimiter);
         let words: Vec<&String> =
             cells.iter().filter(|cell| cell.chars().any(char::is_alphabetic)).collect();
-        cells.len() == width && words.len() >= 2 && words.iter().any(|cell| !is_unit(cell))
+        let without_comment = match cells.last() {
+            Some(last) if last.eq_ignore_ascii_case("comment") => cells.len() - 1,
+            _ => cells.len(),
+        };
+        (cells.len() == width || without_comment == width)
+            && words.len() >= 2
+            && words.iter().any(|cell| !is_unit(cell))
     };
     lines[..guess.first].iter().rposition(named)
 }
 
-/// The columns of numbers, with their names and what stands between these and the numbers.
+/// The columns of numbers, with their names and what stands between these and the numbers, or in the head of the file, of their units.
 fn seen(lines: &[String], guess: &Guess, header: Option<usize>) -> Vec<Seen> {
     let names = header.map(|at| cells(&lines[at], guess.delimiter)).unwrap_or_default();
     let below = header.map_or(0..0, |at| at + 1..guess.first);
     let below: Vec<Vec<String>> = below.map(|at| cells(&lines[at], guess.delimiter)).collect();
+    let head = labview::units(&lines[..header.unwrap_or(0)], guess.delimiter);
     let column = |(index, values): (usize, Vec<f64>)| Seen {
         index,
         name: names.get(index).cloned().unwrap_or_default(),
-        below: below.iter().filter_map(|row| row.get(index)).cloned().collect(),
+        below: below
+            .iter()
+            .filter_map(|row| row.get(index))
+            .chain(head.get(index).into_iter().flatten())
+            .cloned()
+            .collect(),
         kind: guess.kinds[index],
         values,
     };
@@ -221,13 +238,14 @@ fn seen(lines: &[String], guess: &Guess, header: Option<usize>) -> Vec<Seen> {
     all.filter(|column| column.kind.is_value()).collect()
 }
 
-/// The sections of the columns: time first, the rest under names with the unit that is wanted. Gives what is left open.
-fn write_columns(out: &mut String, columns: &[Seen], restarts: bool) -> Vec<String> {
+/// The sections of the columns: time first, the rest under names with the unit that is wanted; taken by their names in the file where
+/// these are `named` in the mapping, else by their places. Gives what is left open.
+fn write_columns(out: &mut String, columns: &[Seen], named: bool, restarts: bool) -> Vec<String> {
     let from = |column: &Seen| {
         let same = columns.iter().filter(|other| other.name == column.name).count();
         match column.name.as_str() {
             "" => (column.index + 1).to_string(),
-            _ if same > 1 => (column.index + 1).to_string(),
+            _ if same > 1 || !named => (column.index + 1).to_string(),
             name => toml::Value::from(name).to_string(),
         }
     };
@@ -420,6 +438,36 @@ mod tests {
         }
         let (mapping, path, _folder) = proposal(b"Time (s);Mass (g)\n0;1\n1;2\n2;3\n").unwrap();
         assert_eq!(import(&path, &mapping).unwrap().trace.force(), None, "a mass is no force");
+    }
+
+    #[test]
+    fn the_head_of_a_labview_file_gives_the_units() {
+        let head = "LabVIEW Measurement\t\nSeparator\tTab\n***End_of_Header***\t\n\t\t\t\nChannels\t2\t\t\n\
+                    Y_Unit_Label\tmm\tmN\t\nX_Dimension\tTime\tTime\t\n***End_of_Header***\t\t\t\n\
+                    X_Value\tDisplacement\tForce\tComment\n";
+        for end in ["", "\t"] {
+            let rows: String = (0..9).map(|i| format!("0.{i}\t{i}.5\t{i}.0{end}\n")).collect();
+            let (mapping, path, _folder) = proposal(format!("{head}{rows}").as_bytes()).unwrap();
+            let trace = import(&path, &mapping).unwrap().trace;
+            assert_eq!(trace.time[3], 0.3);
+            assert_eq!(trace.displacement().unwrap()[3], 3.5);
+            assert_eq!(trace.force().unwrap()[3], 0.003);
+        }
+    }
+
+    #[test]
+    fn a_second_in_a_capital_letter_and_a_clock_of_ros_are_times() {
+        for (header, second) in [
+            ("Time (S),Force (uN),Tip Displacement (um)\n", 1.0),
+            ("Time_S,Displacement_mm,Force_N\n", 1.0),
+            ("Time_sec,Displacement_mm,Force_N\n", 1.0),
+            ("%time,Displacement_mm,Force_N\n", 1e-9),
+        ] {
+            let rows: String = (0..9).map(|i| format!("{i},{i},{i}\n")).collect();
+            let (mapping, path, _folder) = proposal(format!("{header}{rows}").as_bytes()).unwrap();
+            let trace = import(&path, &mapping).unwrap().trace;
+            assert!((trace.time[3] - 3.0 * second).abs() < 1e-12, "{header}");
+        }
     }
 
     #[test]
