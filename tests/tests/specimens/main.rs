@@ -7,6 +7,7 @@ mod inexact_laws;
 mod louder_noise;
 mod outliers;
 mod scattered_displacement;
+mod slow_hum;
 mod stairs;
 mod taps;
 mod touch;

@@ -6,7 +6,8 @@ use super::fitted::Fitted;
 use super::noise::{noise_model, noise_of};
 use super::options::Options;
 use super::screen::{ABSORBED, Direction, screen};
-use super::search::Search;
+use super::search::{Search, is_line};
+use super::slow_hum::SlowHum;
 use super::touch::begun_at_touch;
 use palpate_fit::data::{Data, DataError};
 use palpate_fit::least_squares::Effort;
@@ -131,7 +132,7 @@ pub fn add(
     if chain.effects.iter().any(|present| present.name == effect) {
         return Err(ChangeError::Present(effect.into()));
     }
-    let candidate = candidate(model, effect, law, &data)?;
+    let candidate = candidate(model, effect, law, (&data, &chain, &values))?;
     let mut notes = Vec::new();
     let (mut ladder, values) = standing(model, &chain, values, &data, &mut notes)?;
     let trial = try_laws(&chain, &values, &data, &candidate);
@@ -215,11 +216,16 @@ fn candidate(
     model: &Model,
     effect: &str,
     law: Option<&str>,
-    data: &Data,
+    (data, chain, values): (&Data, &Chain, &[f64]),
 ) -> Result<Candidate, ChangeError> {
     let own: Vec<StoredEffect> =
         model.candidates.iter().filter(|own| own.name == effect).cloned().collect();
-    let mut found = candidates(&data.setting(), &own)?
+    let mut setting = data.setting();
+    let noise = is_line(effect).then(|| noise_model(data)).flatten();
+    if let Some(slow) = noise.and_then(|noise| SlowHum::of(data, (chain, values), &noise)) {
+        setting.scales.mains = Some(slow.mains);
+    }
+    let mut found = candidates(&setting, &own)?
         .into_iter()
         .find(|candidate| candidate.name == effect)
         .ok_or_else(|| ChangeError::Unknown(effect.into()))?;

@@ -12,7 +12,8 @@ use super::options::Options;
 use super::outside::Outside;
 use super::residuals::Residuals;
 use super::screen::ABSORBED;
-use super::search::{DECISIVE, Found, SURE, Search};
+use super::search::{DECISIVE, Found, SURE, Search, is_line};
+use super::slow_hum::SlowHum;
 use super::verdict::{
     AT_THE_NOISE, Assessed, FAR_BEYOND_NEIGHBOURS, beyond_held_out, beyond_noise,
 };
@@ -116,9 +117,8 @@ pub fn diagnose_with(
 ) -> Result<Diagnosis, DiagnoseError> {
     options.check()?;
     let all = options.data(model, traces)?;
-    let setting = all.setting();
+    let mut setting = all.setting();
     let (chain, values) = chain_of(model, &setting)?;
-    let candidates = candidates(&setting, &model.candidates)?;
     // Long recordings are searched on their means; the errors are those of all rows in the end.
     let white = Whitening::none();
     let noise_left = |data: &Data, means: bool| {
@@ -130,6 +130,11 @@ pub fn diagnose_with(
     // Where the noise is not seen, what the law lacks is taken for it, in which neighbours agree: there each mean of a long recording
     // counts as one sample, and motions are thinned only where rests alone are not enough.
     let known = noise_model(&all).or_else(|| (!long).then(|| noise_left(&all, false)));
+    let slow = known.as_ref().and_then(|noise| SlowHum::of(&all, (&chain, &values), noise));
+    if let Some(slow) = &slow {
+        setting.scales.mains = Some(slow.mains);
+    }
+    let candidates = candidates(&setting, &model.candidates)?;
     let at_rest = if known.is_none() { block_means(traces) } else { None };
     let thinned = at_rest.as_deref().map(|traces| options.data(model, traces)).transpose()?;
     let level = known.as_ref().map(|noise| noise.level);
@@ -142,7 +147,8 @@ pub fn diagnose_with(
         let left = Residuals::new(&chain, &values, &all).values();
         lines.iter().any(|line| loud(&left, *line))
     };
-    let hums = setting.scales.mains.is_some_and(|lines| !long || shows_a_line(lines));
+    let shown = |lines: [f64; 2]| !long || slow.is_some() || shows_a_line(lines);
+    let hums = setting.scales.mains.is_some_and(shown);
     let stays_for_hum = hums && all.samples() <= LONG_WITH_HUM;
     let stays = thinned.is_some() || stays_for_hum || known.as_ref().is_some_and(dwarfs);
     let means = if stays { None } else { Means::of(&all, level) };
@@ -190,6 +196,7 @@ pub fn diagnose_with(
         let mut lines = setting.scales.mains.into_iter().flatten().filter(shows);
         course.miss_a_line(lines.find(|line| loud(&left, *line)));
     }
+    course.say_what_else_the_hum_may_be(slow.as_ref());
     course.look_for_a_vibration();
     course.say_what_vibrates();
     course.say_where_noise_is_louder();
@@ -352,6 +359,18 @@ impl<'a> Course<'a> {
         self.assessed.verdict = Verdict::Unknown;
         self.notes.push(format!(
             "a line near {line:.0} Hz stands out, with a phase that wanders: no hum of one frequency predicts traces left out"
+        ));
+    }
+
+    /// Says that a hum that these samples show as a slow swing may be one.
+    fn say_what_else_the_hum_may_be(&mut self, slow: Option<&SlowHum>) {
+        let named = self.found.steps.iter().any(|step| is_line(&step.effect));
+        let Some(slow) = slow.filter(|_| named) else { return };
+        self.notes.push(format!(
+            "{:.1} samples in a second show a hum of {:.3} Hz as a swing of {:.3} Hz: a recording at another rate tells it from a slow swing",
+            1.0 / slow.interval,
+            slow.frequency,
+            slow.shown,
         ));
     }
 

@@ -11,7 +11,7 @@ use palpate_fit::data::Data;
 use palpate_fit::fourier::Planner;
 
 /// Frequencies of the mains, Hz.
-const MAINS: [f64; 2] = [50.0, 60.0];
+pub(super) const MAINS: [f64; 2] = [50.0, 60.0];
 /// How far from them a line is looked for, Hz.
 const WITHIN: f64 = 3.0;
 /// How far from them a line is theirs for certain, Hz.

@@ -43,6 +43,7 @@ pub mod screen;
 pub mod search;
 pub mod separation;
 pub mod signature;
+mod slow_hum;
 pub mod swing;
 mod tail;
 mod touch;

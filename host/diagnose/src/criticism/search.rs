@@ -1211,7 +1211,7 @@ fn with_effect_of(model: &Fitted, other: &Found, index: usize) -> (Chain, Vec<f6
 }
 
 /// Whether an effect is a line in the spectrum, which the form of another effect's law cannot look like.
-fn is_line(effect: &str) -> bool {
+pub(super) fn is_line(effect: &str) -> bool {
     find(effect).is_some_and(|effect| effect.needs == Needs::FastSampling)
 }
 

@@ -23,6 +23,8 @@ pub struct Swing {
 
 /// Highest frequency that counts as slow, Hz: a mains hum is none.
 const FASTEST_HZ: f64 = 2.0;
+/// How far a line of the mains is from their frequency at most, Hz.
+const OFF_THE_MAINS: f64 = 0.5;
 /// Samples of the fastest swing in a period, at least.
 const IN_A_PERIOD: f64 = 8.0;
 /// Periods of the slowest swing in the longest trace: slower ones are zeros of the traces.
@@ -36,7 +38,7 @@ const AROUND: f64 = 1.5;
 
 /// The mean of the whitened residual over a few neighbouring samples.
 struct Block {
-    /// Time since the set began, s.
+    /// Time of the first since the set began, s: where a fast line looks slow, its phase there is that which the samples show.
     time: f64,
     /// Its sum over the root of the number of samples: of variance one where it is noise.
     value: f64,
@@ -46,38 +48,81 @@ impl Swing {
     /// Numbers that describe one: frequency, amplitude and phase.
     pub const NUMBERS: usize = 3;
 
-    /// The sine that describes what a model leaves of all samples best; none where no slow one would fit into a trace.
+    /// The slow sine that describes what a model leaves of all samples best; none where no slow one would fit into a trace.
     #[must_use]
     pub fn of(samples: &Problem, fitted: &Fitted) -> Option<Self> {
         let problem = samples.with_chain(&fitted.chain);
-        let data = problem.data();
-        let interval = data.shortest_interval();
-        let fastest = FASTEST_HZ.min(1.0 / (IN_A_PERIOD * interval));
-        let together = ((1.0 / (IN_A_PERIOD * fastest * interval)) as usize).max(1);
-        let mut blocks = blocks(&problem, &fitted.point, together);
-        let lasts = blocks.last()?.time - blocks.first()?.time;
-        let step = 1.0 / (FINER * lasts.max(interval));
-        let slowest = IN_A_TRACE / data.longest();
-        let count = ((fastest - slowest) / step).min(MOST / blocks.len() as f64) as usize;
-        let (frequency, [cosine, sine]) = waves(&blocks, slowest, step, count)
-            .into_iter()
-            .max_by(|a, b| power(&blocks, a.1).total_cmp(&power(&blocks, b.1)))?;
-        for block in &mut blocks {
-            let turn = TAU * frequency * block.time;
-            block.value -= cosine * turn.cos() + sine * turn.sin();
-        }
-        let (from, to) = ((frequency / AROUND).max(slowest), (frequency * AROUND).min(fastest));
-        let around = ((to - from) / step) as usize;
-        let else_there: f64 = waves(&blocks, from, step, around)
-            .into_iter()
-            .map(|(_, wave)| power(&blocks, wave))
-            .sum();
-        // The power of noise has a mean of one.
-        let level = (else_there / around.max(1) as f64).max(1.0);
-        let (amplitude, gain) = exactly(&problem, &fitted.point, frequency)?;
-        let log_chance = (-0.5 * gain / level + (count as f64).ln()).min(0.0);
-        Some(Self { frequency_hz: frequency, amplitude, gain, log_chance })
+        let fastest = FASTEST_HZ.min(1.0 / (IN_A_PERIOD * problem.data().shortest_interval()));
+        strongest(&problem, &fitted.point, |slow| slow, fastest)
     }
+
+    /// Frequency, Hz, as which samples that are `interval`, s, apart show a sine.
+    #[must_use]
+    pub fn shown(frequency: f64, interval: f64) -> f64 {
+        let turns = frequency * interval;
+        (turns - turns.round()).abs() / interval
+    }
+
+    /// Whether samples that are `interval`, s, apart show a line of the `mains`, Hz, as a slow one.
+    #[must_use]
+    pub fn looks_slow(mains: f64, interval: f64) -> bool {
+        mains * interval > 0.5 && Self::shown(mains, interval) < OFF_THE_MAINS
+    }
+
+    /// The same of a line of the `mains`, Hz, in samples that are `interval`, s, apart: its own frequency is given. None where it would
+    /// not [look slow](Self::looks_slow).
+    #[must_use]
+    pub fn alias(samples: &Problem, fitted: &Fitted, mains: f64, interval: f64) -> Option<Self> {
+        if !Self::looks_slow(mains, interval) {
+            return None;
+        }
+        let problem = samples.with_chain(&fitted.chain);
+        let still = (mains * interval).round() / interval;
+        let sides = [-1.0, 1.0].into_iter().filter_map(|side| {
+            let fastest = OFF_THE_MAINS + side * (mains - still);
+            let fastest = fastest.min(1.0 / (IN_A_PERIOD * interval));
+            strongest(&problem, &fitted.point, |slow| still + side * slow, fastest)
+        });
+        sides.max_by(|a, b| a.gain.total_cmp(&b.gain))
+    }
+}
+
+/// The strongest of the sines that look no faster than this, Hz; `of` gives the frequency of one that looks so slow.
+fn strongest(
+    problem: &Problem,
+    point: &[f64],
+    of: impl Fn(f64) -> f64,
+    fastest: f64,
+) -> Option<Swing> {
+    let (interval, longest) = (problem.data().shortest_interval(), problem.data().longest());
+    let slowest = IN_A_TRACE / longest;
+    if fastest <= slowest {
+        return None;
+    }
+    let together = ((1.0 / (IN_A_PERIOD * fastest * interval)) as usize).max(1);
+    let mut blocks = blocks(problem, point, together);
+    let lasts = blocks.last()?.time - blocks.first()?.time;
+    let step = 1.0 / (FINER * lasts.max(interval));
+    let count = ((fastest - slowest) / step).min(MOST / blocks.len() as f64) as usize;
+    let grid = |slow: f64| (of(slow), of(slow + step) - of(slow));
+    let (place, [cosine, sine]) = waves(&blocks, grid(slowest), count)
+        .into_iter()
+        .enumerate()
+        .max_by(|a, b| power(&blocks, a.1).total_cmp(&power(&blocks, b.1)))?;
+    let slow = slowest + step * place as f64;
+    for block in &mut blocks {
+        let turn = TAU * of(slow) * block.time;
+        block.value -= cosine * turn.cos() + sine * turn.sin();
+    }
+    let (from, to) = ((slow / AROUND).max(slowest), (slow * AROUND).min(fastest));
+    let around = ((to - from) / step) as usize;
+    let left = waves(&blocks, grid(from), around);
+    let else_there: f64 = left.into_iter().map(|wave| power(&blocks, wave)).sum();
+    // The power of noise has a mean of one.
+    let level = (else_there / around.max(1) as f64).max(1.0);
+    let (amplitude, gain) = exactly(problem, point, of(slow))?;
+    let log_chance = (-0.5 * gain / level + (count as f64).ln()).min(0.0);
+    Some(Swing { frequency_hz: of(slow), amplitude, gain, log_chance })
 }
 
 /// The whitened residual, so many samples together.
@@ -92,15 +137,15 @@ fn blocks(problem: &Problem, point: &[f64], together: usize) -> Vec<Block> {
         let times = piece.set_time();
         for (values, times) in residual.chunks(together).zip(times.chunks(together)) {
             let count = values.len() as f64;
-            let (sum, time) = (values.iter().sum::<f64>(), times.iter().sum::<f64>() / count);
-            blocks.push(Block { time, value: -sum / count.sqrt() });
+            let sum = values.iter().sum::<f64>();
+            blocks.push(Block { time: times[0], value: -sum / count.sqrt() });
         }
     });
     blocks
 }
 
-/// Cosine and sine of every frequency of a grid in the blocks, by least squares as if they were at right angles.
-fn waves(blocks: &[Block], from: f64, step: f64, count: usize) -> Vec<(f64, [f64; 2])> {
+/// Cosine and sine of every frequency, Hz, of a grid in the blocks, by least squares as if they were at right angles.
+fn waves(blocks: &[Block], (from, step): (f64, f64), count: usize) -> Vec<[f64; 2]> {
     let turned = |frequency: f64| -> (Vec<f64>, Vec<f64>) {
         blocks.iter().map(|block| (TAU * frequency * block.time).sin_cos()).unzip()
     };
@@ -108,7 +153,7 @@ fn waves(blocks: &[Block], from: f64, step: f64, count: usize) -> Vec<(f64, [f64
     let ((mut sines, mut cosines), (sine_of_step, cosine_of_step)) = (turned(from), turned(step));
     let values: Vec<f64> = blocks.iter().map(|block| block.value).collect();
     let scale = 2.0 / blocks.len() as f64;
-    let wave = |k: usize| {
+    let wave = |_| {
         let (mut cosine, mut sine) = (0.0, 0.0);
         for place in 0..values.len() {
             let (s, c) = (sines[place], cosines[place]);
@@ -117,7 +162,7 @@ fn waves(blocks: &[Block], from: f64, step: f64, count: usize) -> Vec<(f64, [f64
             sines[place] = s * cosine_of_step[place] + c * sine_of_step[place];
             cosines[place] = c * cosine_of_step[place] - s * sine_of_step[place];
         }
-        (from + step * k as f64, [scale * cosine, scale * sine])
+        [scale * cosine, scale * sine]
     };
     (0..count).map(wave).collect()
 }
