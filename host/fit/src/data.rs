@@ -373,6 +373,16 @@ impl<'a> Data<'a> {
         self
     }
 
+    /// This data set with another signal, stretch by stretch.
+    #[must_use]
+    pub fn with_measured<'b>(&'b self, measured: &'b [Vec<f64>]) -> Data<'b> {
+        let mut data: Data<'b> = self.clone();
+        for (piece, measured) in data.pieces.iter_mut().zip(measured) {
+            piece.measured = measured;
+        }
+        data
+    }
+
     /// This data set with the temperature counted from this one, °C, where it is given.
     #[must_use]
     pub fn with_reference(mut self, temperature: Option<f64>) -> Self {

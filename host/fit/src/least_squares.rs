@@ -132,6 +132,8 @@ impl Effort {
     pub const FULL: Self = Self { iterations: 200, cost: 1e-13, damping: 1e-3 };
     /// The same from close by.
     pub const NEAR: Self = Self { damping: 1e-6, ..Self::FULL };
+    /// No step: what is at the start.
+    pub const NONE: Self = Self { iterations: 0, ..Self::TRIAL };
     /// A few steps.
     pub const TRIAL: Self = Self { iterations: 4, cost: 1e-5, damping: 1e-3 };
     /// Enough to choose between models.

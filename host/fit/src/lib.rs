@@ -24,6 +24,7 @@
 //! ```
 #![forbid(unsafe_code)]
 
+pub mod base_anew;
 pub mod by_differences;
 mod carried;
 pub mod choice;

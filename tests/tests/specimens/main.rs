@@ -9,6 +9,7 @@ mod outliers;
 mod scattered_displacement;
 mod slow_hum;
 mod stairs;
+mod strong_effects;
 mod taps;
 mod touch;
 mod unknown_past;

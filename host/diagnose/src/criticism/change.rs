@@ -1,11 +1,9 @@
 //! One effect more in a model, or one less, and everything refitted: the ladder gains or loses a rung.
 
-use rayon::prelude::*;
-
 use super::fitted::Fitted;
 use super::noise::{noise_model, noise_of};
 use super::options::Options;
-use super::screen::{ABSORBED, Direction, screen};
+use super::screen::{ABSORBED, screen};
 use super::search::{Search, is_line};
 use super::slow_hum::SlowHum;
 use super::touch::begun_at_touch;
@@ -13,7 +11,6 @@ use palpate_fit::data::{Data, DataError};
 use palpate_fit::least_squares::Effort;
 use palpate_fit::problem::Problem;
 use palpate_fit::warning::{Warning, warnings};
-use palpate_fit::watch;
 use palpate_fit::whitening::Whitening;
 use palpate_fit::whole_motion::{MotionFit, fit, held_out, over_traces, refit};
 use palpate_model::effects::{Candidate, EffectError, candidates, chain_of, meant, store};
@@ -270,23 +267,7 @@ fn try_laws(chain: &Chain, values: &[f64], data: &Data, candidate: &Candidate) -
     let from = Fitted::new(&problem, &problem.point(values), Effort::QUICK);
     let directions = screen(&problem, data, &from.point, &whitening, candidates).directions;
     let absorbed = directions.iter().all(|direction| direction.left < ABSORBED);
-    let start = |direction: &Direction| {
-        let mut start = direction.clone();
-        if start.gain <= 0.0 {
-            // Nothing is foretold: then from its typical size.
-            start.strengths.fill(candidate.forms[direction.form].typical);
-            start.shift.fill(0.0);
-        }
-        start
-    };
-    watch::stage("starts of the new laws", directions.len());
-    let fitted = |direction: &Direction| {
-        let (chain, found) = search.try_out(&from, &start(direction));
-        let fitted = Fitted::new(&problem.with_chain(&chain), &found.point, Effort::QUICK);
-        watch::done();
-        fitted
-    };
-    let mut fits: Vec<Fitted> = directions.par_iter().map(fitted).collect();
+    let mut fits = search.fits_of(&from, &directions.iter().collect::<Vec<_>>());
     fits.extend(begun_at_touch(&problem, data, &from, candidates).map(|(_, fitted)| fitted));
     fits.sort_by(|a, b| a.bic().total_cmp(&b.bic()));
     let law = |fitted: &Fitted| fitted.chain.effects.last().map(|effect| effect.law.clone());
@@ -299,7 +280,7 @@ fn try_laws(chain: &Chain, values: &[f64], data: &Data, candidate: &Candidate) -
             laws.push(Tried { law, over_best: fitted.bic() - least });
         }
     }
-    let best = fits.into_iter().next().unwrap_or(from);
+    let best = search.with_base_anew(fits.first().unwrap_or(&from));
     Trial { chain: best.chain, values: best.values, laws, absorbed }
 }
 

@@ -17,6 +17,7 @@ use super::options::Options;
 use super::residuals::Residuals;
 use super::screen::{Direction, Screen, screen};
 use super::touch::begun_at_touch;
+use palpate_fit::base_anew::base_anew;
 use palpate_fit::data::Data;
 use palpate_fit::least_squares::{Effort, LeastSquares, Solution, minimise_with};
 use palpate_fit::problem::Problem;
@@ -1043,14 +1044,103 @@ impl Search<'_> {
     }
 
     /// The same with every law of the library, where what was found is several effects or leaves more than noise: of a law whose misfit
-    /// the base law has taken on, the straight line of the screen foretells little.
+    /// the base law has taken on, the straight line of the screen foretells little. Then with those that it foretells most for where the
+    /// effects found have taken the base law.
     fn look_through(&self, found: &mut Found) -> bool {
         let single = found.steps.len() < 2;
         if found.steps.is_empty() || (single && self.leaves_noise(found.model())) {
             return false;
         }
+        let rise = if single { -DECISIVE } else { DECISIVE };
+        let every = self.best_of_each_law(&found.first);
+        if self.put_in_place(found, &every, rise) {
+            return true;
+        }
+        let moved = &found.model().point[..found.base.point.len()];
+        let moved = Fitted::new(&self.problem.with_chain(&found.base.chain), moved, Effort::NONE);
+        let mut likely = self.best_of_each_law(&self.screen(&moved));
+        let named = |it: &Direction| found.names(&self.candidates[it.candidate].name);
+        likely.sort_by(|a, b| named(b).cmp(&named(a)).then(b.gain.total_cmp(&a.gain)));
+        likely.truncate(NARROW.refits);
+        // The base law is where it would be with an effect that is nearly right.
+        likely.iter_mut().for_each(|direction| direction.shift.fill(0.0));
+        self.put_in_place_from(&moved, found, &likely, rise)
+            || self.put_named_in_place(found, rise)
+            || self.begin_base_anew(found)
+    }
+
+    /// The same with every law of the effects that were found, from all shapes of the screen: of one that is far from straight some lead
+    /// nowhere.
+    fn put_named_in_place(&self, found: &mut Found, rise: f64) -> bool {
+        let named =
+            |direction: &&Direction| found.names(&self.candidates[direction.candidate].name);
+        let directions: Vec<&Direction> = found.first.directions.iter().filter(named).collect();
+        let places: Vec<usize> = directions.iter().map(|direction| direction.candidate).collect();
+        let fits = places.into_iter().zip(self.fits_of(&found.base, &directions)).collect();
+        let mut rivals = self.by_effect(fits, &found.base);
+        for rival in &mut rivals {
+            rival.fitted = self.with_base_anew(&rival.fitted);
+        }
+        rivals.sort_by(by_criterion);
+        self.put_best_in_place(found, rivals, rise)
+    }
+
+    /// Begins the base law anew beside all effects that were found, if that describes the data decisively better.
+    fn begin_base_anew(&self, found: &mut Found) -> bool {
+        let anew = self.with_base_anew(found.model());
+        if anew.cost > found.model().cost - DECISIVE {
+            return false;
+        }
+        self.rebuild(found, anew);
+        found.steps.iter_mut().for_each(|step| step.fresh = false);
+        found.last = self.screen(found.model());
+        true
+    }
+
+    /// A model that leaves more than noise with its base law begun anew beside its effects, where that describes the data better.
+    #[must_use]
+    pub fn with_base_anew(&self, fitted: &Fitted) -> Fitted {
+        if self.leaves_noise(fitted) {
+            return fitted.clone();
+        }
+        let problem = self.problem.with_chain(&fitted.chain);
+        let starts = base_anew(&problem, &fitted.point);
+        let begun = starts.par_iter().map(|start| Fitted::new(&problem, start, Effort::QUICK));
+        let best = begun.min_by(|a, b| a.cost.total_cmp(&b.cost));
+        let Some(mut best) = best.filter(|best| best.cost < fitted.cost) else {
+            return fitted.clone();
+        };
+        best.go_on(self.problem);
+        tracing::debug!("base law begun anew: gain {:.1}", fitted.cost - best.cost);
+        best
+    }
+
+    /// The model with each of these laws, from what the screen foretells, and where that is nothing from its typical size.
+    #[must_use]
+    pub fn fits_of(&self, from: &Fitted, directions: &[&Direction]) -> Vec<Fitted> {
+        watch::stage("starts of laws", directions.len());
+        let start = |direction: &Direction| {
+            let mut start = direction.clone();
+            if start.gain <= 0.0 {
+                let form = &self.candidates[start.candidate].forms[start.form];
+                start.strengths.fill(form.typical);
+                start.shift.fill(0.0);
+            }
+            start
+        };
+        let fitted = |direction: &&Direction| {
+            let (chain, found) = self.try_out(from, &start(direction));
+            let fitted = Fitted::new(&self.problem.with_chain(&chain), &found.point, Effort::QUICK);
+            watch::done();
+            fitted
+        };
+        directions.par_iter().map(fitted).collect()
+    }
+
+    /// Of each law the direction that explains most, where any explains something.
+    fn best_of_each_law(&self, screen: &Screen) -> Vec<Direction> {
         let mut directions: Vec<&Direction> = Vec::new();
-        for direction in found.first.directions.iter().filter(|direction| direction.gain > 0.0) {
+        for direction in screen.directions.iter().filter(|direction| direction.gain > 0.0) {
             let law = (direction.candidate, direction.form);
             match directions.iter_mut().find(|it| (it.candidate, it.form) == law) {
                 Some(best) if best.gain < direction.gain => *best = direction,
@@ -1058,17 +1148,28 @@ impl Search<'_> {
                 None => directions.push(direction),
             }
         }
-        let directions: Vec<Direction> = directions.into_iter().cloned().collect();
-        self.put_in_place(found, &directions, if single { -DECISIVE } else { DECISIVE })
+        directions.into_iter().cloned().collect()
     }
 
     /// Puts the best of these laws in the place of all effects that were found, if the information criterion rises by no more than
     /// `rise`.
     fn put_in_place(&self, found: &mut Found, directions: &[Direction], rise: f64) -> bool {
+        let base = found.base.clone();
+        self.put_in_place_from(&base, found, directions, rise)
+    }
+
+    /// The same where the search for each begins at another point of the base.
+    fn put_in_place_from(
+        &self,
+        from: &Fitted,
+        found: &mut Found,
+        directions: &[Direction],
+        rise: f64,
+    ) -> bool {
         let mut tried: Vec<(&Direction, Chain, Solution)> = directions
             .par_iter()
             .map(|direction| {
-                let (chain, trial) = self.try_out(&found.base, direction);
+                let (chain, trial) = self.try_out(from, direction);
                 (direction, chain, trial)
             })
             .collect();
@@ -1083,6 +1184,11 @@ impl Search<'_> {
         tried.retain(|(.., trial)| gain(trial) > ALONE * explained);
         tried.truncate(2);
         let rivals = self.refitted(&found.base, tried, Effort::LONG);
+        self.put_best_in_place(found, rivals, rise)
+    }
+
+    /// The same with the best of these rivals.
+    fn put_best_in_place(&self, found: &mut Found, rivals: Vec<Rival>, rise: f64) -> bool {
         let Some(best) = rivals.first() else { return false };
         if best.fitted.bic() > found.model().bic() + rise {
             return false;
