@@ -82,6 +82,8 @@ const ELSEWHERE: usize = 3;
 const FEWEST: usize = 3;
 /// Most replacements of effects already found.
 const MOST_ROUNDS: usize = 5;
+/// Most times that all that was found gives way to another effect, or to other laws of its own.
+const MOST_LOOKS: usize = 3;
 /// Resamplings of the blocks.
 pub const RESAMPLES: usize = 200;
 /// Part of the resamplings that a single name must win.
@@ -315,7 +317,7 @@ impl Search<'_> {
     pub fn run(&self, base: Fitted) -> Found {
         let mut found = self.begin(base);
         let mut budget = 0.5 * self.options.false_alarms;
-        let mut looked_through = false;
+        let mut looks = 0;
         loop {
             while found.steps.len() < self.options.max_effects && self.advance(&mut found, budget) {
                 budget *= 0.5;
@@ -323,10 +325,10 @@ impl Search<'_> {
             if self.polish(&mut found) {
                 continue;
             }
-            if looked_through || !self.look_through(&mut found) {
+            if looks == MOST_LOOKS || !self.look_through(&mut found) {
                 break;
             }
-            looked_through = true;
+            looks += 1;
         }
         self.order(&mut found);
         self.drop_minor(&mut found);
@@ -1048,8 +1050,13 @@ impl Search<'_> {
     /// effects found have taken the base law.
     fn look_through(&self, found: &mut Found) -> bool {
         let single = found.steps.len() < 2;
-        if found.steps.is_empty() || (single && self.leaves_noise(found.model())) {
+        if found.steps.is_empty() {
             return false;
+        }
+        if single && self.leaves_noise(found.model()) {
+            // A law on a bound may be the limit of another one of the same effect.
+            let on_bound = found.model().last_effect_at_bound().is_some();
+            return on_bound && self.put_named_in_place(found, DECISIVE);
         }
         let rise = if single { -DECISIVE } else { DECISIVE };
         let every = self.best_of_each_law(&found.first);
@@ -1075,13 +1082,20 @@ impl Search<'_> {
         let named =
             |direction: &&Direction| found.names(&self.candidates[direction.candidate].name);
         let directions: Vec<&Direction> = found.first.directions.iter().filter(named).collect();
-        let places: Vec<usize> = directions.iter().map(|direction| direction.candidate).collect();
-        let fits = places.into_iter().zip(self.fits_of(&found.base, &directions)).collect();
-        let mut rivals = self.by_effect(fits, &found.base);
-        for rival in &mut rivals {
-            rival.fitted = self.with_base_anew(&rival.fitted);
+        let fits = self.fits_of(&found.base, &directions);
+        let mut best: Vec<(&Direction, Fitted)> = Vec::new();
+        for (direction, fitted) in directions.into_iter().zip(fits) {
+            let law = (direction.candidate, direction.form);
+            match best.iter_mut().find(|(it, _)| (it.candidate, it.form) == law) {
+                Some(own) if fitted.cost < own.1.cost => *own = (direction, fitted),
+                Some(_) => {}
+                None => best.push((direction, fitted)),
+            }
         }
-        rivals.sort_by(by_criterion);
+        let anew = |(direction, fitted): &(&Direction, Fitted)| {
+            (direction.candidate, self.with_base_anew(fitted))
+        };
+        let rivals = self.by_effect(best.iter().map(anew).collect(), &found.base);
         self.put_best_in_place(found, rivals, rise)
     }
 
