@@ -151,7 +151,8 @@ fn what_jumps_in_each_period_is_a_sawtooth() {
 /// A slow sine through all traces and the pauses between them, which `diagnose` tells by its frequency.
 #[test]
 fn a_swing_through_all_traces_is_a_wave_over_the_time_in_the_data_set() {
-    let set = thinned_set(4, 44, &[("sway", LawKind::OutsideMore)], 1.0);
+    // Not at 50 Hz: a hum of the mains would look as slow there.
+    let set = thinned_set(3, 44, &[("sway", LawKind::OutsideMore)], 1.0);
     let discovery = ask(&set);
     let formula = &formulas(&discovery)[0];
     let told = (formula.term.shape.name, formula.term.quantity.symbol);

@@ -74,6 +74,8 @@ const BROAD: Breadth = Breadth { refits: 16, laws: 2, worth: 0.1, close: 0.2 };
 /// One effect is tried in the place of several where a few steps with it alone explain this part of what
 /// they do.
 const ALONE: f64 = 0.7;
+/// The base law is begun anew beside one effect where that explains this part of what several do.
+const PROMISING: f64 = 0.4;
 /// A law whose search has not come to its end goes on with it where it explains this part of what the best does.
 const CONTENDS: f64 = 0.8;
 /// Other shapes that a law on a bound is fitted from.
@@ -1092,6 +1094,8 @@ impl Search<'_> {
                 None => best.push((direction, fitted)),
             }
         }
+        let explained = found.base.cost - found.model().cost;
+        best.retain(|(_, fitted)| found.base.cost - fitted.cost > PROMISING * explained);
         let anew = |(direction, fitted): &(&Direction, Fitted)| {
             (direction.candidate, self.with_base_anew(fitted))
         };
