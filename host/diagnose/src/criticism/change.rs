@@ -219,7 +219,8 @@ fn candidate(
         model.candidates.iter().filter(|own| own.name == effect).cloned().collect();
     let mut setting = data.setting();
     let noise = is_line(effect).then(|| noise_model(data)).flatten();
-    if let Some(slow) = noise.and_then(|noise| SlowHum::of(data, (chain, values), &noise)) {
+    let slow = |noise| SlowHum::of(data, &setting.scales, (chain, values), &noise);
+    if let Some(slow) = noise.and_then(slow) {
         setting.scales.mains = Some(slow.mains);
     }
     let mut found = candidates(&setting, &own)?

@@ -130,7 +130,9 @@ pub fn diagnose_with(
     // Where the noise is not seen, what the law lacks is taken for it, in which neighbours agree: there each mean of a long recording
     // counts as one sample, and motions are thinned only where rests alone are not enough.
     let known = noise_model(&all).or_else(|| (!long).then(|| noise_left(&all, false)));
-    let slow = known.as_ref().and_then(|noise| SlowHum::of(&all, (&chain, &values), noise));
+    let slow = known
+        .as_ref()
+        .and_then(|noise| SlowHum::of(&all, &setting.scales, (&chain, &values), noise));
     if let Some(slow) = &slow {
         setting.scales.mains = Some(slow.mains);
     }

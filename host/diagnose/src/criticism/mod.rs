@@ -29,6 +29,7 @@ pub mod foretold;
 pub mod held_out;
 mod hum;
 pub mod incident;
+mod instead;
 pub mod leftover;
 pub mod leftover_curve;
 pub mod next_motion;

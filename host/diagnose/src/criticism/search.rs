@@ -17,7 +17,6 @@ use super::options::Options;
 use super::residuals::Residuals;
 use super::screen::{Direction, Screen, screen};
 use super::touch::begun_at_touch;
-use palpate_fit::base_anew::base_anew;
 use palpate_fit::data::Data;
 use palpate_fit::least_squares::{Effort, LeastSquares, Solution, minimise_with};
 use palpate_fit::problem::Problem;
@@ -71,11 +70,6 @@ struct Breadth {
 const NARROW: Breadth = Breadth { refits: 12, laws: 12, worth: 0.25, close: 0.5 };
 /// Where traces left out rank, and a law that fits less may predict more.
 const BROAD: Breadth = Breadth { refits: 16, laws: 2, worth: 0.1, close: 0.2 };
-/// One effect is tried in the place of several where a few steps with it alone explain this part of what
-/// they do.
-const ALONE: f64 = 0.7;
-/// The base law is begun anew beside one effect where that explains this part of what several do.
-const PROMISING: f64 = 0.4;
 /// A law whose search has not come to its end goes on with it where it explains this part of what the best does.
 const CONTENDS: f64 = 0.8;
 /// Other shapes that a law on a bound is fitted from.
@@ -105,7 +99,7 @@ pub struct Step {
     /// Names that the data do not tell apart, the effect first.
     pub credible: Vec<String>,
     /// Whether the rivals were refitted beside the other effects of the model.
-    fresh: bool,
+    pub(super) fresh: bool,
 }
 
 impl Step {
@@ -765,7 +759,7 @@ impl Search<'_> {
         true
     }
 
-    fn screen(&self, fitted: &Fitted) -> Screen {
+    pub(super) fn screen(&self, fitted: &Fitted) -> Screen {
         let problem = self.problem.with_chain(&fitted.chain);
         screen(&problem, self.data, &fitted.point, self.whitening, self.candidates)
     }
@@ -896,7 +890,7 @@ impl Search<'_> {
 
     /// Fits each from where it was tried, and to its end those that may be the best; the best law of each effect, best
     /// effect first.
-    fn refitted(
+    pub(super) fn refitted(
         &self,
         from: &Fitted,
         tried: Vec<(&Direction, Chain, Solution)>,
@@ -923,7 +917,7 @@ impl Search<'_> {
     }
 
     /// The best law of each effect, best effect first.
-    fn by_effect(&self, fits: Vec<(usize, Fitted)>, from: &Fitted) -> Vec<Rival> {
+    pub(super) fn by_effect(&self, fits: Vec<(usize, Fitted)>, from: &Fitted) -> Vec<Rival> {
         let mut rivals: Vec<Rival> = Vec::new();
         for (candidate, fitted) in fits {
             self.enter(&mut rivals, candidate, fitted, from);
@@ -1032,194 +1026,6 @@ impl Search<'_> {
         changed && rounds <= MOST_ROUNDS
     }
 
-    /// Puts one effect in the place of several where it alone does as well: a first step that was wrong
-    /// can hide in what came after it.
-    fn collapse(&self, found: &mut Found) -> bool {
-        if found.steps.len() < 2 || found.steps.iter().all(|step| step.fresh) {
-            return false;
-        }
-        let names: Vec<&str> = found.steps.iter().map(|step| step.effect.as_str()).collect();
-        let named = |direction: &&Direction| {
-            names.contains(&self.candidates[direction.candidate].name.as_str())
-        };
-        let directions: Vec<Direction> =
-            found.first.directions.iter().filter(named).cloned().collect();
-        self.put_in_place(found, &directions, DECISIVE)
-    }
-
-    /// The same with every law of the library, where what was found is several effects or leaves more than noise: of a law whose misfit
-    /// the base law has taken on, the straight line of the screen foretells little. Then with those that it foretells most for where the
-    /// effects found have taken the base law.
-    fn look_through(&self, found: &mut Found) -> bool {
-        let single = found.steps.len() < 2;
-        if found.steps.is_empty() {
-            return false;
-        }
-        if single && self.leaves_noise(found.model()) {
-            // A law on a bound may be the limit of another one of the same effect.
-            let on_bound = found.model().last_effect_at_bound().is_some();
-            return on_bound && self.put_named_in_place(found, DECISIVE);
-        }
-        let rise = if single { -DECISIVE } else { DECISIVE };
-        let every = self.best_of_each_law(&found.first);
-        if self.put_in_place(found, &every, rise) {
-            return true;
-        }
-        let moved = &found.model().point[..found.base.point.len()];
-        let moved = Fitted::new(&self.problem.with_chain(&found.base.chain), moved, Effort::NONE);
-        let mut likely = self.best_of_each_law(&self.screen(&moved));
-        let named = |it: &Direction| found.names(&self.candidates[it.candidate].name);
-        likely.sort_by(|a, b| named(b).cmp(&named(a)).then(b.gain.total_cmp(&a.gain)));
-        likely.truncate(NARROW.refits);
-        // The base law is where it would be with an effect that is nearly right.
-        likely.iter_mut().for_each(|direction| direction.shift.fill(0.0));
-        self.put_in_place_from(&moved, found, &likely, rise)
-            || self.put_named_in_place(found, rise)
-            || self.begin_base_anew(found)
-    }
-
-    /// The same with every law of the effects that were found, from all shapes of the screen: of one that is far from straight some lead
-    /// nowhere.
-    fn put_named_in_place(&self, found: &mut Found, rise: f64) -> bool {
-        let named =
-            |direction: &&Direction| found.names(&self.candidates[direction.candidate].name);
-        let directions: Vec<&Direction> = found.first.directions.iter().filter(named).collect();
-        let fits = self.fits_of(&found.base, &directions);
-        let mut best: Vec<(&Direction, Fitted)> = Vec::new();
-        for (direction, fitted) in directions.into_iter().zip(fits) {
-            let law = (direction.candidate, direction.form);
-            match best.iter_mut().find(|(it, _)| (it.candidate, it.form) == law) {
-                Some(own) if fitted.cost < own.1.cost => *own = (direction, fitted),
-                Some(_) => {}
-                None => best.push((direction, fitted)),
-            }
-        }
-        let explained = found.base.cost - found.model().cost;
-        best.retain(|(_, fitted)| found.base.cost - fitted.cost > PROMISING * explained);
-        let anew = |(direction, fitted): &(&Direction, Fitted)| {
-            (direction.candidate, self.with_base_anew(fitted))
-        };
-        let rivals = self.by_effect(best.iter().map(anew).collect(), &found.base);
-        self.put_best_in_place(found, rivals, rise)
-    }
-
-    /// Begins the base law anew beside all effects that were found, if that describes the data decisively better.
-    fn begin_base_anew(&self, found: &mut Found) -> bool {
-        let anew = self.with_base_anew(found.model());
-        if anew.cost > found.model().cost - DECISIVE {
-            return false;
-        }
-        self.rebuild(found, anew);
-        found.steps.iter_mut().for_each(|step| step.fresh = false);
-        found.last = self.screen(found.model());
-        true
-    }
-
-    /// A model that leaves more than noise with its base law begun anew beside its effects, where that describes the data better.
-    #[must_use]
-    pub fn with_base_anew(&self, fitted: &Fitted) -> Fitted {
-        if self.leaves_noise(fitted) {
-            return fitted.clone();
-        }
-        let problem = self.problem.with_chain(&fitted.chain);
-        let starts = base_anew(&problem, &fitted.point);
-        let begun = starts.par_iter().map(|start| Fitted::new(&problem, start, Effort::QUICK));
-        let best = begun.min_by(|a, b| a.cost.total_cmp(&b.cost));
-        let Some(mut best) = best.filter(|best| best.cost < fitted.cost) else {
-            return fitted.clone();
-        };
-        best.go_on(self.problem);
-        tracing::debug!("base law begun anew: gain {:.1}", fitted.cost - best.cost);
-        best
-    }
-
-    /// The model with each of these laws, from what the screen foretells, and where that is nothing from its typical size.
-    #[must_use]
-    pub fn fits_of(&self, from: &Fitted, directions: &[&Direction]) -> Vec<Fitted> {
-        watch::stage("starts of laws", directions.len());
-        let start = |direction: &Direction| {
-            let mut start = direction.clone();
-            if start.gain <= 0.0 {
-                let form = &self.candidates[start.candidate].forms[start.form];
-                start.strengths.fill(form.typical);
-                start.shift.fill(0.0);
-            }
-            start
-        };
-        let fitted = |direction: &&Direction| {
-            let (chain, found) = self.try_out(from, &start(direction));
-            let fitted = Fitted::new(&self.problem.with_chain(&chain), &found.point, Effort::QUICK);
-            watch::done();
-            fitted
-        };
-        directions.par_iter().map(fitted).collect()
-    }
-
-    /// Of each law the direction that explains most, where any explains something.
-    fn best_of_each_law(&self, screen: &Screen) -> Vec<Direction> {
-        let mut directions: Vec<&Direction> = Vec::new();
-        for direction in screen.directions.iter().filter(|direction| direction.gain > 0.0) {
-            let law = (direction.candidate, direction.form);
-            match directions.iter_mut().find(|it| (it.candidate, it.form) == law) {
-                Some(best) if best.gain < direction.gain => *best = direction,
-                Some(_) => {}
-                None => directions.push(direction),
-            }
-        }
-        directions.into_iter().cloned().collect()
-    }
-
-    /// Puts the best of these laws in the place of all effects that were found, if the information criterion rises by no more than
-    /// `rise`.
-    fn put_in_place(&self, found: &mut Found, directions: &[Direction], rise: f64) -> bool {
-        let base = found.base.clone();
-        self.put_in_place_from(&base, found, directions, rise)
-    }
-
-    /// The same where the search for each begins at another point of the base.
-    fn put_in_place_from(
-        &self,
-        from: &Fitted,
-        found: &mut Found,
-        directions: &[Direction],
-        rise: f64,
-    ) -> bool {
-        let mut tried: Vec<(&Direction, Chain, Solution)> = directions
-            .par_iter()
-            .map(|direction| {
-                let (chain, trial) = self.try_out(from, direction);
-                (direction, chain, trial)
-            })
-            .collect();
-        tried.sort_by(|a, b| a.2.normal.cost.total_cmp(&b.2.normal.cost));
-        let explained = found.base.cost - found.model().cost;
-        let gain = |trial: &Solution| found.base.cost - trial.normal.cost;
-        for (direction, _, trial) in tried.iter().take(8) {
-            let candidate = &self.candidates[direction.candidate];
-            let law = &candidate.forms[direction.form].applied.law;
-            tracing::debug!("tried alone: {} ({law}): gain {:.1}", candidate.name, gain(trial));
-        }
-        tried.retain(|(.., trial)| gain(trial) > ALONE * explained);
-        tried.truncate(2);
-        let rivals = self.refitted(&found.base, tried, Effort::LONG);
-        self.put_best_in_place(found, rivals, rise)
-    }
-
-    /// The same with the best of these rivals.
-    fn put_best_in_place(&self, found: &mut Found, rivals: Vec<Rival>, rise: f64) -> bool {
-        let Some(best) = rivals.first() else { return false };
-        if best.fitted.bic() > found.model().bic() + rise {
-            return false;
-        }
-        let effect = best.effect.clone();
-        let p_value = found.first.chance_of_step(best.candidate, self.options.false_alarms);
-        tracing::debug!("in the place of {} effects: {effect}", found.steps.len());
-        found.models = vec![best.fitted.clone()];
-        found.steps = vec![Step { effect, p_value, rivals, credible: Vec::new(), fresh: false }];
-        found.last = self.screen(found.model());
-        true
-    }
-
     /// Puts the effects of a model that is close to the noise in the order in which each explains most beside those before it.
     fn order(&self, found: &mut Found) {
         if found.steps.len() < 2 || !self.is_close_to_noise(found.model()) {
@@ -1299,7 +1105,7 @@ impl Search<'_> {
     }
 
     /// Refits the models on the way to the last, one effect more in each.
-    fn rebuild(&self, found: &mut Found, last: Fitted) {
+    pub(super) fn rebuild(&self, found: &mut Found, last: Fitted) {
         let first = found.base.chain.effects.len();
         let count = last.chain.effects.len() - first;
         found.models = vec![last; count];

@@ -4,6 +4,7 @@ use palpate_fit::data::Data;
 use palpate_fit::least_squares::Effort;
 use palpate_fit::problem::Problem;
 use palpate_model::Chain;
+use palpate_model::effects::Scales;
 
 use super::fitted::Fitted;
 use super::hum::MAINS;
@@ -31,10 +32,10 @@ impl SlowHum {
     /// The hum that a model leaves in a data set; none where noise alone would show as much, or where samples show any hum as a fast line.
     pub(super) fn of(
         data: &Data,
+        scales: &Scales,
         (chain, values): (&Chain, &[f64]),
         noise: &NoiseModel,
     ) -> Option<Self> {
-        let scales = data.setting().scales;
         let interval = scales.common_interval;
         if interval > (1.0 + UNEVEN) * scales.interval
             || !MAINS.into_iter().any(|mains| Swing::looks_slow(mains, interval))
