@@ -127,7 +127,8 @@ fn what_a_panic_said_before_the_reset_is_told() {
     // A board that begins beside other work does not answer at once.
     let asked = || self::said(&["device", "info"], &device);
     let mut answers = (0..5).map(|_| asked());
-    let (info, _) = answers.find(|(_, status)| *status == Some(0)).unwrap_or_else(asked);
+    let (info, status) = answers.find(|(_, status)| *status == Some(0)).unwrap_or_else(asked);
+    assert_eq!(status, Some(0), "{info}");
     assert!(info.contains("main.rs:1: the end"), "{info}");
 }
 
