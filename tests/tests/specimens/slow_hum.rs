@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 use std::path::Path;
 
-use palpate_tests::held_press::{force, held_press, times};
+use palpate_tests::held_press::{force, held_press, times, warnings_and_diagnosis};
 use palpate_tests::{answer, specimens};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -34,8 +34,7 @@ fn record(folder: &Path, hum: f64) {
 fn a_hum_that_looks_like_a_slow_swing_is_named_and_added() {
     let folder = tempfile::tempdir().expect("a folder");
     record(folder.path(), 0.015);
-    answer(folder.path(), &["fit", "fung", ".", "-o", "model.toml", "--json"]);
-    let found = answer(folder.path(), &["diagnose", "--model", "model.toml", ".", "--json"]);
+    let (_, found) = warnings_and_diagnosis(folder.path());
     assert_eq!(found["steps"][0]["effect"], "mains-hum", "{found}");
     assert_eq!(found["verdict"], "named", "{found}");
     assert!(found["notes"].to_string().contains("as a swing of 0.07"), "{}", found["notes"]);
@@ -49,7 +48,6 @@ fn a_hum_that_looks_like_a_slow_swing_is_named_and_added() {
 fn samples_at_the_rate_of_the_mains_alone_have_no_hum() {
     let folder = tempfile::tempdir().expect("a folder");
     record(folder.path(), 0.0);
-    answer(folder.path(), &["fit", "fung", ".", "-o", "model.toml", "--json"]);
-    let found = answer(folder.path(), &["diagnose", "--model", "model.toml", ".", "--json"]);
+    let (_, found) = warnings_and_diagnosis(folder.path());
     assert_eq!(found["verdict"], "adequate", "{found}");
 }

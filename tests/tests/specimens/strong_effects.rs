@@ -1,14 +1,14 @@
 //! Effects of several noises that the base law has taken on while it was alone: they are found none the less, and nothing beside them.
 
 use palpate_tests::answer;
+use palpate_tests::held_press::warnings_and_diagnosis;
 
 /// The effect that is hidden in a practice set of this size, in noises, and seed, and those that are named.
 fn named(effect: &str, size: &str, seed: &str) -> (String, Vec<String>) {
     let folder = tempfile::tempdir().expect("a folder");
     let hide = ["hide", effect, "--size", size, "--seed", seed, "-o", "set", "--json"];
     answer(folder.path(), &hide);
-    answer(folder.path(), &["fit", "fung", "set", "-o", "model.toml", "--json"]);
-    let found = answer(folder.path(), &["diagnose", "--model", "model.toml", "set", "--json"]);
+    let (_, found) = warnings_and_diagnosis(&folder.path().join("set"));
     let steps = found["steps"].as_array().expect("steps");
     let names = steps.iter().map(|step| step["effect"].as_str().unwrap_or_default().to_owned());
     (found["verdict"].as_str().unwrap_or_default().to_owned(), names.collect())

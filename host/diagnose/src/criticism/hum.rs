@@ -65,8 +65,7 @@ fn power_of_line(left: &[Vec<f64>], data: &Data, frequency: f64) -> f64 {
     let squares = left.iter().zip(&data.pieces).map(|(left, piece)| {
         let (time, samples) = (&piece.motion.time, left.len());
         let interval = (time[samples - 1] - time[0]) / (samples as f64 - 1.0);
-        let turns = frequency * interval;
-        let shown = (turns - turns.round()).abs() / turns * frequency;
+        let shown = shown(frequency, interval);
         if shown.is_nan() || shown < SLOWEST {
             return 0.0;
         }
@@ -78,6 +77,12 @@ fn power_of_line(left: &[Vec<f64>], data: &Data, frequency: f64) -> f64 {
         squares.sum::<f64>()
     });
     squares.sum::<f64>() / data.samples() as f64
+}
+
+/// Frequency, Hz, as which samples that are `interval`, s, apart show a line.
+pub(super) fn shown(frequency: f64, interval: f64) -> f64 {
+    let turns = frequency * interval;
+    (turns - turns.round()).abs() / interval
 }
 
 /// The values about their mean.

@@ -32,7 +32,8 @@ impl Search<'_> {
         };
         let directions: Vec<Direction> =
             found.first.directions.iter().filter(named).cloned().collect();
-        self.put_in_place(found, &directions, DECISIVE)
+        let tried = self.tried(&found.base, directions.par_iter());
+        self.put_in_place(found, tried, DECISIVE)
     }
 
     /// The same with every law of the library, where what was found is several effects or leaves more than noise: of a law whose misfit
@@ -50,7 +51,8 @@ impl Search<'_> {
         }
         let rise = if single { -DECISIVE } else { DECISIVE };
         let every = most_promising(&found.first);
-        if self.put_in_place(found, &every, rise) {
+        let tried = self.tried(&found.base, every.par_iter());
+        if self.put_in_place(found, tried, rise) {
             return true;
         }
         let moved = &found.model().point[..found.base.point.len()];
@@ -61,7 +63,8 @@ impl Search<'_> {
         likely.truncate(MOST_LAWS);
         // The base law is where it would be with an effect that is nearly right.
         likely.iter_mut().for_each(|direction| direction.shift.fill(0.0));
-        self.put_in_place_from(&moved, found, &likely, rise)
+        let tried = self.tried(&moved, likely.par_iter());
+        self.put_in_place(found, tried, rise)
             || self.put_named_in_place(found, rise)
             || self.begin_base_anew(found)
     }
@@ -141,26 +144,12 @@ impl Search<'_> {
 
     /// Puts the best of these laws in the place of all effects that were found, if the information criterion rises by no more than
     /// `rise`.
-    fn put_in_place(&self, found: &mut Found, directions: &[Direction], rise: f64) -> bool {
-        let base = found.base.clone();
-        self.put_in_place_from(&base, found, directions, rise)
-    }
-
-    /// The same where the search for each begins at another point of the base.
-    fn put_in_place_from(
+    fn put_in_place(
         &self,
-        from: &Fitted,
         found: &mut Found,
-        directions: &[Direction],
+        mut tried: Vec<(&Direction, Chain, Solution)>,
         rise: f64,
     ) -> bool {
-        let mut tried: Vec<(&Direction, Chain, Solution)> = directions
-            .par_iter()
-            .map(|direction| {
-                let (chain, trial) = self.try_out(from, direction);
-                (direction, chain, trial)
-            })
-            .collect();
         tried.sort_by(|a, b| a.2.normal.cost.total_cmp(&b.2.normal.cost));
         let explained = found.base.cost - found.model().cost;
         let gain = |trial: &Solution| found.base.cost - trial.normal.cost;

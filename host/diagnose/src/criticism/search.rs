@@ -869,11 +869,8 @@ impl Search<'_> {
                 .collect();
             others.sort_by(|a, b| b.gain.total_cmp(&a.gain));
             others.truncate(ELSEWHERE);
-            let tried = others.par_iter().map(|direction| {
-                let (chain, trial) = self.try_out(from, direction);
-                (*direction, chain, trial)
-            });
-            let found = self.refitted(from, tried.collect(), Effort::LONG);
+            let tried = self.tried(from, others.par_iter().copied());
+            let found = self.refitted(from, tried, Effort::LONG);
             let inside = |other: &Rival| other.fitted.last_effect_at_bound().is_none();
             let better = |other: &Rival| stands_better(&other.fitted, &rival.fitted, from);
             if let Some(other) = found.into_iter().find(|other| inside(other) && better(other)) {
@@ -939,6 +936,19 @@ impl Search<'_> {
                 rivals.push(Rival { candidate, effect, fitted, won: 0.0 });
             }
         }
+    }
+
+    /// A few steps with each of these laws, in their order.
+    pub(super) fn tried<'d>(
+        &self,
+        from: &Fitted,
+        directions: impl ParallelIterator<Item = &'d Direction>,
+    ) -> Vec<(&'d Direction, Chain, Solution)> {
+        let tried = |direction: &'d Direction| {
+            let (chain, trial) = self.try_out(from, direction);
+            (direction, chain, trial)
+        };
+        directions.map(tried).collect()
     }
 
     /// A few steps with one more law, from what the screen foretells.

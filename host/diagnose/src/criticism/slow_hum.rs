@@ -7,7 +7,7 @@ use palpate_model::Chain;
 use palpate_model::effects::Scales;
 
 use super::fitted::Fitted;
-use super::hum::MAINS;
+use super::hum::{MAINS, shown};
 use super::noise::NoiseModel;
 use super::outside::Outside;
 use super::swing::Swing;
@@ -45,14 +45,14 @@ impl SlowHum {
         let problem = Problem::new(chain, data, &noise.whitening, None);
         let fitted = Fitted::new(&problem, &problem.point(values), Effort::QUICK);
         let line = |mains: f64| {
-            let line = Swing::alias(&problem, &fitted, mains, interval).map(Outside::Swing);
-            line.filter(|line| line.is_sure(1.0))
+            let line = Swing::alias(&problem, &fitted, mains, interval);
+            line.filter(|line| Outside::Swing(line.clone()).is_sure(1.0))
         };
         let found = (0..MAINS.len()).filter_map(|place| Some((place, line(MAINS[place])?)));
-        let (place, line) = found.max_by(|a, b| a.1.gain().total_cmp(&b.1.gain()))?;
-        let Outside::Swing(Swing { frequency_hz: frequency, .. }) = line else { return None };
+        let (place, line) = found.max_by(|a, b| a.1.gain.total_cmp(&b.1.gain))?;
+        let frequency = line.frequency_hz;
         let mut mains = scales.mains.unwrap_or(MAINS);
         mains[place] = frequency;
-        Some(Self { frequency, shown: Swing::shown(frequency, interval), interval, mains })
+        Some(Self { frequency, shown: shown(frequency, interval), interval, mains })
     }
 }

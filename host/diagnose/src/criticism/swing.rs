@@ -7,6 +7,7 @@ use palpate_fit::problem::Problem;
 
 use super::beside::{Beside, Products};
 use super::fitted::Fitted;
+use super::hum::shown;
 
 /// A sine through the data set.
 #[derive(Clone, Debug, PartialEq)]
@@ -56,17 +57,10 @@ impl Swing {
         strongest(&problem, &fitted.point, |slow| slow, fastest)
     }
 
-    /// Frequency, Hz, as which samples that are `interval`, s, apart show a sine.
-    #[must_use]
-    pub fn shown(frequency: f64, interval: f64) -> f64 {
-        let turns = frequency * interval;
-        (turns - turns.round()).abs() / interval
-    }
-
     /// Whether samples that are `interval`, s, apart show a line of the `mains`, Hz, as a slow one.
     #[must_use]
     pub fn looks_slow(mains: f64, interval: f64) -> bool {
-        mains * interval > 0.5 && Self::shown(mains, interval) < OFF_THE_MAINS
+        mains * interval > 0.5 && shown(mains, interval) < OFF_THE_MAINS
     }
 
     /// The same of a line of the `mains`, Hz, in samples that are `interval`, s, apart: its own frequency is given. None where it would
