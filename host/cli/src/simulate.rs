@@ -10,7 +10,7 @@ use super::Failure;
 use super::output::{OverwriteOnly, print};
 use palpate_fit::data::Data;
 use palpate_fit::whole_motion::predict;
-use palpate_model::effects::chain_of;
+use palpate_model::effects::{FOLLOWED, chain_of};
 use palpate_model::{Equilibrium, ForceProfile, Model, Profile, Segments};
 use palpate_trace::files::plan::{COMPUTED, Plan};
 use palpate_trace::{
@@ -162,6 +162,14 @@ pub fn ask(
 
 /// A motion and the force that the model predicts for it.
 fn moved(model: &Model, motion: Trace, name: &str) -> Result<(Trace, Vec<f64>), Failure> {
+    if let Some(effect) =
+        model.effects.iter().find(|effect| effect.law.as_deref() == Some(FOLLOWED))
+    {
+        return Err(Failure::Input(miette::miette!(
+            "`{0}` follows a measured signal (law `{FOLLOWED}`), and a motion alone has none: take it out (palpate drop {0} ...)",
+            effect.name
+        )));
+    }
     let control = Some(Control::Displacement);
     let head = Head { specimen: motion.head.specimen, control, ..simulated(name) };
     let trace = Trace { path: None, head, ..motion };

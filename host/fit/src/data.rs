@@ -12,7 +12,7 @@ use palpate_trace::{
     FORCE, GAUGES, SignalError, TANGENTIAL, TEMPERATURE, Trace, elapsed, ordered_by, runs,
 };
 
-use super::line::line_near;
+use super::line::{Line, line_near};
 use super::slope::{acceleration, slope, velocity};
 
 /// One stretch of recording without a gap, with its motion.
@@ -24,6 +24,8 @@ pub struct Piece<'a> {
     pub motion: Motion<'a>,
     /// What was measured at each sample.
     pub measured: &'a [f64],
+    /// Whether that is the signal, sample by sample: no motion alone, and no means.
+    is_signal: bool,
     /// Time of the trace's first sample, s.
     first: f64,
     /// When the trace began since the data set began, s.
@@ -57,6 +59,7 @@ impl Piece<'_> {
             trace,
             motion,
             measured,
+            is_signal: false,
             first,
             begin,
             past,
@@ -217,7 +220,10 @@ impl<'a> Data<'a> {
     /// # Errors
     /// When a trace lacks a motion.
     pub fn of_motions(traces: &'a [Trace], signal: &str) -> Result<Self, DataError> {
-        Self::gather(traces, signal, |trace| Ok(trace.displacement().unwrap_or_default()))
+        let mut data =
+            Self::gather(traces, signal, |trace| Ok(trace.displacement().unwrap_or_default()))?;
+        data.pieces.iter_mut().for_each(|piece| piece.is_signal = false);
+        Ok(data)
     }
 
     fn gather(
@@ -307,6 +313,7 @@ impl<'a> Data<'a> {
                 trace: index,
                 motion,
                 measured: &measured[run.clone()],
+                is_signal: true,
                 first: trace.time[0],
                 begin,
                 past: before,
@@ -398,9 +405,14 @@ impl<'a> Data<'a> {
     pub fn setting(&self) -> Setting {
         let (traces, channels) = (self.labels.clone(), self.channels.clone());
         let mut scales = self.scales();
-        let lines = [50.0, 60.0].map(|mains| (mains, line_near(&self.heard(), mains)));
-        if lines.iter().any(|(_, line)| line.is_some()) {
-            scales.mains = Some(lines.map(|(mains, line)| line.unwrap_or(mains)));
+        let heard = self.heard();
+        let lines = [50.0, 60.0].map(|mains| (mains, line_near(&heard, mains)));
+        let found = lines.iter().filter_map(|(_, line)| *line);
+        if let Some(strongest) = found.max_by(|a, b| a.over.total_cmp(&b.over)) {
+            let frequency =
+                |(mains, line): (f64, Option<Line>)| line.map_or(mains, |it| it.frequency);
+            scales.mains = Some(lines.map(frequency));
+            scales.line = Some(strongest.frequency);
         }
         let channel_ranges = (0..channels.len()).map(|place| self.channel_range(place)).collect();
         let (effects, laws) = (self.effects.clone(), self.laws.clone());
@@ -466,6 +478,7 @@ impl<'a> Data<'a> {
             largest: Cow::default(),
             warmth: None,
             channels: &piece.channels,
+            measured: if piece.is_signal { piece.measured } else { &[] },
         };
         if let Some(known) = self.known(piece) {
             Scene {

@@ -20,13 +20,22 @@ const LANES: usize = 8;
 /// Two intervals closer than this, relatively, are the same: times are printed with few digits.
 const SAME_INTERVAL: f64 = 1e-7;
 
-/// Frequency, Hz, of a line within 1 Hz of `near` in stretches of (time since the set began, s; value),
+/// A line of a spectrum.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Line {
+    /// Its frequency, Hz.
+    pub frequency: f64,
+    /// Its power over the median of those around it.
+    pub over: f64,
+}
+
+/// The line within 1 Hz of `near` in stretches of (time since the set began, s; value),
 /// or of the line whose alias they show; none where no line stands out. First it is found block by
 /// block, then as precisely as the clock of the whole set tells.
 ///
 /// Second differences stand in for the values, so that slow changes do not count.
 #[must_use]
-pub fn line_near(stretches: &[(Vec<f64>, &[f64])], near: f64) -> Option<f64> {
+pub fn line_near(stretches: &[(Vec<f64>, &[f64])], near: f64) -> Option<Line> {
     let blocks: Vec<(Vec<f64>, Vec<f64>)> =
         stretches.iter().flat_map(|(time, values)| blocks(time, values)).collect();
     let duration = |(time, _): &(Vec<f64>, Vec<f64>)| time[time.len() - 1] - time[0];
@@ -45,7 +54,8 @@ pub fn line_near(stretches: &[(Vec<f64>, &[f64])], near: f64) -> Option<f64> {
     powers.sort_by(|a, b| a.1.total_cmp(&b.1));
     let (middle, (coarse, highest)) = (powers[powers.len() / 2].1, powers[powers.len() - 1]);
     let spread = ChiSquared::new(2.0 * blocks.len() as f64).ok()?;
-    let chance = spread.sf(highest / middle * spread.inverse_cdf(0.5)) * powers.len() as f64;
+    let over = highest / middle;
+    let chance = spread.sf(over * spread.inverse_cdf(0.5)) * powers.len() as f64;
     if chance.is_nan() || chance > CHANCE {
         return None;
     }
@@ -53,7 +63,7 @@ pub fn line_near(stretches: &[(Vec<f64>, &[f64])], near: f64) -> Option<f64> {
     let last = blocks.iter().map(|(time, _)| time[time.len() - 1]).fold(first, f64::max);
     let (within, step) = (0.5 / longest, STEP / (last - first));
     if within > FINEST * step {
-        return Some(coarse);
+        return Some(Line { frequency: coarse, over });
     }
     let fine = self::powers(coarse, within, step, |frequencies| {
         let mut sums = [Complex::default(); LANES];
@@ -63,7 +73,8 @@ pub fn line_near(stretches: &[(Vec<f64>, &[f64])], near: f64) -> Option<f64> {
         }
         sums.map(|sum| sum.norm_sqr())
     });
-    fine.into_iter().max_by(|a, b| a.1.total_cmp(&b.1)).map(|(frequency, _)| frequency)
+    let (frequency, _) = fine.into_iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
+    Some(Line { frequency, over })
 }
 
 /// The power at frequencies about `middle`.
@@ -156,7 +167,7 @@ mod tests {
             .collect();
         let stretches: Vec<(Vec<f64>, &[f64])> =
             stretches.iter().map(|(time, values)| (time.clone(), &values[..])).collect();
-        line_near(&stretches, near)
+        line_near(&stretches, near).map(|line| line.frequency)
     }
 
     #[test]

@@ -37,13 +37,16 @@ fn trace(amplitude: f64, start: f64) -> Trace {
     trace
 }
 
-/// Three traces of which the base law knows everything.
+/// Three traces of which the base law knows everything but a hum.
 fn traces() -> Vec<Trace> {
     let mut traces = vec![trace(4.0, 0.0), trace(8.0, 20.0), trace(6.0, 60.0)];
     let base = Chain::new(BaseLaw::fung(2, Separation::Clamp));
     let force = run(&Data::of(&traces, FORCE).unwrap(), &base, &BASE);
+    // A hum is there to be followed.
+    let hum = |time: &f64| 0.001 * (std::f64::consts::TAU * 50.03 * time).sin();
     for (trace, force) in traces.iter_mut().zip(force.chunks(SAMPLES)) {
-        trace.columns[1].values = force.into();
+        let hums = trace.time.iter().map(hum);
+        trace.columns[1].values = force.iter().zip(hums).map(|(force, hum)| force + hum).collect();
     }
     traces
 }

@@ -28,6 +28,8 @@ pub struct Scene<'a> {
     pub warmth: Option<Cow<'a, [f64]>>,
     /// The other channels that were recorded, in the order of their columns.
     pub channels: &'a [Channel<'a>],
+    /// The signal that was measured; empty where a motion alone is known, or means of the signal.
+    pub measured: &'a [f64],
 }
 
 /// Another channel than the signal, at each sample.

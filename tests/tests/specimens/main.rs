@@ -3,11 +3,11 @@
 mod bonded;
 mod fresh_specimens;
 mod holds;
+mod hum;
 mod inexact_laws;
 mod louder_noise;
 mod outliers;
 mod scattered_displacement;
-mod slow_hum;
 mod stairs;
 mod strong_effects;
 mod taps;

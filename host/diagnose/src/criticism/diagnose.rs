@@ -23,7 +23,7 @@ use palpate_fit::least_squares::{Effort, LeastSquares};
 use palpate_fit::means::Means;
 use palpate_fit::problem::Problem;
 use palpate_fit::whitening::Whitening;
-use palpate_model::effects::{Candidate, EffectError, candidates, chain_of};
+use palpate_model::effects::{Candidate, EffectError, FOLLOWED, candidates, chain_of};
 use palpate_model::{BaseLaw, Chain, Model, Separation};
 use palpate_trace::{Noise, Trace, block_means, pooled_noise};
 
@@ -198,6 +198,7 @@ pub fn diagnose_with(
         let mut lines = setting.scales.mains.into_iter().flatten().filter(shows);
         course.miss_a_line(lines.find(|line| loud(&left, *line)));
     }
+    course.say_that_the_hum_wanders();
     course.say_what_else_the_hum_may_be(slow.as_ref());
     course.look_for_a_vibration();
     course.say_what_vibrates();
@@ -355,13 +356,24 @@ impl<'a> Course<'a> {
         ));
     }
 
-    /// Takes a line of the mains, Hz, that stays and that no hum of one frequency predicts for something that is missing.
+    /// Takes a line of the mains, Hz, that stays and that no law of a hum predicts for something that is missing.
     fn miss_a_line(&mut self, line: Option<f64>) {
         let Some(line) = line else { return };
         self.assessed.verdict = Verdict::Unknown;
         self.notes.push(format!(
-            "a line near {line:.0} Hz stands out, with a phase that wanders: no hum of one frequency predicts traces left out"
+            "a line near {line:.0} Hz stands out, and no law of a hum predicts it on traces left out"
         ));
+    }
+
+    /// Says that a hum that is followed has no steady phase.
+    fn say_that_the_hum_wanders(&mut self) {
+        if self.found.model().chain.effects.iter().any(|effect| effect.law == FOLLOWED) {
+            self.notes.push(
+                "the phase of the hum wanders: each sample takes it from the signal in the seconds around, and a motion alone does not \
+                 foretell it"
+                    .into(),
+            );
+        }
     }
 
     /// Says that a hum that these samples show as a slow swing may be one.

@@ -120,7 +120,7 @@ impl Vibration {
         let pieces = &problem.data().pieces;
         let stretches: Vec<(Vec<f64>, &[f64])> =
             pieces.iter().zip(left).map(|(piece, left)| (piece.set_time(), &left[..])).collect();
-        let frequency = line_near(&stretches, near)?;
+        let frequency = line_near(&stretches, near)?.frequency;
         let (mut square, mut gain) = (0.0, 0.0);
         for (index, (times, left)) in stretches.iter().enumerate() {
             let phase = |k: usize| TAU * frequency * times[k];

@@ -146,6 +146,7 @@ mod tests {
             largest: of_none.into(),
             warmth: None,
             channels: &[],
+            measured: &[],
         };
         let law = EFFECT.laws.iter().find(|law| law.name == "dahl-in-contact").unwrap();
         let Act::Force(act) = &law.act else { panic!("friction acts on the force") };

@@ -29,11 +29,17 @@ pub struct Effect {
 /// Name of the law of a specimen that forgets between traces, as a new one does. It is tried where nothing says that one trace was
 /// recorded after the other.
 pub const RECOVERED: &str = "recovered";
+/// Name of the law of a hum that is followed through the signal. It is tried where a line of the mains stands out.
+pub const FOLLOWED: &str = "followed";
 
 impl Effect {
     /// The laws that are tried on a data set of these scales.
     pub fn laws_on(&self, scales: &Scales) -> impl Iterator<Item = &Law> {
-        self.laws.iter().filter(|law| law.name != RECOVERED || scales.unordered)
+        self.laws.iter().filter(|law| match law.name {
+            RECOVERED => scales.unordered,
+            FOLLOWED => scales.line.is_some(),
+            _ => true,
+        })
     }
 }
 
@@ -178,6 +184,8 @@ pub struct Scales {
     pub common_interval: f64,
     /// Strongest line near 50 Hz and near 60 Hz, Hz; none where it has not been looked for.
     pub mains: Option<[f64; 2]>,
+    /// The stronger of the two, Hz; none where neither stands out.
+    pub line: Option<f64>,
 }
 
 /// What effects need to know of a data set.

@@ -2,7 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use super::{Count, Covariate, Effect, Law, Needs, Role, Shape, Sign, Strength};
+use super::line_around::line_around;
+use super::{Count, Covariate, Effect, FOLLOWED, Law, Needs, Role, Shape, Sign, Strength};
 use crate::{Act, Remembered, Scene, Stage};
 
 const AMPLITUDE: Strength = Strength {
@@ -61,6 +62,27 @@ pub const EFFECT: Effect = Effect {
             shapes: &[FREQUENCY],
             act: Act::Added(free_phase),
         },
+        Law {
+            name: FOLLOWED,
+            formula: "F → F + g h(t), h the line at f that the signal shows in the 2 s around t, less those next to t",
+            strength: Strength {
+                name: "share",
+                unit: "1",
+                meaning: "part of the line which the seconds around a sample show that is in it",
+                sign: Sign::Positive,
+                typical: |_| 1.0,
+                most: |_| 4.0,
+                count: Count::Fixed(&[]),
+            },
+            shapes: &[Shape {
+                name: "about",
+                unit: "Hz",
+                meaning: "frequency about which the line is followed",
+                grid: |scales| vec![scales.line.unwrap_or(50.0)],
+                role: Role::Given,
+            }],
+            act: Act::Added(followed),
+        },
     ],
 };
 
@@ -77,4 +99,14 @@ fn free_phase(scene: &Scene, parameters: &[f64], _: &mut Remembered, force: &mut
     if let (Some(frequency), Some(amplitudes)) = (parameters.last(), parameters.get(at..at + 2)) {
         hum(force, amplitudes, |k| frequency * scene.since[k]);
     }
+}
+
+/// The mains wander, and amplitudes swell: of a hum whose phase no clock foretells, the samples around tell it.
+fn followed(scene: &Scene, parameters: &[f64], _: &mut Remembered, force: &mut [f64]) {
+    let &[share, about] = parameters else { return };
+    if share == 0.0 || scene.measured.len() != force.len() {
+        return;
+    }
+    let line = line_around(&scene.since, scene.measured, about);
+    force.iter_mut().zip(line).for_each(|(force, line)| *force += share * line);
 }

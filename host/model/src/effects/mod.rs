@@ -23,6 +23,7 @@ mod hysteresis;
 mod inertia;
 mod latency_law;
 mod library;
+mod line_around;
 mod load_friction;
 mod mains_hum;
 mod memory;
@@ -46,7 +47,8 @@ mod zero_shift;
 
 pub use candidates::{Candidate, Form, candidates};
 pub use declaration::{
-    Count, Effect, Grid, Law, Needs, RECOVERED, Role, Scales, Setting, Shape, Sign, Strength,
+    Count, Effect, FOLLOWED, Grid, Law, Needs, RECOVERED, Role, Scales, Setting, Shape, Sign,
+    Strength,
 };
 pub use library::{Effects, LIBRARY, find, meant};
 pub use published::{PublishedError, read_laws};

@@ -158,6 +158,7 @@ mod tests {
             largest: (&time).into(),
             warmth: None,
             channels: &[],
+            measured: &[],
         };
         let Act::Force(act) = &EFFECT.laws[law].act else { panic!("a lag acts on the force") };
         act(&scene, parameters, &mut Vec::new(), &mut force);
