@@ -9,6 +9,7 @@ use std::ops::Range;
 use nalgebra::{Matrix2, Vector2};
 use palpate_fit::data::Data;
 use palpate_fit::fourier::Planner;
+use palpate_model::effects::shown;
 
 /// Frequencies of the mains, Hz.
 pub(super) const MAINS: [f64; 2] = [50.0, 60.0];
@@ -77,12 +78,6 @@ fn power_of_line(left: &[Vec<f64>], data: &Data, frequency: f64) -> f64 {
         squares.sum::<f64>()
     });
     squares.sum::<f64>() / data.samples() as f64
-}
-
-/// Frequency, Hz, as which samples that are `interval`, s, apart show a line.
-pub(super) fn shown(frequency: f64, interval: f64) -> f64 {
-    let turns = frequency * interval;
-    (turns - turns.round()).abs() / interval
 }
 
 /// The values about their mean.

@@ -4,10 +4,10 @@ use palpate_fit::data::Data;
 use palpate_fit::least_squares::Effort;
 use palpate_fit::problem::Problem;
 use palpate_model::Chain;
-use palpate_model::effects::Scales;
+use palpate_model::effects::{Scales, shown};
 
 use super::fitted::Fitted;
-use super::hum::{MAINS, shown};
+use super::hum::MAINS;
 use super::noise::NoiseModel;
 use super::outside::Outside;
 use super::swing::Swing;

@@ -4,10 +4,10 @@
 use std::f64::consts::TAU;
 
 use palpate_fit::problem::Problem;
+use palpate_model::effects::shown;
 
 use super::beside::{Beside, Products};
 use super::fitted::Fitted;
-use super::hum::shown;
 
 /// A sine through the data set.
 #[derive(Clone, Debug, PartialEq)]

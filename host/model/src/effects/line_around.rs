@@ -19,13 +19,19 @@ const PERIODS: f64 = 2.0;
 /// Weight of the samples around, at least: fewer tell no line.
 const FEWEST: f64 = 24.0;
 
+/// Frequency, Hz, as which samples that are `interval`, s, apart show a line.
+#[must_use]
+pub fn shown(frequency: f64, interval: f64) -> f64 {
+    let turns = frequency * interval;
+    (turns - turns.round()).abs() / interval
+}
+
 /// The line of about this frequency, Hz, at every sample of a signal as those around it show it; zero where they are too few, or so far
 /// apart that the line looks slow.
 pub(super) fn line_around(time: &[f64], signal: &[f64], frequency: f64) -> Vec<f64> {
     let (Some(first), Some(last)) = (time.first(), time.last()) else { return Vec::new() };
     let samples = time.len() as f64;
-    let turns = frequency * (last - first) / (samples - 1.0).max(1.0);
-    let shown = (turns - turns.round()).abs() * frequency / turns;
+    let shown = shown(frequency, (last - first) / (samples - 1.0).max(1.0));
     if shown.is_nan() || shown < SLOWEST {
         return vec![0.0; time.len()];
     }
@@ -33,21 +39,17 @@ pub(super) fn line_around(time: &[f64], signal: &[f64], frequency: f64) -> Vec<f
     let real = signal.iter().map(|&value| Complex::from(value)).collect::<Vec<_>>();
     let slow = |values: &[Complex<f64>]| smoothed(time, values, PERIODS / shown);
     let about = signal.iter().zip(slow(&real).into_iter().zip(slow(&ones)));
-    let turned: Vec<Complex<f64>> = about
-        .zip(time)
-        .map(|((value, (sum, weight)), t)| {
-            Complex::cis(-TAU * frequency * t) * (value - sum.re / weight.re)
-        })
-        .collect();
+    let fast = about.map(|(value, (sum, weight))| value - sum.re / weight.re);
+    let turns: Vec<Complex<f64>> = time.iter().map(|t| Complex::cis(TAU * frequency * t)).collect();
+    let turned: Vec<_> = turns.iter().zip(fast).map(|(turn, value)| turn.conj() * value).collect();
+    let twice: Vec<_> = turns.iter().map(|turn| turn.conj() * turn.conj()).collect();
     let around = |values: &[Complex<f64>]| {
         let (wide, narrow) = (smoothed(time, values, WIDE), smoothed(time, values, NARROW));
         wide.into_iter().zip(narrow).map(|(wide, narrow)| wide - narrow)
     };
     // Of a line the sum is its value times the weighted mean of cos² over the lags: one half, or one where it turns by half a turn a sample.
-    let twice: Vec<_> = time.iter().map(|t| Complex::cis(-2.0 * TAU * frequency * t)).collect();
     let sums = around(&turned).zip(around(&ones)).zip(around(&twice));
-    let line = sums.zip(time).map(|(((sum, weight), doubled), t)| {
-        let turn = Complex::cis(TAU * frequency * t);
+    let line = sums.zip(&turns).map(|(((sum, weight), doubled), turn)| {
         let squares = 0.5 * (weight + doubled * turn * turn).re;
         if weight.re >= FEWEST { (sum * turn).re / squares } else { 0.0 }
     });

@@ -51,6 +51,7 @@ pub use declaration::{
     Strength,
 };
 pub use library::{Effects, LIBRARY, find, meant};
+pub use line_around::shown;
 pub use published::{PublishedError, read_laws};
 pub use stored::{EffectError, applied, chain_of, store};
 
