@@ -82,7 +82,7 @@ pub use import::{Imported, import, import_parts, import_tests, places};
 pub use import_error::ImportError;
 pub use mapping::Mapping;
 pub use noise::{Noise, Source, force_noise, noise};
-pub use outliers::{Outlier, outliers, without};
+pub use outliers::{Outlier, bridged, outliers, without};
 pub use pooled_noise::pooled_noise;
 pub use read::{SIZE_LIMIT, parse, read, read_all, read_head};
 pub use sampling::{Sampling, sampling};

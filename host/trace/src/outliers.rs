@@ -79,6 +79,19 @@ pub fn without(trace: &Trace, outliers: &[Outlier]) -> Trace {
     left
 }
 
+/// A signal with the straight line between their neighbours in the place of samples that jump away and back while the motion is smooth:
+/// they are no part of its noise.
+#[must_use]
+pub fn bridged(time: &[f64], motion: &[f64], signal: &[f64]) -> Vec<f64> {
+    let mut bridged = signal.to_vec();
+    for range in jumps_of_signal(time, signal) {
+        if smooth(Some(motion), &range) {
+            range.clone().for_each(|k| bridged[k] = between(time, signal, &range, k));
+        }
+    }
+    bridged
+}
+
 /// The straight line between the samples around a range, at one of its samples.
 fn between(time: &[f64], values: &[f64], range: &Range<usize>, k: usize) -> f64 {
     let (from, to) = (range.start - 1, range.end);
@@ -279,6 +292,20 @@ mod tests {
         turning.columns[0].values = (0..400).map(triangle).collect();
         turning.columns[1].values = (0..400).map(|k| triangle(k).powi(2)).collect();
         assert_eq!(rows(&turning), []);
+    }
+
+    #[test]
+    fn a_bridged_signal_differs_at_its_jumps_alone() {
+        let clean = press(0.02);
+        let out = changed(clean.clone(), 1, &[(20, 0.5), (90, 2.0), (91, 2.2)]);
+        let signal = |trace: &Trace| trace.columns[1].values.clone();
+        let bridged =
+            |trace: &Trace| bridged(&trace.time, &trace.columns[0].values, &signal(trace));
+        assert_eq!(bridged(&clean), signal(&clean));
+        for (k, (bridged, clean)) in bridged(&out).into_iter().zip(signal(&clean)).enumerate() {
+            let jumps = [20, 90, 91].contains(&k);
+            assert!((bridged - clean).abs() < if jumps { 0.1 } else { 1e-12 }, "{k}");
+        }
     }
 
     #[test]

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use palpate::model::{BaseLaw, Separation};
 use palpate::trace::{Column, DISPLACEMENT, Trace, read, write};
+use palpate_tests::held_press::{force, held_press, keep, times, warnings_and_diagnosis};
 use palpate_tests::{answer, palpate, press};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -95,6 +96,32 @@ fn a_jump_that_moves_no_parameter_is_said_to_hardly_matter() {
     let told = text(folder, &["fit", "fung", "takes", "--signal", SIGNAL]);
     let told = told.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(told.contains("1 sample jumps") && told.contains("so they hardly matter"), "{told}");
+}
+
+/// A loose contact or a lost byte: what the noise is seen in has such samples too.
+#[test]
+fn samples_that_jump_are_no_noise_and_something_that_is_missing() {
+    const NOISE: f64 = 0.01;
+    let folder = tempfile::tempdir().unwrap();
+    let mut random = ChaCha8Rng::seed_from_u64(61);
+    let normal = Normal::new(0.0, NOISE).unwrap();
+    let presses = [(4.0, 2.0), (5.0, 3.0), (6.0, 5.0), (5.0, 4.0)];
+    let jumps: [&[(usize, f64)]; 4] =
+        [&[(40, 2.4), (1900, -1.1)], &[(60, -1.6), (450, 1.3)], &[(1850, 2.1)], &[(75, 1.8)]];
+    for (number, ((deep, speed), jumps)) in presses.into_iter().zip(jumps).enumerate() {
+        let motion = held_press(deep, speed);
+        let time = times(2000, 100.0);
+        let x: Vec<f64> = time.iter().map(|&t| motion(t)).collect();
+        let mut force = force(&time, motion);
+        force.iter_mut().for_each(|force| *force += normal.sample(&mut random));
+        jumps.iter().for_each(|(row, jump)| force[*row] += jump);
+        keep(folder.path(), number, &time, &x, &force);
+    }
+    let (_, found) = warnings_and_diagnosis(folder.path());
+    assert_eq!(found["outliers"].as_array().map(Vec::len), Some(6), "{found}");
+    assert_eq!(found["verdict"], "unknown", "{found}");
+    let noise = found["noise"]["standard_deviation"].as_f64().unwrap();
+    assert!((noise / NOISE - 1.0).abs() < 0.05, "{noise} N");
 }
 
 #[test]

@@ -6,7 +6,7 @@ use super::hum::{centred, without_hum};
 use super::vibration::without_vibration;
 use palpate_fit::data::Data;
 use palpate_fit::whitening::{Likelihood, Stretch, Whitening, decays};
-use palpate_trace::{Noise, Source, Trace, pooled_noise};
+use palpate_trace::{Noise, Source, Trace, bridged, pooled_noise};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 /// What is known of the noise.
@@ -243,7 +243,7 @@ fn spread(stretches: &[Vec<f64>]) -> f64 {
     if count > 0.0 { squares / count } else { 0.0 }
 }
 
-/// The signal at rest off the specimen, stretch by stretch: before the first touch of each recording,
+/// The signal at rest off the specimen without its impossible samples, stretch by stretch: before the first touch of each recording,
 /// and after a touch.
 fn quiet(data: &Data) -> [Vec<Vec<f64>>; 2] {
     let mut found = [Vec::new(), Vec::new()];
@@ -251,6 +251,7 @@ fn quiet(data: &Data) -> [Vec<Vec<f64>>; 2] {
         let scene = data.scene(piece);
         let (time, x) = (&piece.motion.time, &piece.motion.displacement);
         let fastest = scene.velocity.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
+        let measured = bridged(time, x, &piece.measured);
         let mut released = f64::NEG_INFINITY;
         let mut stretch = Vec::new();
         for k in 0..time.len() {
@@ -259,7 +260,7 @@ fn quiet(data: &Data) -> [Vec<Vec<f64>>; 2] {
             }
             let rests = !data.loads(x[k]) && scene.velocity[k].abs() <= 1e-3 * fastest;
             if rests && time[k] >= released + RECOVERY {
-                stretch.push(piece.measured[k]);
+                stretch.push(measured[k]);
             } else if !stretch.is_empty() {
                 let touched = usize::from(released.is_finite());
                 found[touched].push(std::mem::take(&mut stretch));

@@ -718,13 +718,18 @@ impl Search<'_> {
         self.rows.is_some() && !self.problem.stands_for_samples()
     }
 
+    /// The recordings as they are.
+    #[must_use]
+    pub fn rows(&self) -> &Data<'_> {
+        self.rows.unwrap_or(self.samples).data()
+    }
+
     /// What a model leaves beside noise. Where the noise is seen nowhere else, what correlates for a few samples is noise.
     #[must_use]
     pub fn left_by(&self, fitted: &Fitted) -> Adequacy {
         let problem = self.samples.with_chain(&fitted.chain);
         let mut found = adequacy(&problem, &fitted.point, self.whitening);
-        let rows = self.rows.unwrap_or(self.samples).data();
-        let left = || Residuals::new(&fitted.chain, &fitted.values, rows).values();
+        let left = || Residuals::new(&fitted.chain, &fitted.values, self.rows()).values();
         if self.whitening.is_guess() && is_noise(left()) {
             found.p_value = 1.0;
             found.excess = 0.0;

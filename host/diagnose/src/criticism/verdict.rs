@@ -8,6 +8,9 @@ use super::noise::NoiseModel;
 use super::options::Options;
 use super::outside::Outside;
 use super::search::{Found, Search, Step};
+use palpate_fit::data::{Data, Piece};
+use palpate_model::Motion;
+use palpate_trace::bridged;
 
 /// The answer in one word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -88,6 +91,7 @@ impl Assessed {
             if guessed { unexplained.max((last / first).min(1.0)) } else { unexplained };
         let verdict = match verdict(found, before, unexplained, search.options) {
             Verdict::Adequate if guessed || outside.is_some() => Verdict::Unknown,
+            Verdict::Adequate if jumps_show(search.rows(), noise) => Verdict::Unknown,
             verdict => verdict,
         };
         tracing::debug!(
@@ -99,6 +103,18 @@ impl Assessed {
         let inexact = after.p_value < LEVEL || guessed;
         Self { verdict, unexplained, inexact, after }
     }
+}
+
+/// Whether samples that jump away and back leave more than is at the noise.
+fn jumps_show(data: &Data, noise: &NoiseModel) -> bool {
+    let square = |piece: &Piece| {
+        let Motion { time, displacement, .. } = &piece.motion;
+        let bridged = bridged(time, displacement, &piece.measured);
+        bridged.iter().zip(&piece.measured[..]).map(|(to, from)| (from - to).powi(2)).sum::<f64>()
+    };
+    let all: f64 = data.pieces.iter().map(square).sum();
+    let may = (AT_THE_NOISE.powi(2) - 1.0) * noise.level.powi(2);
+    noise.is_known() && all > may * data.samples() as f64
 }
 
 /// Root mean square of what a model leaves beyond the noise, in the unit of the signal.
