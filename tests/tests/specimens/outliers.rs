@@ -120,6 +120,10 @@ fn samples_that_jump_are_no_noise_and_something_that_is_missing() {
     let (_, found) = warnings_and_diagnosis(folder.path());
     assert_eq!(found["outliers"].as_array().map(Vec::len), Some(6), "{found}");
     assert_eq!(found["verdict"], "unknown", "{found}");
+    let words = found["in_words"].to_string();
+    assert!(words.contains("Samples that jump away and back are 9"), "{words}");
+    let without = ["diagnose", "--model", "model.toml", ".", "--drop-outliers"];
+    assert_eq!(json(folder.path(), &without)["verdict"], "adequate");
     let noise = found["noise"]["standard_deviation"].as_f64().unwrap();
     assert!((noise / NOISE - 1.0).abs() < 0.05, "{noise} N");
 }

@@ -7,6 +7,7 @@ use super::experiment::{deciding, repeating};
 use super::fitted::Fitted;
 use super::held_out::HeldOut;
 use super::hum::has_line;
+use super::jumps::{MOST_JUMPS, jumps};
 use super::noise::{NoiseModel, noise_model, residual_noise, samples_at_rest};
 use super::options::Options;
 use super::outside::Outside;
@@ -65,6 +66,8 @@ pub struct Diagnosis {
     pub places: Vec<Cell>,
     /// What describes the misfit of the model without effects and is no effect itself; none where effects are named.
     pub outside: Option<Outside>,
+    /// Part of the misfit beyond the noise that samples leave which jump away and back, 0 to 1, where no effect is named; 0 otherwise.
+    pub jumps: f64,
     /// Effects that these data cannot show, with the reason.
     pub untestable: Vec<(String, String)>,
     /// What could be tried.
@@ -455,6 +458,8 @@ impl<'a> Course<'a> {
             Verdict::Unknown if matches!(self.outside(), Some(Outside::Past(_))) => {
                 Some("the same motions, each recorded from a rest off the specimen on".into())
             }
+            // Another recording of the same recorder has others.
+            Verdict::Unknown if self.jumps() > MOST_JUMPS => None,
             Verdict::Unknown => repeating(places, &data.labels),
         }
     }
@@ -463,6 +468,13 @@ impl<'a> Course<'a> {
     fn outside(&self) -> Option<&Outside> {
         let told = |it: &&Outside| it.is_most(&self.found.base) || self.before.p_value >= LEVEL;
         self.outside.as_ref().filter(|_| self.found.steps.is_empty()).filter(told)
+    }
+
+    /// Part of the misfit beyond the noise that samples leave which jump away and back, where no effect is named.
+    fn jumps(&self) -> f64 {
+        let misfit = beyond_noise(&self.found.base, self.noise.level).powi(2);
+        let unnamed = self.assessed.verdict == Verdict::Unknown && self.found.steps.is_empty();
+        if unnamed && misfit > 0.0 { (jumps(self.search.rows()) / misfit).min(1.0) } else { 0.0 }
     }
 
     /// The diagnosis, with what the last model leaves of all rows; `traces` are what the specimen has been through.
@@ -477,6 +489,7 @@ impl<'a> Course<'a> {
         let evidence = &self.found.evidence;
         let outside = self.outside().cloned();
         Diagnosis {
+            jumps: self.jumps(),
             next_experiment: self.next_experiment(&places, traces),
             verdict: self.assessed.verdict,
             labels: data.labels.clone(),

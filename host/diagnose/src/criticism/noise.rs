@@ -251,7 +251,7 @@ fn quiet(data: &Data) -> [Vec<Vec<f64>>; 2] {
         let scene = data.scene(piece);
         let (time, x) = (&piece.motion.time, &piece.motion.displacement);
         let fastest = scene.velocity.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
-        let measured = bridged(time, x, &piece.measured);
+        let measured = bridged(time, x, piece.measured);
         let mut released = f64::NEG_INFINITY;
         let mut stretch = Vec::new();
         for k in 0..time.len() {

@@ -4,13 +4,12 @@ use super::adequacy::{Adequacy, LEVEL};
 use super::evidence::Evidence;
 use super::fitted::Fitted;
 use super::held_out::HeldOut;
+use super::jumps::jumps;
 use super::noise::NoiseModel;
 use super::options::Options;
 use super::outside::Outside;
 use super::search::{Found, Search, Step};
-use palpate_fit::data::{Data, Piece};
-use palpate_model::Motion;
-use palpate_trace::bridged;
+use palpate_fit::data::Data;
 
 /// The answer in one word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -107,14 +106,7 @@ impl Assessed {
 
 /// Whether samples that jump away and back leave more than is at the noise.
 fn jumps_show(data: &Data, noise: &NoiseModel) -> bool {
-    let square = |piece: &Piece| {
-        let Motion { time, displacement, .. } = &piece.motion;
-        let bridged = bridged(time, displacement, &piece.measured);
-        bridged.iter().zip(&piece.measured[..]).map(|(to, from)| (from - to).powi(2)).sum::<f64>()
-    };
-    let all: f64 = data.pieces.iter().map(square).sum();
-    let may = (AT_THE_NOISE.powi(2) - 1.0) * noise.level.powi(2);
-    noise.is_known() && all > may * data.samples() as f64
+    noise.is_known() && jumps(data) > (AT_THE_NOISE.powi(2) - 1.0) * noise.level.powi(2)
 }
 
 /// Root mean square of what a model leaves beyond the noise, in the unit of the signal.

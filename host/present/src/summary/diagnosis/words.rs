@@ -4,6 +4,7 @@ use super::{DiagnosisSummary, listed};
 use palpate_diagnose::criticism::adequacy::LEVEL;
 use palpate_diagnose::criticism::diagnose::Verdict;
 use palpate_diagnose::criticism::incident::Change;
+use palpate_diagnose::criticism::jumps::MOST_JUMPS;
 use palpate_diagnose::criticism::leftover_curve::LeftoverCurve;
 use palpate_diagnose::criticism::outside::Outside;
 use palpate_diagnose::criticism::search::{DECISIVE, Step};
@@ -34,7 +35,11 @@ impl DiagnosisSummary<'_> {
                 let unit = self.unit();
                 let base = &self.diagnosis.found.base;
                 let outside = self.diagnosis.outside.as_ref();
-                let looks = outside.map_or_else(String::new, |it| self.outside_in_words(it));
+                let looks = match outside {
+                    _ if self.jumps_most() => self.jumps_in_words(),
+                    Some(outside) => self.outside_in_words(outside),
+                    None => String::new(),
+                };
                 format!(
                     "Something is missing that no effect of the library explains. The model leaves \
                      {} {unit}, {} times the noise. {looks}{}",
@@ -55,6 +60,18 @@ impl DiagnosisSummary<'_> {
                 )
             }
         }
+    }
+
+    /// Whether samples that jump away and back are most of the misfit.
+    fn jumps_most(&self) -> bool {
+        self.diagnosis.jumps > MOST_JUMPS
+    }
+
+    fn jumps_in_words(&self) -> String {
+        let share = percent(self.diagnosis.jumps, 2);
+        format!(
+            "Samples that jump away and back are {share} of the misfit: they are the recorder's. "
+        )
     }
 
     /// What is no effect and describes the misfit, and how much of it.
@@ -299,6 +316,10 @@ impl DiagnosisSummary<'_> {
                 next.push(add(false));
                 next
             }
+            Verdict::Unknown if self.jumps_most() => vec![(
+                "What else is missing shows without the samples that jump:".into(),
+                Some(self.next.diagnose() + " --drop-outliers"),
+            )],
             Verdict::Unknown => {
                 let mut next: Vec<_> = self.experiment_in_words().into_iter().collect();
                 if !steps.is_empty() {
