@@ -58,8 +58,7 @@ pub fn outliers(trace: &Trace, column: &str) -> Vec<Outlier> {
     if column != DISPLACEMENT
         && let Some(values) = trace.column(column)
     {
-        let alone = |range: &Range<usize>| smooth(motion, range);
-        let jumps = jumps_of_signal(&trace.time, values).into_iter().filter(alone);
+        let jumps = jumps_of_signal(&trace.time, values).into_iter().filter(smooth(motion));
         found.extend(jumps.flat_map(|range| told(column, values, range)));
     }
     found
@@ -84,10 +83,8 @@ pub fn without(trace: &Trace, outliers: &[Outlier]) -> Trace {
 #[must_use]
 pub fn bridged(time: &[f64], motion: &[f64], signal: &[f64]) -> Vec<f64> {
     let mut bridged = signal.to_vec();
-    for range in jumps_of_signal(time, signal) {
-        if smooth(Some(motion), &range) {
-            range.clone().for_each(|k| bridged[k] = between(time, signal, &range, k));
-        }
+    for range in jumps_of_signal(time, signal).into_iter().filter(smooth(Some(motion))) {
+        range.clone().for_each(|k| bridged[k] = between(time, signal, &range, k));
     }
     bridged
 }
@@ -197,12 +194,15 @@ fn jumps_of_signal(time: &[f64], values: &[f64]) -> Vec<Range<usize>> {
     })
 }
 
-/// Whether a motion goes straight on across a range of samples and their neighbours.
-fn smooth(motion: Option<&[f64]>, range: &Range<usize>) -> bool {
-    let Some(x) = motion else { return true };
-    let largest = x.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f64::max);
-    let around = range.start.saturating_sub(1)..(range.end + 1).min(x.len());
-    x[around].windows(3).all(|x| (x[2] - 2.0 * x[1] + x[0]).abs() <= MAX_BEND_SHARE * largest)
+/// Whether a motion goes straight on across a range of samples and their neighbours; so it does where there is none.
+fn smooth(motion: Option<&[f64]>) -> impl Fn(&Range<usize>) -> bool {
+    let largest = motion.map_or(0.0, |x| steps(x).fold(0.0, f64::max));
+    move |range| {
+        let Some(x) = motion else { return true };
+        let around = range.start.saturating_sub(1)..(range.end + 1).min(x.len());
+        let bend = |x: &[f64]| (x[2] - 2.0 * x[1] + x[0]).abs();
+        x[around].windows(3).all(|x| bend(x) <= MAX_BEND_SHARE * largest)
+    }
 }
 
 /// The middle value; 0 of none.
