@@ -81,6 +81,9 @@ impl Default for StretchYielding {
 const STRETCH_SETTLED: f64 = 1e-10;
 /// Most runs over a stretch: some ten settle nearly every one, a hundred a joint that closes at once under a specimen that relaxes.
 const MOST_RUNS: usize = 150;
+/// Runs from which on the first sample that is open must move on as fast as it has to, to be through after the most: where samples
+/// settle more slowly than that, they never do.
+const FREE_RUNS: usize = 24;
 /// Steepest slope of what is open over the compression that a secant tells: what happened before moves a sample too, and beside a step of
 /// nothing that is no slope.
 const STEEPEST: f64 = 100.0;
@@ -146,6 +149,9 @@ impl StretchYielding {
         while runs < most_runs {
             let open = |k: &usize| !jumps[*k] && (rest[*k].abs() > settled || rest[*k].is_nan());
             let Some(now) = (0..x.len()).find(open).filter(|&k| rest[k].is_finite()) else { break };
+            if runs > FREE_RUNS && now * MOST_RUNS < (runs - FREE_RUNS) * x.len() {
+                break;
+            }
             if first != now {
                 (first, between) = (now, Between::default());
             }

@@ -107,7 +107,7 @@ fn samples_that_jump_are_no_noise_and_something_that_is_missing() {
     let normal = Normal::new(0.0, NOISE).unwrap();
     let presses = [(4.0, 2.0), (5.0, 3.0), (6.0, 5.0), (5.0, 4.0)];
     let jumps: [&[(usize, f64)]; 4] =
-        [&[(40, 2.4), (1900, -1.1)], &[(60, -1.6), (450, 1.3)], &[(1850, 2.1)], &[(75, 1.8)]];
+        [&[(40, 2.4), (1900, -1.1)], &[(60, -1.6), (450, 1.3)], &[(1850, 2.1)], &[(30, 1.8)]];
     for (number, ((deep, speed), jumps)) in presses.into_iter().zip(jumps).enumerate() {
         let motion = held_press(deep, speed);
         let time = times(2000, 100.0);
