@@ -66,8 +66,8 @@ pub struct Diagnosis {
     pub places: Vec<Cell>,
     /// What describes the misfit of the model without effects and is no effect itself; none where effects are named.
     pub outside: Option<Outside>,
-    /// Part of the misfit beyond the noise that samples leave which jump away and back, 0 to 1, where no effect is named; 0 otherwise.
-    pub jumps: f64,
+    /// Part of the misfit beyond the noise that samples leave which jump away and back, where that is most of it and no effect is named.
+    pub jumps: Option<f64>,
     /// Effects that these data cannot show, with the reason.
     pub untestable: Vec<(String, String)>,
     /// What could be tried.
@@ -450,7 +450,12 @@ impl<'a> Course<'a> {
     }
 
     /// The experiment that would decide, or show more.
-    fn next_experiment(&self, places: &[Cell], traces: &[Trace]) -> Option<String> {
+    fn next_experiment(
+        &self,
+        places: &[Cell],
+        traces: &[Trace],
+        jumps: Option<f64>,
+    ) -> Option<String> {
         let Search { data, whitening, .. } = self.search;
         match self.assessed.verdict {
             Verdict::Adequate | Verdict::Named => None,
@@ -459,7 +464,7 @@ impl<'a> Course<'a> {
                 Some("the same motions, each recorded from a rest off the specimen on".into())
             }
             // Another recording of the same recorder has others.
-            Verdict::Unknown if self.jumps() > MOST_JUMPS => None,
+            Verdict::Unknown if jumps.is_some() => None,
             Verdict::Unknown => repeating(places, &data.labels),
         }
     }
@@ -470,11 +475,12 @@ impl<'a> Course<'a> {
         self.outside.as_ref().filter(|_| self.found.steps.is_empty()).filter(told)
     }
 
-    /// Part of the misfit beyond the noise that samples leave which jump away and back, where no effect is named.
-    fn jumps(&self) -> f64 {
+    /// Part of the misfit beyond the noise that samples leave which jump away and back, where that is most of it and no effect is named.
+    fn jumps(&self) -> Option<f64> {
         let misfit = beyond_noise(&self.found.base, self.noise.level).powi(2);
         let unnamed = self.assessed.verdict == Verdict::Unknown && self.found.steps.is_empty();
-        if unnamed && misfit > 0.0 { (jumps(self.search.rows()) / misfit).min(1.0) } else { 0.0 }
+        let part = || (jumps(self.search.rows()) / misfit).min(1.0);
+        (unnamed && misfit > 0.0).then(part).filter(|part| *part > MOST_JUMPS)
     }
 
     /// The diagnosis, with what the last model leaves of all rows; `traces` are what the specimen has been through.
@@ -488,9 +494,10 @@ impl<'a> Course<'a> {
         let places = cells_of(&final_rows, &final_rows.point(&last.values), self.noise.level);
         let evidence = &self.found.evidence;
         let outside = self.outside().cloned();
+        let jumps = self.jumps();
         Diagnosis {
-            jumps: self.jumps(),
-            next_experiment: self.next_experiment(&places, traces),
+            next_experiment: self.next_experiment(&places, traces, jumps),
+            jumps,
             verdict: self.assessed.verdict,
             labels: data.labels.clone(),
             signal: data.signal.clone(),

@@ -5,11 +5,11 @@ use palpate_model::Motion;
 use palpate_trace::bridged;
 
 /// Part of the misfit from which on samples that jump are what is missing.
-pub const MOST_JUMPS: f64 = 0.5;
+pub(super) const MOST_JUMPS: f64 = 0.5;
 
 /// Mean square, over all samples, by which those that jump are off the line between their neighbours, in the squared unit of the signal.
 #[must_use]
-pub fn jumps(data: &Data) -> f64 {
+pub(super) fn jumps(data: &Data) -> f64 {
     let square = |piece: &Piece| {
         let Motion { time, displacement, .. } = &piece.motion;
         let bridged = bridged(time, displacement, piece.measured);

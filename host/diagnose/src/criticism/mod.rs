@@ -30,7 +30,7 @@ pub mod held_out;
 mod hum;
 pub mod incident;
 mod instead;
-pub mod jumps;
+mod jumps;
 pub mod leftover;
 pub mod leftover_curve;
 pub mod next_motion;

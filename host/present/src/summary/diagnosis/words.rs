@@ -4,7 +4,6 @@ use super::{DiagnosisSummary, listed};
 use palpate_diagnose::criticism::adequacy::LEVEL;
 use palpate_diagnose::criticism::diagnose::Verdict;
 use palpate_diagnose::criticism::incident::Change;
-use palpate_diagnose::criticism::jumps::MOST_JUMPS;
 use palpate_diagnose::criticism::leftover_curve::LeftoverCurve;
 use palpate_diagnose::criticism::outside::Outside;
 use palpate_diagnose::criticism::search::{DECISIVE, Step};
@@ -13,6 +12,12 @@ use palpate_report::number::{percent, significant};
 
 /// An error this many times the noise is not called noise.
 const SUSPECT: f64 = 1.15;
+
+/// How much of the misfit samples leave that jump away and back.
+fn jumps_in_words(share: f64) -> String {
+    let share = percent(share, 2);
+    format!("Samples that jump away and back are {share} of the misfit: they are the recorder's. ")
+}
 
 impl DiagnosisSummary<'_> {
     /// What is missing, how sure that is, and what it does to the error.
@@ -34,11 +39,10 @@ impl DiagnosisSummary<'_> {
             Verdict::Unknown if self.diagnosis.found.steps.is_empty() => {
                 let unit = self.unit();
                 let base = &self.diagnosis.found.base;
-                let outside = self.diagnosis.outside.as_ref();
-                let looks = match outside {
-                    _ if self.jumps_most() => self.jumps_in_words(),
-                    Some(outside) => self.outside_in_words(outside),
-                    None => String::new(),
+                let looks = match (self.diagnosis.jumps, &self.diagnosis.outside) {
+                    (Some(share), _) => jumps_in_words(share),
+                    (None, Some(outside)) => self.outside_in_words(outside),
+                    (None, None) => String::new(),
                 };
                 format!(
                     "Something is missing that no effect of the library explains. The model leaves \
@@ -60,18 +64,6 @@ impl DiagnosisSummary<'_> {
                 )
             }
         }
-    }
-
-    /// Whether samples that jump away and back are most of the misfit.
-    fn jumps_most(&self) -> bool {
-        self.diagnosis.jumps > MOST_JUMPS
-    }
-
-    fn jumps_in_words(&self) -> String {
-        let share = percent(self.diagnosis.jumps, 2);
-        format!(
-            "Samples that jump away and back are {share} of the misfit: they are the recorder's. "
-        )
     }
 
     /// What is no effect and describes the misfit, and how much of it.
@@ -316,7 +308,7 @@ impl DiagnosisSummary<'_> {
                 next.push(add(false));
                 next
             }
-            Verdict::Unknown if self.jumps_most() => vec![(
+            Verdict::Unknown if self.diagnosis.jumps.is_some() => vec![(
                 "What else is missing shows without the samples that jump:".into(),
                 Some(self.next.diagnose() + " --drop-outliers"),
             )],
