@@ -53,6 +53,7 @@ pub mod problem;
 pub mod ranking;
 pub mod ranks;
 pub mod relaxation_form;
+pub mod remembering;
 pub mod robust;
 pub mod slope;
 mod spare;

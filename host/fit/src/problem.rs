@@ -22,6 +22,7 @@ use super::least_squares::{HARDLY, LeastSquares, Normal, bounded_step_of};
 use super::levels::LevelSums;
 use super::means::Means;
 use super::meant::Meant;
+use super::remembering::Reached;
 use super::spare::Spare;
 use super::watch;
 use super::whitening::Whitening;
@@ -272,7 +273,7 @@ impl<'a> Problem<'a> {
         let traces: Vec<usize> = self.left_out.iter().flat_map(|fold| fold.traces(count)).collect();
         let mut aparts = vec![Apart::default(); traces.len()];
         let mut stretches: Vec<Vec<(usize, Vec<f64>)>> = vec![Vec::new(); traces.len()];
-        let cost = self.fitted_cost(point, |index, piece, residual| {
+        let cost = self.fitted_cost(point, &mut Reached::default(), |index, piece, residual| {
             let Ok(place) = traces.binary_search(&piece.trace) else { return };
             let apart = &mut aparts[place];
             let mut weighted = residual.to_vec();
@@ -314,14 +315,19 @@ impl<'a> Problem<'a> {
 
     /// The whitened sum of squares over the traces that are fitted; `seen` gets the residual of every
     /// stretch (predicted minus measured).
-    fn fitted_cost(&self, point: &[f64], mut seen: impl FnMut(usize, &Piece, &[f64])) -> f64 {
+    fn fitted_cost(
+        &self,
+        point: &[f64],
+        reached: &mut Reached,
+        mut seen: impl FnMut(usize, &Piece, &[f64]),
+    ) -> f64 {
         let mut normal = Normal::zeros(0);
         normal.cost = self.unseen();
         let mut sums = self.level_sums(0);
-        let (mut run, mut elasticity) = (self.run_at(point), Elasticity::default());
+        let mut run = self.run_at(point);
         let mut residual = self.spare.take();
         for (index, piece) in self.data.pieces.iter().enumerate() {
-            self.advance(&mut run, index, &mut elasticity, &mut residual);
+            self.advance(&mut run, index, reached.in_stretch(index), &mut residual);
             for (force, measured) in residual.iter_mut().zip(piece.measured) {
                 *force -= measured;
             }
@@ -553,11 +559,18 @@ impl<'a> Problem<'a> {
     /// Hands over, stretch by stretch, the residual (predicted minus measured) and its derivatives, not
     /// whitened: a column for each coordinate that the stretch depends on. The others have none.
     pub fn derivatives(&self, point: &[f64], mut sink: impl FnMut(&Piece, Vec<f64>, Columns)) {
-        self.slopes(point, |piece, residual, columns| sink(piece, take(residual), take(columns)));
+        self.slopes(point, &mut Reached::default(), |piece, residual, columns| {
+            sink(piece, take(residual), take(columns));
+        });
     }
 
     /// The same lent, not given away.
-    fn slopes(&self, point: &[f64], mut sink: impl FnMut(&Piece, &mut Vec<f64>, &mut Columns)) {
+    fn slopes(
+        &self,
+        point: &[f64],
+        reached: &mut Reached,
+        mut sink: impl FnMut(&Piece, &mut Vec<f64>, &mut Columns),
+    ) {
         let steps = self.steps(point);
         let moved = |j: usize| {
             let mut moved = point.to_vec();
@@ -581,8 +594,8 @@ impl<'a> Problem<'a> {
         let changes = (self.coordinates.count()..point.len()).any(|j| self.acts_after(j));
         // What adds the same whatever the force leaves the derivatives of that as they are.
         let bends = !self.chain.only_adds_to_force();
-        let mut elasticity = Elasticity::default();
         for (index, piece) in self.data.pieces.iter().enumerate() {
+            let elasticity = reached.in_stretch(index);
             let own: Vec<usize> = owned[piece.trace].iter().copied().filter(moves).collect();
             let before = (!own.is_empty()).then(|| run.clone());
             let (mut base, mut relaxed) = (self.spare.take(), self.spare.take());
@@ -600,7 +613,7 @@ impl<'a> Problem<'a> {
                 }
                 columns.extend(carried.iter().copied().zip(slopes));
             } else {
-                self.advance(&mut run, index, &mut elasticity, &mut base);
+                self.advance(&mut run, index, elasticity, &mut base);
             }
             let size = base.iter().fold(0.0, |most: f64, force| most.max(force.abs()));
             let mut difference = |j: usize, run: &mut Run| {
@@ -673,7 +686,7 @@ impl<'a> Problem<'a> {
                 .collect();
         }
         let mut found = vec![(Normal::zeros(point.len()), 0); traces];
-        self.slopes(point, |piece, residual, columns| {
+        self.slopes(point, &mut Reached::default(), |piece, residual, columns| {
             let (normal, samples) = &mut found[piece.trace];
             normal.add(columns, residual, 0..residual.len());
             *samples += residual.len();
@@ -685,10 +698,15 @@ impl<'a> Problem<'a> {
     /// or a part of one where there are few.
     #[must_use]
     pub fn blocks(&self, point: &[f64]) -> Vec<Block> {
+        self.blocks_from(point, &mut Reached::default())
+    }
+
+    /// The same from where a set-up that yields came to before.
+    pub(super) fn blocks_from(&self, point: &[f64], reached: &mut Reached) -> Vec<Block> {
         let parts = FEWEST_BLOCKS.div_ceil(self.data.pieces.len().max(1));
         let mut blocks = Vec::new();
         let mut index = 0;
-        self.slopes(point, |piece, residual, columns| {
+        self.slopes(point, reached, |piece, residual, columns| {
             let first = blocks.len();
             let ranges = self.parts(index, parts);
             let coordinates: Vec<usize> = columns.iter().map(|(j, _)| *j).collect();
@@ -882,6 +900,51 @@ impl<'a> Problem<'a> {
         Some(there)
     }
 
+    /// [`LeastSquares::cost`] from where a set-up that yields came to before.
+    pub(super) fn cost_from(&self, point: &[f64], reached: &mut Reached) -> f64 {
+        self.fitted_cost(point, reached, |_, _, _| {})
+    }
+
+    /// [`LeastSquares::tried`] from there.
+    pub(super) fn tried_from(
+        &self,
+        point: &mut [f64],
+        reached: &mut Reached,
+    ) -> (f64, Option<Normal>) {
+        let Some(normal) = self.fused(point) else {
+            return (self.cost_from(point, reached), None);
+        };
+        let normal = self.projected(point, &normal).unwrap_or(normal);
+        (normal.cost, Some(normal))
+    }
+
+    /// [`LeastSquares::normal`] from there.
+    pub(super) fn normal_from(&self, point: &[f64], reached: &mut Reached) -> Normal {
+        if let Some(normal) = self.fused(point) {
+            return normal;
+        }
+        let mut normal = Normal::zeros(point.len());
+        normal.cost = self.unseen();
+        let mut sums = self.level_sums(point.len());
+        let mut index = 0;
+        self.slopes(point, reached, |piece, residual, columns| {
+            if self.fitted(piece) {
+                self.whiten_residual(index, residual);
+                for (_, column) in columns.iter_mut() {
+                    self.whiten_at(index, column);
+                }
+                if let Some(sums) = &mut sums {
+                    let unit = self.unit_level(index);
+                    sums.add(piece.trace, &unit, columns, residual, 0);
+                }
+                normal.add(columns, residual, 0..residual.len());
+            }
+            index += 1;
+        });
+        self.marginalise(sums.as_ref(), &mut normal);
+        normal
+    }
+
     fn fitted(&self, piece: &Piece) -> bool {
         self.left_out.is_none_or(|fold| !fold.holds(piece.trace))
     }
@@ -1034,39 +1097,15 @@ impl LeastSquares for Problem<'_> {
     }
 
     fn cost(&self, point: &[f64]) -> f64 {
-        self.fitted_cost(point, |_, _, _| {})
+        self.cost_from(point, &mut Reached::default())
     }
 
     fn tried(&self, point: &mut [f64]) -> (f64, Option<Normal>) {
-        let Some(normal) = self.fused(point) else { return (self.cost(point), None) };
-        let normal = self.projected(point, &normal).unwrap_or(normal);
-        (normal.cost, Some(normal))
+        self.tried_from(point, &mut Reached::default())
     }
 
     fn normal(&self, point: &[f64]) -> Normal {
-        if let Some(normal) = self.fused(point) {
-            return normal;
-        }
-        let mut normal = Normal::zeros(point.len());
-        normal.cost = self.unseen();
-        let mut sums = self.level_sums(point.len());
-        let mut index = 0;
-        self.slopes(point, |piece, residual, columns| {
-            if self.fitted(piece) {
-                self.whiten_residual(index, residual);
-                for (_, column) in columns.iter_mut() {
-                    self.whiten_at(index, column);
-                }
-                if let Some(sums) = &mut sums {
-                    let unit = self.unit_level(index);
-                    sums.add(piece.trace, &unit, columns, residual, 0);
-                }
-                normal.add(columns, residual, 0..residual.len());
-            }
-            index += 1;
-        });
-        self.marginalise(sums.as_ref(), &mut normal);
-        normal
+        self.normal_from(point, &mut Reached::default())
     }
 }
 

@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use super::act::{Act, Remembered, Stage};
 use super::hereditary::HereditaryState;
+use super::tangent::Tangent;
 use super::yielding::StretchYielding;
 use super::{BaseLaw, Elastic, Parameter, Response, Scene, Separation};
 
@@ -40,7 +41,7 @@ pub struct Chain {
 /// What specimen and sensor remember from stretch to stretch.
 #[derive(Debug, Default)]
 pub struct History {
-    relaxation: HereditaryState,
+    pub(super) relaxation: HereditaryState,
     effects: Vec<Remembered>,
 }
 
@@ -60,7 +61,10 @@ impl Clone for History {
 #[derive(Clone, Debug, Default)]
 pub struct Elasticity {
     unit: Arc<Unit>,
-    yielding: StretchYielding,
+    pub(super) yielding: StretchYielding,
+    pub(super) tangent: Arc<Tangent>,
+    /// Where all is near a tangent.
+    near: Option<Arc<Tangent>>,
 }
 
 #[derive(Debug, Default)]
@@ -84,7 +88,17 @@ impl Elasticity {
     /// followed to a hundredth of the difference.
     #[must_use]
     pub fn nearby(&self) -> Self {
-        Self { unit: Arc::clone(&self.unit), yielding: self.yielding.nearby() }
+        Self {
+            unit: Arc::clone(&self.unit),
+            yielding: self.yielding.nearby(),
+            tangent: Arc::clone(&self.tangent),
+            near: Some(Arc::clone(&self.tangent)),
+        }
+    }
+
+    /// The next run is over the last stretch with the same numbers: what yields stays where it came to.
+    pub fn stay(&mut self) {
+        self.yielding.stay();
     }
 
     /// Elastic response N, N, of this stiffness and shape at each displacement x, mm, so far as the specimen feels it.
@@ -95,6 +109,11 @@ impl Elasticity {
         x: &[f64],
     ) -> Vec<f64> {
         let same = self.unit.shape.to_bits() == shape.to_bits() && self.unit.law == law;
+        let slopes = self.near.as_deref().map_or(&[][..], Tangent::elastic);
+        if same && slopes.len() == x.len() && self.unit.x.len() == x.len() {
+            let unit = self.unit.response.iter().zip(&self.unit.x).zip(slopes).zip(x);
+            return unit.map(|(((unit, at), slope), x)| p * (unit + slope * (x - at))).collect();
+        }
         if !same || self.unit.x != x {
             self.unit = Self::at(law, shape, x).unit;
         }
@@ -173,22 +192,7 @@ impl Chain {
             response.run_yielding(stretch, &mut history.relaxation, next, force);
             elasticity.yielding.came_to(start, force.iter().map(|&force| yielded(force)));
         } else {
-            let before = history.clone();
-            let mut yielding = std::mem::take(&mut elasticity.yielding);
-            let unknown = !yielding.knows(start, x.len());
-            let response = unknown.then(|| self.base.response(parameters));
-            if let Some(response) = response.filter(Response::can_yield) {
-                // Where the base law alone comes to is near.
-                let mut alone = history.relaxation.clone();
-                response.run_yielding(stretch, &mut alone, next, force);
-                yielding.comes_near(start, force.iter().map(|&force| yielded(force)));
-            }
-            yielding.settle(start, &x, |reached| {
-                history.clone_from(&before);
-                self.contact(parameters, scene, (history, elasticity), reached, force);
-                x.iter().zip(force.iter()).map(|(&x, &force)| next(x, force)).collect()
-            });
-            elasticity.yielding = yielding;
+            self.settle(parameters, scene, (history, elasticity), &x, yielded, force);
         }
         self.act_on_force(Stage::Sensor, parameters, scene, history, force);
     }
@@ -324,7 +328,7 @@ impl Chain {
     }
 
     /// From the compression to the contact force.
-    fn contact(
+    pub(super) fn contact(
         &self,
         parameters: &[f64],
         scene: &Scene,

@@ -44,6 +44,8 @@ mod response;
 mod scene;
 mod segments;
 mod separation;
+mod settling;
+mod tangent;
 mod widened;
 mod yielding;
 

@@ -1,5 +1,15 @@
 //! A set-up that yields under the force, so that less of the commanded motion reaches the specimen.
 
+/// A stretch over which a set-up is to settle.
+pub trait Settling {
+    /// Where the set-up comes to, mm, at each sample under the force at these compressions, mm.
+    fn next(&mut self, at: &[f64]) -> Vec<f64>;
+
+    /// How far, mm, each sample is to move where so much, mm, is open, with what happened before and moves as well; none where that is
+    /// not known. It may be taken from before, or `anew` where the compressions are those of the last call.
+    fn moves(&mut self, rest: &[f64], anew: bool) -> Option<Vec<f64>>;
+}
+
 /// Finds, sample by sample, the compression z, mm, that a yielding set-up comes to: z = next(z).
 #[derive(Clone, Copy, Debug)]
 pub struct Yielding {
@@ -69,11 +79,16 @@ pub struct StretchYielding {
     slope: Vec<f64>,
     /// Whether little has changed since: what is open then is followed, not to the end.
     nearby: bool,
+    /// Whether the last stretch was given up before all its samples had settled.
+    is_open: bool,
+    /// Whether the next stretch is the last one again, to be left where it is.
+    stays: bool,
 }
 
 impl Default for StretchYielding {
     fn default() -> Self {
-        Self { start: 0.0, yielded: Vec::new(), slope: Vec::new(), nearby: false }
+        let (yielded, slope) = (Vec::new(), Vec::new());
+        Self { start: 0.0, yielded, slope, nearby: false, is_open: false, stays: false }
     }
 }
 
@@ -84,6 +99,8 @@ const MOST_RUNS: usize = 150;
 /// Runs from which on the first sample that is open must move on as fast as it has to, to be through after the most: where samples
 /// settle more slowly than that, they never do.
 const FREE_RUNS: usize = 24;
+/// Runs within which what is open in all must halve: where it does, all settles soon, however slow the first sample is.
+const PATIENCE: usize = 12;
 /// Steepest slope of what is open over the compression that a secant tells: what happened before moves a sample too, and beside a step of
 /// nothing that is no slope.
 const STEEPEST: f64 = 100.0;
@@ -95,7 +112,24 @@ impl StretchYielding {
     /// The same for stretches where little has changed since: that is followed to a hundredth, not until all is settled.
     #[must_use]
     pub fn nearby(&self) -> Self {
-        Self { nearby: true, ..self.clone() }
+        Self { nearby: true, stays: false, ..self.clone() }
+    }
+
+    /// The next run is over the last stretch with the same numbers: it stays where it came to.
+    pub const fn stay(&mut self) {
+        self.stays = true;
+    }
+
+    /// Whether little has changed since the stretch settled.
+    #[must_use]
+    pub const fn is_nearby(&self) -> bool {
+        self.nearby
+    }
+
+    /// Whether the last stretch was given up before all its samples had settled.
+    #[must_use]
+    pub const fn is_open(&self) -> bool {
+        self.is_open
     }
 
     /// Whether it is known where a stretch of so many samples that begins at `start`, s, came to.
@@ -119,61 +153,72 @@ impl StretchYielding {
         self.nearby = false;
     }
 
-    /// Finds the compressions, mm, of a stretch that begins at `start`, s, at the commanded ones, x, mm:
-    /// `next` gives where the set-up comes to under the force at compressions, and its last call is at those
-    /// found. The number of those calls.
-    pub fn settle(
-        &mut self,
-        start: f64,
-        x: &[f64],
-        mut next: impl FnMut(&[f64]) -> Vec<f64>,
-    ) -> usize {
+    /// Finds the compressions, mm, of a stretch that begins at `start`, s, at the commanded ones, x, mm: the last run over the stretch is
+    /// at those found. The number of runs.
+    pub fn settle(&mut self, start: f64, x: &[f64], stretch: &mut impl Settling) -> usize {
         if !self.knows(start, x.len()) {
             self.comes_near(start, x.iter().map(|_| 0.0));
         }
         let mut at: Vec<f64> =
             x.iter().zip(&self.yielded).map(|(x, yielded)| x - yielded).collect();
-        let mut open_at =
-            |at: &[f64]| -> Vec<f64> { at.iter().zip(next(at)).map(|(z, to)| z - to).collect() };
-        let mut rest = open_at(&at);
         // What comes after the first that is open follows it, so that it alone is known to lie between two.
         let (mut first, mut between) = (0, Between::default());
         let mut jumps: Vec<bool> =
             self.slope.iter().map(|slope| self.nearby && *slope >= JUMP).collect();
+        let mut rest = left_open(stretch, &at, &jumps);
         let most = rest.iter().fold(0.0, |most: f64, rest| most.max(rest.abs()));
         let (settled, most_runs) = match self.nearby {
             true => (STRETCH_SETTLED.max(NEARBY * most), RUNS_NEARBY),
+            false if std::mem::take(&mut self.stays) => (f64::INFINITY, 1),
             false => (STRETCH_SETTLED, MOST_RUNS),
         };
+        let open = |rest: &f64| rest.abs() > settled || rest.is_nan();
         let mut runs = 1;
+        let mut along = Along::Tangent;
+        let (mut least, mut since) = (f64::INFINITY, runs);
         while runs < most_runs {
-            let open = |k: &usize| !jumps[*k] && (rest[*k].abs() > settled || rest[*k].is_nan());
-            let Some(now) = (0..x.len()).find(open).filter(|&k| rest[k].is_finite()) else { break };
-            if runs > FREE_RUNS && now * MOST_RUNS < (runs - FREE_RUNS) * x.len() {
+            let Some(now) = rest.iter().position(open).filter(|&k| rest[k].is_finite()) else {
+                break;
+            };
+            if total(&rest) <= 0.5 * least {
+                (least, since) = (total(&rest), runs);
+            }
+            if runs - since > PATIENCE
+                && runs > FREE_RUNS
+                && now * MOST_RUNS < (runs - FREE_RUNS) * x.len()
+            {
                 break;
             }
             if first != now {
                 (first, between) = (now, Between::default());
             }
-            let mut moved: Vec<f64> = (0..x.len())
-                .map(|k| if jumps[k] { at[k] } else { at[k] - rest[k] / self.slope[k] })
-                .collect();
+            let moves = match along {
+                Along::Secants => None,
+                _ => stretch.moves(&rest, along == Along::NewTangent),
+            };
+            let all = moves.unwrap_or_else(|| {
+                rest.iter().zip(&self.slope).map(|(rest, slope)| -rest / slope).collect()
+            });
+            let mut moved: Vec<f64> =
+                (0..x.len()).map(|k| if jumps[k] { at[k] } else { at[k] + all[k] }).collect();
             moved[now] = between.follow(at[now], rest[now], moved[now]);
             if between.is_jump() {
                 jumps[now] = true;
                 moved[now] = at[now];
             }
-            let left = open_at(&moved);
+            let left = left_open(stretch, &moved, &jumps);
             runs += 1;
+            along = along.after(total(&left) / total(&rest));
             for (k, slope) in self.slope.iter_mut().enumerate() {
                 // More force never lets a set-up yield less.
                 let secant = (left[k] - rest[k]) / (moved[k] - at[k]);
-                if secant.is_finite() {
+                if secant.is_finite() && rest[k].abs() > settled {
                     *slope = secant.clamp(1.0, STEEPEST);
                 }
             }
             (at, rest) = (moved, left);
         }
+        self.is_open = !self.nearby && rest.iter().any(open);
         for (k, z) in at.iter().enumerate() {
             self.yielded[k] = x[k] - z;
             if jumps[k] {
@@ -183,6 +228,45 @@ impl StretchYielding {
         }
         runs
     }
+}
+
+/// How samples move.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Along {
+    /// With what happened before, along a tangent that is known.
+    Tangent,
+    /// The same along a tangent where the samples are.
+    NewTangent,
+    /// Each by itself, along its secant: slower where what happened before counts, but to be trusted from afar.
+    Secants,
+}
+
+/// Part of what is open that a run may leave and be fast: from there on a tangent is taken anew, and secants give way to one.
+const FAST: f64 = 0.1;
+/// Part of what is open from which on a run along a tangent is too slow.
+const SLOW: f64 = 0.8;
+
+impl Along {
+    /// How to move after a run that left this part of what was open.
+    const fn after(self, part: f64) -> Self {
+        match self {
+            Self::Secants if part <= FAST => Self::Secants,
+            Self::Secants => Self::NewTangent,
+            Self::Tangent | Self::NewTangent if part <= FAST => Self::Tangent,
+            Self::Tangent | Self::NewTangent if part <= SLOW => Self::NewTangent,
+            Self::Tangent | Self::NewTangent => Self::Secants,
+        }
+    }
+}
+
+fn total(rest: &[f64]) -> f64 {
+    rest.iter().map(|rest| rest.abs()).sum()
+}
+
+/// How much, mm, is open at each sample at these compressions, mm: nothing where the force jumps, as nothing comes to rest there.
+fn left_open(stretch: &mut impl Settling, at: &[f64], jumps: &[bool]) -> Vec<f64> {
+    let open = at.iter().zip(stretch.next(at)).zip(jumps);
+    open.map(|((z, to), jumps)| if *jumps { 0.0 } else { z - to }).collect()
 }
 
 /// Two compressions, mm, between which a sample comes to rest, so far as is known, and how much, mm, is open at each: secants that
@@ -236,6 +320,17 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
+    /// A stretch of which nothing is known but where it comes to.
+    impl<F: FnMut(&[f64]) -> Vec<f64>> Settling for F {
+        fn next(&mut self, at: &[f64]) -> Vec<f64> {
+            self(at)
+        }
+
+        fn moves(&mut self, _: &[f64], _: bool) -> Option<Vec<f64>> {
+            None
+        }
+    }
+
     #[test]
     fn a_stretch_settles_in_few_runs_and_once_known_in_fewer() {
         // A surface that is touched and left, a force that relaxes, and a gap that closes at once.
@@ -254,18 +349,18 @@ mod tests {
             }
         };
         let mut yielding = StretchYielding::default();
-        let first = yielding.settle(0.0, &x, next(0.4));
-        let again = yielding.settle(0.0, &x, next(0.4 * (1.0 + 1e-6)));
+        let first = yielding.settle(0.0, &x, &mut next(0.4));
+        let again = yielding.settle(0.0, &x, &mut next(0.4 * (1.0 + 1e-6)));
         assert!(first <= 9 && again < first, "{first}, then {again}");
         let mut near = StretchYielding::default();
         near.comes_near(0.0, yielding.yielded.iter().map(|yielded| 1.02 * yielded));
-        let near = near.settle(0.0, &x, next(0.4));
+        let near = near.settle(0.0, &x, &mut next(0.4));
         assert!(near < first, "{near} from nearby, {first} from nothing");
         let mut nearby = yielding.nearby();
-        let runs = nearby.settle(0.0, &x, next(0.4 * 1.01));
+        let runs = nearby.settle(0.0, &x, &mut next(0.4 * 1.01));
         assert!(runs <= RUNS_NEARBY, "{runs}");
         let before = yielding.yielded.clone();
-        yielding.settle(0.0, &x, next(0.4 * 1.01));
+        yielding.settle(0.0, &x, &mut next(0.4 * 1.01));
         let apart = |a: &[f64], b: &[f64]| {
             a.iter().zip(b).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()))
         };
@@ -288,7 +383,7 @@ mod tests {
             x.iter().zip(z).map(reach).collect::<Vec<_>>()
         };
         let mut last = (Vec::new(), Vec::new());
-        let runs = StretchYielding::default().settle(0.0, &x, |z| {
+        let runs = StretchYielding::default().settle(0.0, &x, &mut |z: &[f64]| {
             last = (z.to_vec(), next(z));
             last.1.clone()
         });

@@ -6,6 +6,7 @@ use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use palpate_fit::least_squares::{Effort, LeastSquares, Normal, Solution, minimise_with, settle};
 use palpate_fit::levels::LevelSums;
 use palpate_fit::problem::{Block, Problem};
+use palpate_fit::remembering::Remembering;
 use palpate_fit::uncertainty;
 use palpate_fit::whole_motion::declared_uncertainty;
 use palpate_model::{Chain, Parameter};
@@ -43,10 +44,11 @@ impl Fitted {
     /// Refits the problem's chain from a point.
     #[must_use]
     pub fn new(problem: &Problem, from: &[f64], effort: Effort) -> Self {
-        let found = minimise_with(problem, from, effort);
+        let search = Remembering::new(problem);
+        let found = minimise_with(&search, from, effort);
         let bounds = problem.bounds();
         let given = |j: usize| bounds[j].0 >= bounds[j].1;
-        let blocks = problem.blocks(&found.point);
+        let blocks = search.blocks(&found.point);
         Self {
             chain: problem.chain.clone(),
             values: problem.declared(&found.point),
@@ -76,7 +78,7 @@ impl Fitted {
     /// the means: these smooth what repeats within a block.
     pub fn confirm(&mut self, samples: &Problem) {
         let problem = samples.with_chain(&self.chain);
-        self.point = settle(&problem, &self.point, Effort::TRIAL);
+        self.point = settle(&Remembering::new(&problem), &self.point, Effort::TRIAL);
         self.values = problem.declared(&self.point);
     }
 

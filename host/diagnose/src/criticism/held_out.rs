@@ -12,6 +12,7 @@ use super::fitted::Fitted;
 use palpate_fit::fold::Fold;
 use palpate_fit::least_squares::{Effort, LeastSquares, minimise_with};
 use palpate_fit::problem::{Apart, Problem};
+use palpate_fit::remembering::Remembering;
 
 /// Errors of a model on traces that it was not fitted to.
 #[derive(Clone, Debug, PartialEq)]
@@ -242,7 +243,7 @@ fn left_out(
             point.clone_from(&fitted.point);
             without_own(&mut point);
         }
-        point = minimise_with(&others, &point, Effort::QUICK).point;
+        point = minimise_with(&Remembering::new(&others), &point, Effort::QUICK).point;
         (cost, aparts) = others.apart(&point);
     }
     if !cost.is_finite() {

@@ -20,6 +20,7 @@ use super::touch::begun_at_touch;
 use palpate_fit::data::Data;
 use palpate_fit::least_squares::{Effort, LeastSquares, Solution, minimise_with};
 use palpate_fit::problem::Problem;
+use palpate_fit::remembering::Remembering;
 use palpate_fit::watch;
 use palpate_fit::whitening::Whitening;
 use palpate_model::effects::{Candidate, Needs, find};
@@ -970,14 +971,15 @@ impl Search<'_> {
             let point = model.chain(strengths).chain(direction.shapes.iter().copied());
             point.zip(problem.bounds()).map(|(x, (lower, upper))| x.clamp(*lower, *upper)).collect()
         };
+        let search = Remembering::new(&problem);
         let (whole, half) = (part(1.0), part(0.5));
-        let (of_whole, of_half) = (problem.cost(&whole), problem.cost(&half));
+        let (of_whole, of_half) = (search.cost(&whole), search.cost(&half));
         let start = if of_whole <= of_half { whole } else { half };
-        let found = minimise_with(&problem, &start, Effort::TRIAL);
+        let found = minimise_with(&search, &start, Effort::TRIAL);
         if of_whole.min(of_half) < from.cost {
             return (chain, found);
         }
-        let from_none = minimise_with(&problem, &part(0.0), Effort::TRIAL);
+        let from_none = minimise_with(&search, &part(0.0), Effort::TRIAL);
         let fell = from_none.normal.cost < found.normal.cost || found.normal.cost.is_nan();
         (chain, if fell { from_none } else { found })
     }
