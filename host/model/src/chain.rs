@@ -63,7 +63,7 @@ pub struct Elasticity {
     unit: Arc<Unit>,
     pub(super) yielding: StretchYielding,
     pub(super) tangent: Arc<Tangent>,
-    /// Where all is near a tangent.
+    /// Along which the elastic response is followed in a run nearby.
     near: Option<Arc<Tangent>>,
 }
 

@@ -89,6 +89,8 @@ impl Chain {
             laws.flat_map(|index| &parameters[self.range(index)]).copied().collect();
         loop {
             let known = yielding.knows(start, x.len());
+            // What is known of the tangent holds near where it was taken.
+            let holds = yielding.is_nearby() || yielding.stays();
             if !known && response.can_yield() {
                 // Where the base law alone comes to is near.
                 let mut alone = before.relaxation.clone();
@@ -113,9 +115,9 @@ impl Chain {
                 force,
                 tangent: &mut tangent,
             };
-            let runs = yielding.settle(start, x, &mut stretch);
+            yielding.settle(start, x, &mut stretch);
             if !(known && yielding.is_open()) {
-                if runs > 1 && !yielding.is_nearby() {
+                if !holds {
                     stretch.take_tangent();
                 }
                 break;

@@ -120,6 +120,12 @@ impl StretchYielding {
         self.stays = true;
     }
 
+    /// Whether the next run stays where the last stretch came to.
+    #[must_use]
+    pub const fn stays(&self) -> bool {
+        self.stays
+    }
+
     /// Whether little has changed since the stretch settled.
     #[must_use]
     pub const fn is_nearby(&self) -> bool {
