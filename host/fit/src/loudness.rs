@@ -32,9 +32,18 @@ type Causes = Vector3<f64>;
 #[derive(Debug, Default)]
 pub struct Scatter {
     /// Off the specimen.
-    quiet: Vec<f64>,
+    quiet: Vec<Block>,
     /// On it, with the causes.
-    loaded: Vec<(f64, Causes)>,
+    loaded: Vec<(Block, Causes)>,
+}
+
+/// How far neighbours in a block scatter, squared.
+#[derive(Clone, Copy, Debug)]
+struct Block {
+    /// By all second differences.
+    all: f64,
+    /// By the smaller half of them: a jump of what the model lacks, from tooth to tooth of a specimen that sticks and slips, is no noise.
+    half: f64,
 }
 
 /// A mean and the square of its standard error.
@@ -68,14 +77,14 @@ impl Seen<'_> {
     }
 }
 
-/// How far neighbours in a block scatter, squared: by the smaller half of their second differences, as a jump of what the model lacks, from
-/// tooth to tooth of a specimen that sticks and slips, is no noise.
-fn scatter(values: &[f64]) -> f64 {
-    let second = values.windows(3).map(|three| (three[0] - 2.0 * three[1] + three[2]).abs());
-    let mut second: Vec<f64> = second.collect();
-    second.sort_by(f64::total_cmp);
-    let half = &second[..second.len() / 2];
-    (half.iter().sum::<f64>() / half.len() as f64).powi(2)
+impl Block {
+    fn of(values: &[f64]) -> Self {
+        let second = values.windows(3).map(|three| (three[0] - 2.0 * three[1] + three[2]).abs());
+        let mut second: Vec<f64> = second.collect();
+        second.sort_by(f64::total_cmp);
+        let square = |some: &[f64]| (some.iter().sum::<f64>() / some.len() as f64).powi(2);
+        Self { all: square(&second), half: square(&second[..second.len() / 2]) }
+    }
 }
 
 impl Scatter {
@@ -83,12 +92,12 @@ impl Scatter {
     pub fn add(&mut self, residual: &[f64], seen: Seen, loads: impl Fn(f64) -> bool) {
         let causes = seen.causes(loads);
         for (values, causes) in residual.chunks_exact(BLOCK).zip(causes.chunks_exact(BLOCK)) {
-            let scatter = scatter(values);
+            let block = Block::of(values);
             let own: Vec<Causes> = causes.iter().copied().flatten().collect();
             match own.len() {
-                _ if scatter <= 0.0 => {}
-                0 => self.quiet.push(scatter),
-                count => self.loaded.push((scatter, own.iter().sum::<Causes>() / count as f64)),
+                _ if block.half <= 0.0 => {}
+                0 => self.quiet.push(block),
+                count => self.loaded.push((block, own.iter().sum::<Causes>() / count as f64)),
             }
         }
     }
@@ -96,19 +105,20 @@ impl Scatter {
     /// How much louder the noise is where the specimen is loaded; none where it is not, or too little was recorded to tell.
     #[must_use]
     pub fn louder(&self) -> Option<Loudness> {
-        let rest = logarithms(self.quiet.iter().copied())?;
+        let rest = logarithms(self.quiet.iter().map(|block| block.half))?;
         let louder = |moves: bool| {
             let own = self.loaded.iter().filter(|(_, causes)| (causes[2] > 0.5) == moves);
-            logarithms(own.map(|(scatter, _)| *scatter)).is_some_and(|(mean, variance)| {
+            logarithms(own.map(|(block, _)| block.half)).is_some_and(|(mean, variance)| {
                 mean - rest.0 > LOUDER.ln().max(SURELY * (rest.1 + variance).sqrt())
             })
         };
         if !louder(false) && !louder(true) {
             return None;
         }
-        let usual = mean(&self.quiet).0;
+        let quiet: Vec<f64> = self.quiet.iter().map(|block| block.all).collect();
+        let usual = mean(&quiet).0;
         let blocks: Vec<(f64, Causes)> =
-            self.loaded.iter().map(|(scatter, causes)| (scatter / usual, *causes)).collect();
+            self.loaded.iter().map(|(block, causes)| (block.all / usual, *causes)).collect();
         let adds = explained(&blocks);
         let more: f64 = blocks.iter().map(|(_, causes)| adds.dot(causes)).sum();
         let root = |count: usize| (1.0 + more / count as f64).sqrt();
