@@ -53,8 +53,7 @@ where
     }
 
     fn moves(&mut self, rest: &[f64], anew: bool) -> Option<Vec<f64>> {
-        self.memory.as_ref()?;
-        if anew || !self.tangent.knows(rest.len()) {
+        if self.memory.is_some() && (anew || !self.tangent.knows(rest.len())) {
             self.take_tangent();
         }
         let memory = self.memory.as_ref()?;

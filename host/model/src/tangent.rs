@@ -55,19 +55,19 @@ impl Tangent {
         (compressions, force): (&[f64], &[f64]),
         (laws, yielded): (&[f64], impl Fn(f64) -> f64),
     ) {
-        let slope = |at: f64, of: &dyn Fn(f64) -> f64| {
+        let slope = |at: f64, value: f64, of: &dyn Fn(f64) -> f64| {
             let step = STEP * at;
-            if step == 0.0 { 0.0 } else { (of(at + step) - of(at)) / step }
+            if step == 0.0 { 0.0 } else { (of(at + step) - value) / step }
         };
         let separation = response.hereditary.separation;
         let elastic = |x: f64| response.elastic.unit(response.shape, x);
         let felt = compressions.iter().map(|&x| separation.felt(x));
         self.elastic.clear();
-        self.elastic.extend(felt.map(|x| slope(x, &elastic)));
-        self.yielding.clear();
-        self.yielding.extend(force.iter().map(|&force| slope(force, &yielded)));
+        self.elastic.extend(felt.map(|x| slope(x, elastic(x), &elastic)));
         self.at.clear();
         self.at.extend(force.iter().map(|&force| (force, yielded(force))));
+        self.yielding.clear();
+        self.yielding.extend(self.at.iter().map(|&(force, yields)| slope(force, yields, &yielded)));
         self.laws = laws.to_vec();
     }
 

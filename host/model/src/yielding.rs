@@ -68,9 +68,8 @@ impl Yielding {
     }
 }
 
-/// The same for a whole stretch at once, where what happens at one sample depends on those before: secants
-/// at every sample. It remembers where the last stretch came to, as most runs of a fit come to nearly the
-/// same.
+/// The same for a whole stretch at once, where what happens at one sample depends on those before: along a tangent with what happened
+/// before, or secants at every sample. It remembers where the last stretch came to, as most runs of a fit come to nearly the same.
 #[derive(Clone, Debug)]
 pub struct StretchYielding {
     /// Time of the stretch's first sample, s.
@@ -182,12 +181,13 @@ impl StretchYielding {
         let mut runs = 1;
         let mut along = Along::Tangent;
         let (mut least, mut since) = (f64::INFINITY, runs);
+        let mut in_all = total(&rest);
         while runs < most_runs {
             let Some(now) = rest.iter().position(open).filter(|&k| rest[k].is_finite()) else {
                 break;
             };
-            if total(&rest) <= 0.5 * least {
-                (least, since) = (total(&rest), runs);
+            if in_all <= 0.5 * least {
+                (least, since) = (in_all, runs);
             }
             if runs - since > PATIENCE
                 && runs > FREE_RUNS
@@ -214,7 +214,9 @@ impl StretchYielding {
             }
             let left = left_open(stretch, &moved, &jumps);
             runs += 1;
-            along = along.after(total(&left) / total(&rest));
+            let left_in_all = total(&left);
+            along = along.after(left_in_all / in_all);
+            in_all = left_in_all;
             for (k, slope) in self.slope.iter_mut().enumerate() {
                 // More force never lets a set-up yield less.
                 let secant = (left[k] - rest[k]) / (moved[k] - at[k]);
@@ -265,6 +267,7 @@ impl Along {
     }
 }
 
+/// How much, mm, is open in all.
 fn total(rest: &[f64]) -> f64 {
     rest.iter().map(|rest| rest.abs()).sum()
 }
