@@ -37,24 +37,26 @@ pub fn run() -> miette::Result<()> {
     emulate::install()?;
     let pages = || formats::run().and_then(|()| browser::check(axe.as_ref(), STEADY_S));
     beside(pages, boards)?;
-    beside(|| emulate::check(STEADY_S), || modelled::run(modelled::KILLS))
+    beside(|| emulate::check(STEADY_S), || modelled::run_linted(modelled::KILLS))
 }
 
 /// The same random cases on every machine; `cargo test` alone draws new ones each time.
 const SEED: (&str, &str) = ("PROPTEST_RNG_SEED", "1");
 
-/// Lints are errors: clippy's own separator of its arguments, as `cargo clippy -- -D warnings` passes them.
-const STRICT: (&str, &str) = ("CLIPPY_ARGS", "-D__CLIPPY_HACKERY__warnings__CLIPPY_HACKERY__");
+/// Clippy compiles what is built, so that lints need no compiler run of their own.
+pub const LINTED_BY: [&str; 2] = ["--config", "build.rustc-workspace-wrapper='clippy-driver'"];
 
-/// Runs tests of the workspace. Clippy compiles what they run, so that lints need no compiler run of their own.
+/// Lints are errors: clippy's own separator of its arguments, as `cargo clippy -- -D warnings` passes them.
+pub const STRICT: (&str, &str) = ("CLIPPY_ARGS", "-D__CLIPPY_HACKERY__warnings__CLIPPY_HACKERY__");
+
+/// Runs tests of the workspace, with lints.
 pub fn linted(name: &str, tests: &[&str]) -> miette::Result<()> {
     linted_with(name, tests, &[])
 }
 
 /// The same, with variables of the environment beside its own.
 pub fn linted_with(name: &str, tests: &[&str], environment: &[(&str, &str)]) -> miette::Result<()> {
-    let compiler = ["--config", "build.rustc-workspace-wrapper='clippy-driver'"];
-    let arguments = [&compiler[..], &["test", "--workspace"], tests].concat();
+    let arguments = [&LINTED_BY[..], &["test", "--workspace"], tests].concat();
     step(name, &arguments, &[&[SEED, STRICT], environment].concat())
 }
 
@@ -93,9 +95,14 @@ fn installed_lints() -> miette::Result<()> {
     step("lints of a program that links it", &consumer, &[])
 }
 
+/// Of every crate that is published.
 fn documentation() -> miette::Result<()> {
     let strict = [("RUSTDOCFLAGS", "-D warnings")];
-    step("documentation", &["doc", "--workspace", "--no-deps"], &strict)
+    let own = ["palpate-tests", "palpate-consumer", "palpate-generate", "xtask"];
+    let but = own.iter().flat_map(|name| ["--exclude", name]);
+    let documented: Vec<&str> =
+        ["doc", "--workspace", "--no-deps"].into_iter().chain(but).collect();
+    step("documentation", &documented, &strict)
 }
 
 /// Format, lints and builds of what runs on a board or models one.

@@ -6,7 +6,7 @@ use std::process::Command;
 
 use miette::{IntoDiagnostic, WrapErr, bail, miette};
 
-use crate::check::{rust, workspace};
+use crate::check::{LINTED_BY, STRICT, rust, workspace};
 
 /// The emulator underneath, as `emulator/Cargo.toml` wants it.
 const EMULATOR: (&str, &str) = ("rsemu", "0.0.7");
@@ -22,17 +22,26 @@ pub const KILLS: u32 = 20;
 /// Sets up, then runs the tests with so many killed hosts.
 pub fn run(kills: u32) -> miette::Result<()> {
     fetch()?;
+    tests(kills, &[])
+}
+
+/// The same after [`check`], which built them.
+pub fn run_linted(kills: u32) -> miette::Result<()> {
+    tests(kills, &LINTED_BY)
+}
+
+fn tests(kills: u32, built: &[&str]) -> miette::Result<()> {
     let kills = kills.to_string();
-    cargo("modelled board", &["test", "--", "--nocapture"], &[("PALPATE_KILLS", &kills)])
+    let arguments = [built, &["test", "--", "--nocapture"]].concat();
+    cargo("modelled board", &arguments, &[("PALPATE_KILLS", &kills), STRICT])
 }
 
 /// Format, lints and the build of the tests.
 pub fn check() -> miette::Result<()> {
     fetch()?;
     cargo("format of the modelled board", &["fmt", "--check"], &[])?;
-    let lints = ["clippy", "--all-targets", "--", "-D", "warnings"];
-    cargo("lints of the modelled board", &lints, &[])?;
-    cargo("build of the modelled board", &["test", "--no-run"], &[])
+    let lints = [&LINTED_BY[..], &["test", "--all-targets", "--no-run"]].concat();
+    cargo("lints and build of the modelled board", &lints, &[STRICT])
 }
 
 /// The workspace of the modelled board.

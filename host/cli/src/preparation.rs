@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::Failure;
-use palpate_present::summary::Preparation;
+use palpate_present::summary::{Preparation, motion_noise_of};
 use palpate_trace::{Trace, join, outliers, stairs, tare, without};
 
 /// Flags of every command that fits a model or compares it.
@@ -63,6 +63,7 @@ impl Prepare {
             dropped: self.drop_outliers,
             stairs,
             joined: self.join_steps,
+            motion_noise: motion_noise_of(&taken, signal),
             tared,
             refit: None,
         };

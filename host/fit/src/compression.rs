@@ -108,6 +108,7 @@ impl Compressed {
             labels: data.labels.clone(),
             pieces: data.pieces.iter().zip(&self.blocks).map(means).collect(),
             left_out: Vec::new(),
+            motion_noise: Vec::new(),
             reference_temperature: None,
             channels: Vec::new(),
             unordered: data.unordered,

@@ -9,7 +9,8 @@ use palpate_model::{
     Channel, Gauge, GaugeError, Model, Motion, MotionError, Past, Scene, Separation, Span,
 };
 use palpate_trace::{
-    FORCE, GAUGES, SignalError, TANGENTIAL, TEMPERATURE, Trace, elapsed, ordered_by, runs,
+    FORCE, GAUGES, MotionNoise, SignalError, TANGENTIAL, TEMPERATURE, Trace, elapsed, motion_noise,
+    ordered_by, runs,
 };
 
 use super::line::{Line, line_near};
@@ -136,6 +137,8 @@ pub struct Data<'a> {
     pub pieces: Vec<Piece<'a>>,
     /// Stretches that were left out, in words.
     pub left_out: Vec<String>,
+    /// Noise of displacements that was taken out of the motions: the signal would show it, and does not.
+    pub motion_noise: Vec<MotionNoise>,
     /// Temperature from which effects count it, °C: the mean of the set; none where a trace has no
     /// temperature.
     pub reference_temperature: Option<f64>,
@@ -204,13 +207,22 @@ impl<'a> Data<'a> {
     /// Takes `signal` and the motion from the traces of a set, in order of recording.
     ///
     /// Nothing is interpolated across a gap: the stretch after it is taken as a recording of its own
-    /// where it begins off the specimen, and left out where it begins in contact.
+    /// where it begins off the specimen, and left out where it begins in contact. A displacement whose noise the signal would show
+    /// and does not follow is taken without it.
     ///
     /// # Errors
     /// When a trace lacks the signal or a motion or is constant, when no trace reaches the specimen, or
     /// the signal is negative in compression.
     pub fn of(traces: &'a [Trace], signal: &str) -> Result<Self, DataError> {
-        let data = Self::gather(traces, signal, |trace| trace.changing(signal))?;
+        let mut motions = Motion::of_set(traces)?;
+        let noisy = motion_noise(traces, signal);
+        for own in &noisy {
+            if let Some(smoothed) = own.smoothed(&traces[own.trace]) {
+                motions[own.trace].displacement = smoothed.into();
+            }
+        }
+        let mut data = Self::gather(traces, signal, &motions, |trace| trace.changing(signal))?;
+        data.motion_noise = noisy;
         data.check_contact(signal)?;
         Ok(data)
     }
@@ -220,8 +232,9 @@ impl<'a> Data<'a> {
     /// # Errors
     /// When a trace lacks a motion.
     pub fn of_motions(traces: &'a [Trace], signal: &str) -> Result<Self, DataError> {
-        let mut data =
-            Self::gather(traces, signal, |trace| Ok(trace.displacement().unwrap_or_default()))?;
+        let motions = Motion::of_set(traces)?;
+        let measured = |trace: &'a Trace| Ok(trace.displacement().unwrap_or_default());
+        let mut data = Self::gather(traces, signal, &motions, measured)?;
         data.pieces.iter_mut().for_each(|piece| piece.is_signal = false);
         Ok(data)
     }
@@ -229,15 +242,16 @@ impl<'a> Data<'a> {
     fn gather(
         traces: &'a [Trace],
         signal: &str,
+        motions: &[Motion<'a>],
         measured: impl Fn(&'a Trace) -> Result<&'a [f64], SignalError>,
     ) -> Result<Self, DataError> {
-        let motions = Motion::of_set(traces)?;
         let begins = begins(traces);
         let mut data = Self {
             signal: signal.into(),
             labels: traces.iter().map(Trace::label).collect(),
             pieces: Vec::new(),
             left_out: Vec::new(),
+            motion_noise: Vec::new(),
             reference_temperature: mean_temperature(traces),
             channels: others(traces, signal),
             unordered: traces.len() > 1 && ordered_by(traces).is_none(),
@@ -247,7 +261,7 @@ impl<'a> Data<'a> {
             keeps: true,
         };
         let mut past = Past::default();
-        for (index, (trace, motion)) in traces.iter().zip(&motions).enumerate() {
+        for (index, (trace, motion)) in traces.iter().zip(motions).enumerate() {
             let part = Part { index, trace, measured: measured(trace)?, begin: begins[index] };
             data.add(&part, motion, &mut past);
         }
@@ -280,7 +294,7 @@ impl<'a> Data<'a> {
 
     fn add(&mut self, part: &Part<'a>, motion: &Motion<'a>, past: &mut Past) {
         let Part { index, trace, measured, begin } = *part;
-        let displacement = trace.displacement().unwrap_or_default();
+        let displacement = &motion.displacement;
         let elapsed = elapsed(&trace.time);
         let temperature = self.reference_temperature.and_then(|_| trace.column(TEMPERATURE));
         for (number, run) in runs(&trace.time).into_iter().enumerate() {
@@ -299,7 +313,10 @@ impl<'a> Data<'a> {
             };
             let motion = Motion {
                 time,
-                displacement: displacement[run.clone()].into(),
+                displacement: match displacement {
+                    Cow::Borrowed(x) => x[run.clone()].into(),
+                    Cow::Owned(x) => x[run.clone()].to_vec().into(),
+                },
                 rest_before: if number == 0 { motion.rest_before } else { None },
             };
             let before = *past;

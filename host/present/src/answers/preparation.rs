@@ -32,6 +32,8 @@ pub struct PreparationAnswer {
     pub displacement_steps: Vec<StairsAnswer>,
     /// Whether the motion was taken as straight between the steps.
     pub displacement_steps_joined: bool,
+    /// Traces whose displacement was taken without its noise: the signal would show it, and does not follow it.
+    pub displacement_noise: Vec<MotionNoiseAnswer>,
     /// What was taken off the signal of each trace, by its name, in the unit of the signal.
     pub tared: BTreeMap<String, f64>,
     /// How good a fit is without the outliers; absent where none was made.
@@ -72,6 +74,16 @@ pub struct StairsAnswer {
     pub step_mm: f64,
     /// Samples that the displacement usually stays for where it moves.
     pub samples: f64,
+}
+
+/// Noise of a displacement.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
+pub struct MotionNoiseAnswer {
+    /// Name of the trace.
+    pub trace: String,
+    /// Standard deviation of one sample, mm.
+    pub standard_deviation_mm: f64,
 }
 
 /// Why a displacement goes in steps.
@@ -160,6 +172,11 @@ impl From<&Preparation> for PreparationAnswer {
             outliers_dropped: preparation.dropped,
             displacement_steps: preparation.stairs.iter().map(StairsAnswer::from).collect(),
             displacement_steps_joined: preparation.joined,
+            displacement_noise: preparation
+                .motion_noise
+                .iter()
+                .map(MotionNoiseAnswer::from)
+                .collect(),
             tared: preparation.tared.iter().cloned().collect(),
             without_outliers: refit.map(without),
             robust_refit: refit.and_then(|refit| refit.robust.as_ref()).map(RobustAnswer::from),
@@ -179,6 +196,12 @@ impl From<&Stairs> for StairsAnswer {
             step_mm: stairs.step_mm,
             samples: stairs.samples,
         }
+    }
+}
+
+impl From<&(String, f64)> for MotionNoiseAnswer {
+    fn from((trace, deviation): &(String, f64)) -> Self {
+        Self { trace: trace.clone(), standard_deviation_mm: *deviation }
     }
 }
 

@@ -6,7 +6,7 @@ use palpate_fit::whole_motion::{self, MotionFit};
 use palpate_model::Parameter;
 use palpate_report::number::significant;
 use palpate_report::{Callout, Column, Section, Table};
-use palpate_trace::{Cause, Outlier, Stairs, Trace, outliers, stairs, without};
+use palpate_trace::{Cause, Outlier, Stairs, Trace, motion_noise, outliers, stairs, without};
 
 /// Most samples that a table lists.
 const MOST_LISTED: usize = 20;
@@ -22,6 +22,8 @@ pub struct Preparation {
     pub stairs: Vec<Stairs>,
     /// Whether they were joined.
     pub joined: bool,
+    /// Noise of displacements that is taken out of the motions, mm, by the name of the trace.
+    pub motion_noise: Vec<(String, f64)>,
     /// What was taken off the signal of each trace, by its name.
     pub tared: Vec<(String, f64)>,
     /// What a fit is with the impossible samples and without them.
@@ -143,18 +145,29 @@ fn impossible(traces: &[Trace], signal: &str) -> Vec<Outlier> {
     traces.iter().flat_map(|trace| outliers(trace, signal)).collect()
 }
 
+/// Noise of displacements that a fit takes out of the motions, mm, by the name of the trace.
+#[must_use]
+pub fn motion_noise_of(traces: &[Trace], signal: &str) -> Vec<(String, f64)> {
+    let own = motion_noise(traces, signal).into_iter();
+    own.map(|own| (traces[own.trace].label(), own.standard_deviation_mm)).collect()
+}
+
 impl Preparation {
     /// What is impossible in traces that are taken as they are.
     #[must_use]
     pub fn of(traces: &[Trace], signal: &str) -> Self {
-        let stairs = stairs(traces, signal);
-        Self { outliers: impossible(traces, signal), stairs, ..Self::default() }
+        Self {
+            outliers: impossible(traces, signal),
+            stairs: stairs(traces, signal),
+            motion_noise: motion_noise_of(traces, signal),
+            ..Self::default()
+        }
     }
 
     /// The sections of an answer with one before them on the traces, where there is something to tell.
     #[must_use]
     pub fn before(&self, mut sections: Vec<Section>) -> Vec<Section> {
-        let own = [self.section(), self.stairs_section()];
+        let own = [self.section(), self.stairs_section(), self.motion_noise_section()];
         sections.splice(0..0, own.into_iter().flatten());
         sections
     }
@@ -213,6 +226,23 @@ impl Preparation {
         Some(Section::new("Displacement in steps").callout(
             Callout::Warning,
             "Displacement in steps",
+            words,
+        ))
+    }
+
+    fn motion_noise_section(&self) -> Option<Section> {
+        let (first, most) = self.motion_noise.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
+        let (traces, up_to) = match self.motion_noise.len() {
+            1 => (format!("of {first}"), ""),
+            count => (format!("of {count} traces"), "up to "),
+        };
+        let words = format!(
+            "The displacement {traces} scatters by {up_to}{} mm, which the signal would show and does not follow: it is noise of the sensor, not motion. The model was run over the motion without it.",
+            significant(*most, 2)
+        );
+        Some(Section::new("Noise of the displacement").callout(
+            Callout::Warning,
+            "Noise of the displacement",
             words,
         ))
     }

@@ -1,0 +1,179 @@
+//! Noise of a displacement that its signal would show, and does not: the specimen never went so. A law takes it for motion, and what
+//! smooths it, a lag or a delay, then seems to be missing.
+
+use super::control::range;
+use super::local_lines::smoothed;
+use super::scatter::{scatter, second_differences};
+use super::{Trace, noise};
+
+/// The noise of a displacement that its signal does not follow.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MotionNoise {
+    /// Which trace of the set.
+    pub trace: usize,
+    /// Standard deviation of one sample, mm.
+    pub standard_deviation_mm: f64,
+}
+
+/// Part of the noise of the signal from which that of the displacement matters in it.
+const MATTERS: f64 = 0.05;
+/// Part of the mean stiffness that a signal shows at least where it follows the displacement from sample to sample.
+const FOLLOWS: f64 = 0.5;
+/// Standard errors by which it must be less.
+const SURE: f64 = 2.0;
+/// Standard deviations up to which a sample tells of noise: beyond them the motion turns, or the signal jumps.
+const NOISE: f64 = 4.0;
+/// Part of its range by which the signal is off its value without displacement where the specimen is touched.
+const LOADED: f64 = 0.1;
+/// By how many times neighbouring second differences, which share samples, make the variance of their products larger.
+const SHARED: f64 = 1.94;
+/// Fewest samples that tell.
+const MIN_SAMPLES: f64 = 200.0;
+
+/// The traces of a set whose displacement is noisy: none unless that matters in the signal of one of them, and the signals of all
+/// together do not follow it.
+#[must_use]
+pub fn motion_noise(traces: &[Trace], signal: &str) -> Vec<MotionNoise> {
+    let of = |(index, trace): (usize, &Trace)| {
+        let x = trace.displacement()?;
+        let standard_deviation_mm = scatter(&trace.time, x);
+        let noisy = standard_deviation_mm > 0.0;
+        noisy.then_some(MotionNoise { trace: index, standard_deviation_mm })
+    };
+    let noisy: Vec<MotionNoise> = traces.iter().enumerate().filter_map(of).collect();
+    let matter = |own: &MotionNoise| matters(&traces[own.trace], signal, own);
+    if !noisy.iter().any(matter) || follows(traces, signal, &noisy) {
+        return Vec::new();
+    }
+    noisy
+}
+
+impl MotionNoise {
+    /// The displacement of its trace without the noise, mm.
+    #[must_use]
+    pub fn smoothed(&self, trace: &Trace) -> Option<Vec<f64>> {
+        Some(smoothed(&trace.time, trace.displacement()?, self.standard_deviation_mm))
+    }
+}
+
+/// Signal over displacement, both over their whole range.
+fn stiffness(trace: &Trace, signal: &str) -> Option<f64> {
+    Some(range(trace.column(signal)?) / range(trace.displacement()?))
+}
+
+/// Whether the signal would show the noise.
+fn matters(trace: &Trace, signal: &str, own: &MotionNoise) -> bool {
+    let Some(stiffness) = stiffness(trace, signal) else { return false };
+    let felt = own.standard_deviation_mm * stiffness;
+    noise(trace, signal).is_ok_and(|noise| felt > MATTERS * noise.standard_deviation)
+}
+
+/// Whether signals follow the noise of their displacements, as they do where it is motion: a slope of their second differences that is
+/// not surely less than half of the mean stiffness. So few samples that nothing is sure count as that.
+fn follows(traces: &[Trace], signal: &str, noisy: &[MotionNoise]) -> bool {
+    let mut sums = Sums::default();
+    for own in noisy {
+        sums.add(&traces[own.trace], signal, own.standard_deviation_mm);
+    }
+    sums.count < MIN_SAMPLES || sums.slope() + SURE * sums.standard_error() > FOLLOWS
+}
+
+/// Sums over second differences where the specimen is loaded: of the displacement, times the stiffness, and of the signal.
+#[derive(Default)]
+struct Sums {
+    of_motion: f64,
+    of_signal: f64,
+    of_both: f64,
+    count: f64,
+}
+
+impl Sums {
+    fn add(&mut self, trace: &Trace, signal: &str, deviation: f64) {
+        let (Some(x), Some(values)) = (trace.displacement(), trace.column(signal)) else { return };
+        let Some(stiffness) = stiffness(trace, signal).filter(|it| it.is_finite()) else { return };
+        let zero = x.iter().zip(values).min_by(|a, b| a.0.abs().total_cmp(&b.0.abs()));
+        let Some((_, &zero)) = zero else { return };
+        let loaded = LOADED * range(values);
+        let most = NOISE * scatter(&trace.time, values);
+        let motions = second_differences(&trace.time, x);
+        let signals = second_differences(&trace.time, values);
+        for ((motion, own), value) in motions.zip(signals).zip(&values[1..]) {
+            let is_noise = motion.abs() <= NOISE * deviation && own.abs() <= most;
+            if is_noise && (value - zero).abs() > loaded {
+                let expected = stiffness * motion;
+                self.of_motion += expected * expected;
+                self.of_signal += own * own;
+                self.of_both += expected * own;
+                self.count += 1.0;
+            }
+        }
+    }
+
+    /// Change of the signal for a change of the displacement, over the mean stiffness.
+    fn slope(&self) -> f64 {
+        self.of_both / self.of_motion
+    }
+
+    fn standard_error(&self) -> f64 {
+        (SHARED * self.of_signal / (self.of_motion * self.count)).sqrt()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{DISPLACEMENT, FORCE};
+
+    /// Two values that look drawn from a normal distribution of deviation 1.
+    fn drawn(k: usize) -> [f64; 2] {
+        let uniform = |salt: usize| {
+            let mut z = (k * 2 + salt) as u64;
+            z = z.wrapping_add(0x9E37_79B9_7F4A_7C15).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+            z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+            ((z >> 11) as f64 + 0.5) / (1u64 << 53) as f64
+        };
+        let (size, angle) = ((-2.0 * uniform(0).ln()).sqrt(), std::f64::consts::TAU * uniform(1));
+        [size * angle.cos(), size * angle.sin()]
+    }
+
+    /// A press to 5 mm with a hold, mm.
+    fn motion(t: f64) -> f64 {
+        (8.0 * (t - 1.0)).min(5.0 - 8.0 * (t - 4.0)).clamp(0.0, 5.0)
+    }
+
+    /// A press of 2 N/mm at 200 Hz whose displacement is read with noise, and moves with more.
+    fn press(read: f64, moved: f64) -> Trace {
+        let time: Vec<f64> = (0..1200).map(|k| f64::from(k) / 200.0).collect();
+        let at = |k: usize| motion(time[k]) + moved * drawn(k)[0];
+        let x = (0..time.len()).map(|k| at(k) + read * drawn(k + 5000)[0]).collect();
+        let force = (0..time.len()).map(|k| 2.0 * at(k).max(0.0) + 0.01 * drawn(k)[1]).collect();
+        let mut trace = Trace { time, ..Trace::default() };
+        trace.set_column(DISPLACEMENT, x);
+        trace.set_column(FORCE, force);
+        trace
+    }
+
+    #[test]
+    fn noise_that_the_force_does_not_follow_is_no_motion() {
+        let trace = press(0.02, 0.0);
+        let found = motion_noise(std::slice::from_ref(&trace), FORCE);
+        assert_eq!(found.len(), 1);
+        let deviation = found[0].standard_deviation_mm;
+        assert!((deviation - 0.02).abs() < 0.002, "{deviation}");
+        let error = |x: &[f64]| {
+            let off = trace.time.iter().zip(x).map(|(&t, x)| (x - motion(t)).powi(2));
+            (off.sum::<f64>() / x.len() as f64).sqrt()
+        };
+        let (before, after) =
+            (error(trace.displacement().unwrap()), error(&found[0].smoothed(&trace).unwrap()));
+        assert!(after < 0.3 * before, "{before} to {after}");
+    }
+
+    #[test]
+    fn a_motion_that_the_force_follows_stays_as_it_is() {
+        assert_eq!(motion_noise(&[press(0.0, 0.02)], FORCE), []);
+        assert_eq!(motion_noise(&[press(0.0, 0.0)], FORCE), []);
+        // Nor what the force would not show.
+        assert_eq!(motion_noise(&[press(0.001, 0.0)], FORCE), []);
+    }
+}
