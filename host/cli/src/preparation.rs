@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::Failure;
 use palpate_present::summary::{Preparation, motion_noise_of};
-use palpate_trace::{Trace, join, outliers, stairs, tare, without};
+use palpate_trace::{Trace, join, outliers, repeats, stairs, tare, without, without_repeats};
 
 /// Flags of every command that fits a model or compares it.
 #[derive(clap::Args)]
@@ -12,6 +12,9 @@ pub struct Prepare {
     /// Leave out impossible samples: drop-outs of the motion, single jumps of the signal
     #[arg(long)]
     drop_outliers: bool,
+    /// Leave out rows that only repeat a signal that was recorded more slowly
+    #[arg(long)]
+    drop_repeats: bool,
     /// Take the motion as straight between its steps where the displacement was held or rounded
     #[arg(long)]
     join_steps: bool,
@@ -24,8 +27,8 @@ pub struct Prepare {
 pub type Prepared = (Arc<Vec<Trace>>, Preparation);
 
 impl Prepare {
-    /// Looks for impossible samples in the motion of a data set and in `signal`, and for a displacement in stairs, and does what the
-    /// flags ask for. The traces are copied only where a flag changes them.
+    /// Looks for impossible samples in the motion of a data set and in `signal`, for a signal that repeats and for a displacement in stairs, and
+    /// does what the flags ask for. The traces are copied only where a flag changes them.
     pub fn take(&self, traces: Arc<Vec<Trace>>, signal: &str) -> Result<Prepared, Failure> {
         let mut taken = traces;
         let mut found = Vec::new();
@@ -36,6 +39,12 @@ impl Prepare {
                 Arc::make_mut(&mut taken)[k] = left;
             }
             found.extend(own);
+        }
+        let repeats = repeats(&taken, signal);
+        if self.drop_repeats && !repeats.is_empty() {
+            for (trace, own) in Arc::make_mut(&mut taken).iter_mut().zip(&repeats) {
+                *trace = without_repeats(trace, signal, own);
+            }
         }
         let stairs = stairs(&taken, signal);
         if self.join_steps && !stairs.is_empty() {
@@ -61,6 +70,8 @@ impl Prepare {
         let how = Preparation {
             outliers: found,
             dropped: self.drop_outliers,
+            repeats,
+            repeats_dropped: self.drop_repeats,
             stairs,
             joined: self.join_steps,
             motion_noise: motion_noise_of(&taken, signal),
@@ -74,6 +85,7 @@ impl Prepare {
     pub fn flags(&self) -> String {
         let given = [
             (self.drop_outliers, " --drop-outliers"),
+            (self.drop_repeats, " --drop-repeats"),
             (self.join_steps, " --join-steps"),
             (self.tare, " --tare"),
         ];

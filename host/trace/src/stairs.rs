@@ -37,7 +37,7 @@ const MOST: f64 = 0.9;
 /// Part of the step by which a rounded one may differ from a multiple of it.
 const TOLERANCE: f64 = 0.02;
 /// Factor within which the traces of a set have the same time between steps, or the same least step.
-const ALIKE: f64 = 1.1;
+pub(super) const ALIKE: f64 = 1.1;
 /// Distances, in usual ones, up to which they count: a long one is a hold.
 const NEAR: f64 = 5.0;
 /// Part of the time that a value stays which the steps to it and from it take where it does not stay for long.
@@ -94,23 +94,28 @@ pub fn join(trace: &mut Trace, stairs: &Stairs) {
     trace.set_column(DISPLACEMENT, joined);
 }
 
-/// Where a displacement steps, and by how much.
-struct Steps {
+/// Where a quantity steps, and by how much.
+pub(super) struct Steps {
     /// Samples at which it has another value than before.
-    at: Vec<usize>,
-    /// By how much, mm, without the sign.
+    pub at: Vec<usize>,
+    /// By how much, in its unit, without the sign.
     sizes: Vec<f64>,
 }
 
 impl Steps {
-    fn of_motion(x: &[f64]) -> Option<Self> {
-        if 2 * changes(x) > x.len() {
+    /// Those of a quantity that stays for so many samples or more, in the middle, before it steps; none where it does not.
+    pub fn of_values(values: &[f64], samples: usize) -> Option<Self> {
+        if 2 * changes(values) > values.len() {
             return None;
         }
-        let at: Vec<usize> = (1..x.len()).filter(|&k| x[k] != x[k - 1]).collect();
-        let sizes = at.iter().map(|&k| (x[k] - x[k - 1]).abs()).collect();
+        let at: Vec<usize> = (1..values.len()).filter(|&k| values[k] != values[k - 1]).collect();
+        let sizes = at.iter().map(|&k| (values[k] - values[k - 1]).abs()).collect();
         let steps = Self { at, sizes };
-        (steps.at.len() >= MIN_STEPS && steps.usual() >= MIN_SAMPLES).then_some(steps)
+        (steps.at.len() >= MIN_STEPS && steps.usual() >= samples).then_some(steps)
+    }
+
+    fn of_motion(x: &[f64]) -> Option<Self> {
+        Self::of_values(x, MIN_SAMPLES)
     }
 
     /// Those of a trace whose signal goes on while its displacement stays.
@@ -121,7 +126,7 @@ impl Steps {
     }
 
     /// Samples between neighbouring steps.
-    fn distances(&self) -> impl Iterator<Item = usize> {
+    pub fn distances(&self) -> impl Iterator<Item = usize> {
         self.at.windows(2).map(|pair| pair[1] - pair[0])
     }
 
@@ -133,7 +138,7 @@ impl Steps {
     }
 
     /// Mean of the distances that are about the usual one.
-    fn period(&self) -> f64 {
+    pub fn period(&self) -> f64 {
         let usual = self.usual();
         let near = self.distances().filter(|length| (2 * length).abs_diff(2 * usual) <= usual);
         let (sum, count) = near.fold((0, 0), |(sum, count), length| (sum + length, count + 1));
@@ -148,18 +153,24 @@ impl Steps {
     }
 
     /// The least of the sizes, mm.
-    fn least(&self) -> f64 {
+    pub fn least(&self) -> f64 {
         self.sizes.iter().copied().fold(f64::INFINITY, f64::min)
     }
 
     /// Whether they come at multiples of a time.
-    fn are_in_time(&self) -> bool {
+    pub fn are_in_time(&self) -> bool {
         let period = self.period();
         let near = self.distances().filter(|length| *length as f64 <= NEAR * period);
         mostly(near, |length| {
             let count = (length as f64 / period).round();
             count > 0.0 && (length as f64 - count * period).abs() <= 1.0
         })
+    }
+
+    /// Whether most are about the least: it is rounded, and goes on to the next value.
+    pub fn are_single(&self) -> bool {
+        let least = self.least();
+        mostly(self.sizes.iter(), |size| *size < 1.5 * least)
     }
 
     /// Whether they are multiples of the least.
@@ -173,12 +184,12 @@ impl Steps {
 }
 
 /// How often a value differs from the one before.
-fn changes(values: &[f64]) -> usize {
+pub(super) fn changes(values: &[f64]) -> usize {
     values.windows(2).filter(|pair| pair[0] != pair[1]).count()
 }
 
 /// Whether it is so of most.
-fn mostly<T>(all: impl Iterator<Item = T>, is_so: impl Fn(T) -> bool) -> bool {
+pub(super) fn mostly<T>(all: impl Iterator<Item = T>, is_so: impl Fn(T) -> bool) -> bool {
     let (good, count) = all.fold((0.0, 0.0), |(good, count), one| {
         (good + f64::from(u8::from(is_so(one))), count + 1.0)
     });

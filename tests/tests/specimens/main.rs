@@ -8,6 +8,7 @@ mod inexact_laws;
 mod louder_noise;
 mod outliers;
 mod scattered_displacement;
+mod slow_signal;
 mod stairs;
 mod strong_effects;
 mod taps;

@@ -82,8 +82,8 @@ pub use population::{
 };
 pub use practice::{HiddenEffect, HiddenValue, PracticeAnswer, PracticeRecording, TruthAnswer};
 pub use preparation::{
-    MotionNoiseAnswer, PreparationAnswer, Prepared, RobustAnswer, RobustParameter, StairsAnswer,
-    StairsCause,
+    MotionNoiseAnswer, PreparationAnswer, Prepared, RepeatsAnswer, RobustAnswer, RobustParameter,
+    StairsAnswer, StairsCause,
 };
 pub use pull_off::{PullOffAnswer, PullOffGrowthAnswer, PullOffLaw, PullOffsAtSpeed};
 pub use ranking::{RankedLaw, RankedParameter, RankingAnswer, SetupAnswer};

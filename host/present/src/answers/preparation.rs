@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use palpate_trace::{Cause, Outlier, Stairs};
+use palpate_trace::{Cause, Outlier, Repeats, Stairs};
 use serde::Serialize;
 
 use super::finite;
@@ -28,6 +28,10 @@ pub struct PreparationAnswer {
     pub outliers: Vec<OutlierAnswer>,
     /// Whether they were left out.
     pub outliers_dropped: bool,
+    /// Traces whose signal was recorded more slowly than their rows.
+    pub signal_repeats: Vec<RepeatsAnswer>,
+    /// Whether the rows that only repeat it were left out.
+    pub signal_repeats_dropped: bool,
     /// Traces whose displacement goes in steps beside a signal that does not.
     pub displacement_steps: Vec<StairsAnswer>,
     /// Whether the motion was taken as straight between the steps.
@@ -60,6 +64,16 @@ pub struct OutlierAnswer {
     pub value: f64,
     /// What its neighbours let expect.
     pub expected: f64,
+}
+
+/// A signal that was recorded more slowly than the rows that hold it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
+pub struct RepeatsAnswer {
+    /// Name of the trace.
+    pub trace: String,
+    /// Rows for which each value stays, on average.
+    pub rows: f64,
 }
 
 /// A displacement that goes in steps.
@@ -170,6 +184,8 @@ impl From<&Preparation> for PreparationAnswer {
         Self {
             outliers: preparation.outliers.iter().map(OutlierAnswer::from).collect(),
             outliers_dropped: preparation.dropped,
+            signal_repeats: preparation.repeats.iter().map(RepeatsAnswer::from).collect(),
+            signal_repeats_dropped: preparation.repeats_dropped,
             displacement_steps: preparation.stairs.iter().map(StairsAnswer::from).collect(),
             displacement_steps_joined: preparation.joined,
             displacement_noise: preparation
@@ -202,6 +218,12 @@ impl From<&Stairs> for StairsAnswer {
 impl From<&(String, f64)> for MotionNoiseAnswer {
     fn from((trace, deviation): &(String, f64)) -> Self {
         Self { trace: trace.clone(), standard_deviation_mm: *deviation }
+    }
+}
+
+impl From<&Repeats> for RepeatsAnswer {
+    fn from(own: &Repeats) -> Self {
+        Self { trace: own.trace.clone(), rows: own.rows }
     }
 }
 

@@ -6,7 +6,9 @@ use palpate_fit::whole_motion::{self, MotionFit};
 use palpate_model::Parameter;
 use palpate_report::number::significant;
 use palpate_report::{Callout, Column, Section, Table};
-use palpate_trace::{Cause, Outlier, Stairs, Trace, motion_noise, outliers, stairs, without};
+use palpate_trace::{
+    Cause, Outlier, Repeats, Stairs, Trace, motion_noise, outliers, repeats, stairs, without,
+};
 
 /// Most samples that a table lists.
 const MOST_LISTED: usize = 20;
@@ -18,6 +20,10 @@ pub struct Preparation {
     pub outliers: Vec<Outlier>,
     /// Whether they were left out.
     pub dropped: bool,
+    /// Traces whose signal was recorded more slowly than their rows.
+    pub repeats: Vec<Repeats>,
+    /// Whether rows that only repeat it were left out.
+    pub repeats_dropped: bool,
     /// Traces whose displacement goes in stairs.
     pub stairs: Vec<Stairs>,
     /// Whether they were joined.
@@ -158,6 +164,7 @@ impl Preparation {
     pub fn of(traces: &[Trace], signal: &str) -> Self {
         Self {
             outliers: impossible(traces, signal),
+            repeats: repeats(traces, signal),
             stairs: stairs(traces, signal),
             motion_noise: motion_noise_of(traces, signal),
             ..Self::default()
@@ -167,7 +174,12 @@ impl Preparation {
     /// The sections of an answer with one before them on the traces, where there is something to tell.
     #[must_use]
     pub fn before(&self, mut sections: Vec<Section>) -> Vec<Section> {
-        let own = [self.section(), self.stairs_section(), self.motion_noise_section()];
+        let own = [
+            self.section(),
+            self.repeats_section(),
+            self.stairs_section(),
+            self.motion_noise_section(),
+        ];
         sections.splice(0..0, own.into_iter().flatten());
         sections
     }
@@ -198,6 +210,27 @@ impl Preparation {
                 .callout(Callout::Warning, "Impossible samples", self.in_words())
                 .table(table),
         )
+    }
+
+    fn repeats_section(&self) -> Option<Section> {
+        let first = self.repeats.first()?;
+        let rows = significant(first.rows, 2);
+        let traces = match self.repeats.len() {
+            1 => format!("of {}", first.trace),
+            count => format!("of {count} traces"),
+        };
+        let what = format!(
+            "The signal {traces} was recorded more slowly than the rows: each of its values stays for {rows} rows on average."
+        );
+        let words = if self.repeats_dropped {
+            format!("{what} The rows that only repeat one were left out, as asked.")
+        } else {
+            format!(
+                "{what} What repeats lags behind, and a lag seems to be missing; `--drop-repeats` leaves those rows out."
+            )
+        };
+        let title = "A signal that repeats";
+        Some(Section::new(title).callout(Callout::Warning, title, words))
     }
 
     fn stairs_section(&self) -> Option<Section> {

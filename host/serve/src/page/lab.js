@@ -280,7 +280,9 @@ export function open(root, api) {
     const { comparison, answers } = state;
     const steps = comparison?.displacement_steps?.[0];
     const held = steps && `the displacement of ${steps.trace} goes in steps of ${number(steps.step_mm, 2)} mm, which a law takes for sudden presses`;
-    return [held, ...(answers.fit?.warnings ?? [])].filter(Boolean).map((text) => h("p", { class: "lab-note lab-beware" }, `Beware: ${text}.`));
+    const slow = comparison?.signal_repeats?.[0];
+    const repeats = slow && `each value of the signal stays for ${number(slow.rows, 2)} rows, which looks like a lag`;
+    return [held, repeats, ...(answers.fit?.warnings ?? [])].filter(Boolean).map((text) => h("p", { class: "lab-note lab-beware" }, `Beware: ${text}.`));
   }
 
   function change(of) {
