@@ -109,6 +109,7 @@ impl Compressed {
             pieces: data.pieces.iter().zip(&self.blocks).map(means).collect(),
             left_out: Vec::new(),
             motion_noise: Vec::new(),
+            signal_stays: data.signal_stays,
             reference_temperature: None,
             channels: Vec::new(),
             unordered: data.unordered,

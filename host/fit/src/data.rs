@@ -10,7 +10,7 @@ use palpate_model::{
 };
 use palpate_trace::{
     FORCE, GAUGES, MotionNoise, SignalError, TANGENTIAL, TEMPERATURE, Trace, elapsed, motion_noise,
-    ordered_by, runs,
+    ordered_by, repeats, runs,
 };
 
 use super::line::{Line, line_near};
@@ -139,6 +139,8 @@ pub struct Data<'a> {
     pub left_out: Vec<String>,
     /// Noise of displacements that was taken out of the motions: the signal would show it, and does not.
     pub motion_noise: Vec<MotionNoise>,
+    /// How long each value of the signal stays, s, where it was recorded more slowly than the rows.
+    pub signal_stays: Option<f64>,
     /// Temperature from which effects count it, °C: the mean of the set; none where a trace has no
     /// temperature.
     pub reference_temperature: Option<f64>,
@@ -223,6 +225,9 @@ impl<'a> Data<'a> {
         }
         let mut data = Self::gather(traces, signal, &motions, |trace| trace.changing(signal))?;
         data.motion_noise = noisy;
+        let interval = |trace: &Trace| trace.duration() / trace.len() as f64;
+        let stays = repeats(traces, signal).into_iter().zip(traces);
+        data.signal_stays = stays.map(|(own, trace)| own.rows * interval(trace)).reduce(f64::max);
         data.check_contact(signal)?;
         Ok(data)
     }
@@ -252,6 +257,7 @@ impl<'a> Data<'a> {
             pieces: Vec::new(),
             left_out: Vec::new(),
             motion_noise: Vec::new(),
+            signal_stays: None,
             reference_temperature: mean_temperature(traces),
             channels: others(traces, signal),
             unordered: traces.len() > 1 && ordered_by(traces).is_none(),

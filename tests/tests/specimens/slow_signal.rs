@@ -5,6 +5,7 @@ use palpate_tests::held_press::{TRUTH, force, held_press, keep, times};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
+use serde_json::Value;
 
 const NOISE: f64 = 0.02;
 /// Rows a second, and values of the force.
@@ -32,6 +33,14 @@ fn what_repeats_is_told_and_left_out_when_asked() {
     let told = as_it_is["signal_repeats"].as_array().unwrap();
     assert_eq!(told.len(), presses.len(), "{told:?}");
     assert!(told.iter().all(|it| (it["rows"].as_f64().unwrap() - 5.0).abs() < 0.05), "{told:?}");
+    let diagnose = ["diagnose", "--model", "model.toml", ".", "--json"];
+    let found = answer(folder.path(), &diagnose);
+    let mut steps = found["steps"].as_array().unwrap().iter();
+    let is_delay = |step: &Value| step["effect"] == "sensor-lag" || step["effect"] == "sync-delay";
+    assert!(!steps.any(is_delay), "{}", found["in_words"]);
+    let mut refused = found["refused"].as_array().unwrap().iter();
+    let told = |it: &Value| it["reason"].as_str().unwrap().contains("stays for 0.025 s");
+    assert!(refused.any(|it| is_delay(it) && told(it)), "{}", found["refused"]);
     let fresh = answer(folder.path(), &[&fit[..], &["--drop-repeats"]].concat());
     assert_eq!(fresh["signal_repeats_dropped"], true);
     assert!(fresh["residual_rms"].as_f64().unwrap() < 1.03 * NOISE, "{}", fresh["residual_rms"]);
@@ -41,7 +50,6 @@ fn what_repeats_is_told_and_left_out_when_asked() {
             (of["value"].as_f64().unwrap(), of["standard_error"].as_f64().unwrap());
         assert!((value - truth).abs() < 4.0 * error, "{name} = {value} ± {error}, not {truth}");
     }
-    let diagnose = ["diagnose", "--model", "model.toml", ".", "--drop-repeats", "--json"];
-    let found = answer(folder.path(), &diagnose);
+    let found = answer(folder.path(), &[&diagnose[..], &["--drop-repeats"]].concat());
     assert_eq!(found["verdict"], "adequate", "{}", found["in_words"]);
 }

@@ -56,6 +56,13 @@ pub enum Refusal {
         /// Standard deviation of the scatter, mm.
         scatter: f64,
     },
+    /// It is a delay no longer than a slow signal takes to be recorded anew: what repeats meanwhile lags behind.
+    WithinRepeats {
+        /// The delay, s.
+        delay: f64,
+        /// How long each value of the signal stays, s.
+        stays: f64,
+    },
     /// The signal off the specimen denies it: root mean square error there without and with it.
     Rest {
         /// Without it, in the unit of the signal.
@@ -77,10 +84,15 @@ pub struct Evidence {
     /// Width of the play that the last effect is, and the standard deviation of the displacement's scatter, both in mm; none where it is
     /// another.
     pub play: Option<(f64, f64)>,
+    /// How long the last effect delays the signal, and how long each value of that stays, both in s; none where it is another, or nothing
+    /// repeats.
+    pub delay: Option<(f64, f64)>,
 }
 
 /// Name of the effect that is a play.
 const PLAY: &str = "backlash";
+/// Names of the effects that delay the signal.
+const DELAYS: [&str; 2] = ["sensor-lag", "sync-delay"];
 /// Standard deviations of the displacement's scatter within which a play is no wider than that.
 const WITHIN: f64 = 6.0;
 
@@ -96,8 +108,9 @@ impl Evidence {
     /// What needs no refit: nothing of traces left out.
     #[must_use]
     pub fn without_refits(problem: &Problem, fitted: &Fitted) -> Self {
-        let (rest, play) = (Rest::of(problem, fitted), play(problem.data(), fitted));
-        Self { held_out: None, sections: None, rest, play }
+        let data = problem.data();
+        let (play, delay) = (play(data, fitted), delay(data, fitted));
+        Self { held_out: None, sections: None, rest: Rest::of(problem, fitted), play, delay }
     }
 
     /// Adds the errors on traces, or on sections of a single one, left out.
@@ -119,14 +132,24 @@ impl Evidence {
     }
 }
 
+/// The first parameter of the last effect, where that is one of these.
+fn first_of(fitted: &Fitted, names: &[&str]) -> Option<f64> {
+    let last = fitted.chain.effects.len().checked_sub(1)?;
+    let value = fitted.values[fitted.chain.range(last).start];
+    names.contains(&&*fitted.chain.effects[last].name).then_some(value)
+}
+
+/// The delay of the last effect beside the time for which each value of the signal stays, s.
+fn delay(data: &Data, fitted: &Fitted) -> Option<(f64, f64)> {
+    Some((first_of(fitted, &DELAYS)?.abs(), data.signal_stays?))
+}
+
 /// The play of the last effect beside the scatter of the displacement, mm; none where it is another effect.
 fn play(data: &Data, fitted: &Fitted) -> Option<(f64, f64)> {
-    let last = fitted.chain.effects.len().checked_sub(1)?;
-    let width = fitted.values[fitted.chain.range(last).start];
+    let width = first_of(fitted, &[PLAY])?;
     let of = |piece: &Piece| scatter(&piece.motion.time, &piece.motion.displacement).powi(2);
     let squares = || data.pieces.iter().map(|piece| piece.measured.len() as f64 * of(piece));
-    let is_play = fitted.chain.effects[last].name == PLAY;
-    is_play.then(|| (width, (squares().sum::<f64>() / data.samples() as f64).sqrt()))
+    Some((width, (squares().sum::<f64>() / data.samples() as f64).sqrt()))
 }
 
 /// A fitted model with the evidence for it.
@@ -163,6 +186,9 @@ pub fn weigh_fit(without: Judged, with: Judged) -> Result<(), Refusal> {
     }
     if let Some((width, scatter)) = with.evidence.play.filter(|(w, s)| *w < WITHIN * s) {
         return Err(Refusal::WithinScatter { width, scatter });
+    }
+    if let Some((delay, stays)) = with.evidence.delay.filter(|(delay, stays)| delay <= stays) {
+        return Err(Refusal::WithinRepeats { delay, stays });
     }
     if with.evidence.rest.denies(&without.evidence.rest) {
         let (without, with) = (without.evidence.rest.rms(), with.evidence.rest.rms());

@@ -56,6 +56,11 @@ impl DiagnosisSummary<'_> {
                 significant(*width, 2),
                 significant(*scatter, 2)
             ),
+            Refusal::WithinRepeats { delay, stays } => format!(
+                "each value of the signal stays for {} s, which looks like its delay of {} s; `--drop-repeats` leaves out what repeats",
+                significant(*stays, 2),
+                significant(*delay, 2)
+            ),
             Refusal::Rest { without, with } => format!(
                 "the signal off the specimen denies it: the error there would rise from {} {unit} to {} {unit}",
                 self.level(*without),
