@@ -1,10 +1,10 @@
 //! Noise of a displacement that its signal would show, and does not: the specimen never went so. A law takes it for motion, and what
 //! smooths it, a lag or a delay, then seems to be missing.
 
+use super::Trace;
 use super::control::range;
 use super::local_lines::smoothed;
 use super::scatter::{scatter, second_differences};
-use super::{Trace, noise};
 
 /// The noise of a displacement that its signal does not follow.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,14 +29,15 @@ const LOADED: f64 = 0.1;
 const SHARED: f64 = 1.94;
 /// Fewest samples that tell.
 const MIN_SAMPLES: f64 = 200.0;
+/// Samples in the middle of a trace from which its scatter is taken: noise is the same everywhere.
+const LOOKED_AT: usize = 100_000;
 
 /// The traces of a set whose displacement is noisy: none unless that matters in the signal of one of them, and the signals of all
 /// together do not follow it.
 #[must_use]
 pub fn motion_noise(traces: &[Trace], signal: &str) -> Vec<MotionNoise> {
     let of = |(index, trace): (usize, &Trace)| {
-        let x = trace.displacement()?;
-        let standard_deviation_mm = scatter(&trace.time, x);
+        let standard_deviation_mm = scatter_of(trace, trace.displacement()?);
         let noisy = standard_deviation_mm > 0.0;
         noisy.then_some(MotionNoise { trace: index, standard_deviation_mm })
     };
@@ -64,8 +65,15 @@ fn stiffness(trace: &Trace, signal: &str) -> Option<f64> {
 /// Whether the signal would show the noise.
 fn matters(trace: &Trace, signal: &str, own: &MotionNoise) -> bool {
     let Some(stiffness) = stiffness(trace, signal) else { return false };
-    let felt = own.standard_deviation_mm * stiffness;
-    noise(trace, signal).is_ok_and(|noise| felt > MATTERS * noise.standard_deviation)
+    let scatter = trace.column(signal).map(|values| scatter_of(trace, values));
+    scatter.is_some_and(|scatter| own.standard_deviation_mm * stiffness > MATTERS * scatter)
+}
+
+/// Standard deviation of the scatter of a column of a trace, from its middle.
+fn scatter_of(trace: &Trace, values: &[f64]) -> f64 {
+    let from = values.len().saturating_sub(LOOKED_AT) / 2;
+    let middle = from..values.len() - from;
+    scatter(&trace.time[middle.clone()], &values[middle])
 }
 
 /// Whether signals follow the noise of their displacements, as they do where it is motion: a slope of their second differences that is
@@ -94,7 +102,7 @@ impl Sums {
         let zero = x.iter().zip(values).min_by(|a, b| a.0.abs().total_cmp(&b.0.abs()));
         let Some((_, &zero)) = zero else { return };
         let loaded = LOADED * range(values);
-        let most = NOISE * scatter(&trace.time, values);
+        let most = NOISE * scatter_of(trace, values);
         let motions = second_differences(&trace.time, x);
         let signals = second_differences(&trace.time, values);
         for ((motion, own), value) in motions.zip(signals).zip(&values[1..]) {

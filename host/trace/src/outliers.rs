@@ -70,6 +70,11 @@ pub fn without(trace: &Trace, outliers: &[Outlier]) -> Trace {
     let label = trace.label();
     let own = |k: usize| outliers.iter().any(|out| out.row == k + 1 && out.trace == label);
     let kept: Vec<usize> = (0..trace.len()).filter(|&k| !own(k)).collect();
+    with_rows(trace, &kept)
+}
+
+/// The trace with these rows alone.
+pub(super) fn with_rows(trace: &Trace, kept: &[usize]) -> Trace {
     let take = |values: &[f64]| kept.iter().map(|&k| values[k]).collect();
     let mut left = Trace { time: take(&trace.time), ..trace.clone() };
     for column in &mut left.columns {

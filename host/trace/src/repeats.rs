@@ -2,6 +2,7 @@
 //! measurement, and lags behind what it seems to measure.
 
 use super::Trace;
+use super::outliers::with_rows;
 use super::stairs::{ALIKE, Steps, mostly};
 
 /// How the signal of a trace repeats.
@@ -59,12 +60,7 @@ pub fn without_repeats(trace: &Trace, signal: &str, repeats: &Repeats) -> Trace 
             kept.push(next);
         }
     }
-    let take = |values: &[f64]| kept.iter().map(|&k| values[k]).collect();
-    let mut left = Trace { time: take(&trace.time), ..trace.clone() };
-    for column in &mut left.columns {
-        column.values = take(&column.values);
-    }
-    left
+    with_rows(trace, &kept)
 }
 
 #[cfg(test)]
