@@ -5,12 +5,12 @@
 //! the coordinates of a linear base law are carried along (`carried.rs`); all others are differences,
 //! so that a law is one plain function.
 //!
-//! - [`run`]: the chain at a point over the stretches, in order.
-//! - [`slopes`]: its derivatives, stretch by stretch.
-//! - [`normal`]: the normal equations that these make.
-//! - [`whiten`]: what makes the noise of a stretch white, and what a mean stands for.
-//! - [`block`]: the normal equations of the parts of the data.
-//! - [`errors`]: errors by trace, and on traces left out.
+//! - `run`: the chain at a point over the stretches, in order.
+//! - `slopes`: its derivatives, stretch by stretch.
+//! - `normal`: the normal equations that these make.
+//! - `whiten`: what makes the noise of a stretch white, and what a mean stands for.
+//! - `block`: the normal equations of the parts of the data.
+//! - `errors`: errors by trace, and on traces left out.
 
 mod block;
 mod errors;

@@ -1,12 +1,12 @@
 //! The search for what is missing: screen, refit the best few, keep the one that the evidence names,
 //! go on; then ask of every one kept whether another would do better in its place.
 //!
-//! - [`found`]: what a search found, step by step.
-//! - [`refit`]: which laws are refitted in a step, from where, and which stands for its effect.
-//! - [`polish`]: what is asked of the effects that were found.
-//! - [`credible`]: the names that the data do not tell apart.
-//! - [`climb`]: the same search by what predicts traces left out.
-//! - [`reorder`]: the effects of one search in another order.
+//! - `found`: what a search found, step by step.
+//! - `refit`: which laws are refitted in a step, from where, and which stands for its effect.
+//! - `polish`: what is asked of the effects that were found.
+//! - `credible`: the names that the data do not tell apart.
+//! - `climb`: the same search by what predicts traces left out.
+//! - `reorder`: the effects of one search in another order.
 
 mod climb;
 mod credible;
