@@ -2,6 +2,8 @@
 //! smooths it, a lag or a delay, then seems to be missing.
 
 use super::Trace;
+use std::ops::Range;
+
 use super::control::range;
 use super::local_lines::smoothed;
 use super::scatter::{scatter, second_differences};
@@ -29,6 +31,9 @@ const LOADED: f64 = 0.1;
 const SHARED: f64 = 1.94;
 /// Fewest samples that tell.
 const MIN_SAMPLES: f64 = 200.0;
+/// Correlation of neighbouring second differences up to which they are of noise: −2/3 where it is independent from sample to sample, 1 where a
+/// motion bends.
+const ALTERNATE: f64 = -0.25;
 /// Samples in the middle of a trace from which its scatter is taken: noise is the same everywhere.
 const LOOKED_AT: usize = 100_000;
 
@@ -37,8 +42,9 @@ const LOOKED_AT: usize = 100_000;
 #[must_use]
 pub fn motion_noise(traces: &[Trace], signal: &str) -> Vec<MotionNoise> {
     let of = |(index, trace): (usize, &Trace)| {
-        let standard_deviation_mm = scatter_of(trace, trace.displacement()?);
-        let noisy = standard_deviation_mm > 0.0;
+        let x = trace.displacement()?;
+        let standard_deviation_mm = scatter_of(trace, x);
+        let noisy = standard_deviation_mm > 0.0 && alternates(trace, x, standard_deviation_mm);
         noisy.then_some(MotionNoise { trace: index, standard_deviation_mm })
     };
     let noisy: Vec<MotionNoise> = traces.iter().enumerate().filter_map(of).collect();
@@ -69,11 +75,27 @@ fn matters(trace: &Trace, signal: &str, own: &MotionNoise) -> bool {
     scatter.is_some_and(|scatter| own.standard_deviation_mm * stiffness > MATTERS * scatter)
 }
 
+/// The samples in the middle of a trace.
+fn middle(trace: &Trace) -> Range<usize> {
+    let from = trace.len().saturating_sub(LOOKED_AT) / 2;
+    from..trace.len() - from
+}
+
 /// Standard deviation of the scatter of a column of a trace, from its middle.
 fn scatter_of(trace: &Trace, values: &[f64]) -> f64 {
-    let from = values.len().saturating_sub(LOOKED_AT) / 2;
-    let middle = from..values.len() - from;
-    scatter(&trace.time[middle.clone()], &values[middle])
+    scatter(&trace.time[middle(trace)], &values[middle(trace)])
+}
+
+/// Whether what scatters so goes up and down from sample to sample.
+fn alternates(trace: &Trace, x: &[f64], deviation: f64) -> bool {
+    let (mut of_pairs, mut of_each, mut before) = (0.0, 0.0, 0.0);
+    for own in second_differences(&trace.time[middle(trace)], &x[middle(trace)]) {
+        let own = if own.abs() <= NOISE * deviation { own } else { 0.0 };
+        of_pairs += before * own;
+        of_each += own * own;
+        before = own;
+    }
+    of_pairs < ALTERNATE * of_each
 }
 
 /// Whether signals follow the noise of their displacements, as they do where it is motion: a slope of their second differences that is
