@@ -41,6 +41,20 @@ pub fn keep(folder: &Path, number: usize, time: &[f64], x: &[f64], force: &[f64]
     specimens::write(folder, &format!("{number}.csv"), "", rows);
 }
 
+/// Asserts that each parameter of a fit of `fung` lies within four of its standard errors of the truth.
+///
+/// # Panics
+/// If one does not.
+#[track_caller]
+pub fn holds_the_truth(fit: &Value) {
+    for (name, truth) in ["p", "q", "c1", "c2", "v1", "v2"].into_iter().zip(TRUTH) {
+        let of = &fit["parameters"][name];
+        let number = |field: &str| of[field].as_f64().expect("a number");
+        let (value, error) = (number("value"), number("standard_error"));
+        assert!((value - truth).abs() < 4.0 * error, "{name} = {value} ± {error}, not {truth}");
+    }
+}
+
 /// The warnings of a fit of all traces of a folder, and the diagnosis of its model.
 #[must_use]
 pub fn warnings_and_diagnosis(folder: &Path) -> (String, Value) {

@@ -73,21 +73,20 @@ fn set_up_for(target: &str) -> miette::Result<()> {
 }
 
 /// Runs cargo in the workspace of the port to the Pico 2.
-fn pico2(name: &str, arguments: &[&str], more: &[(&str, &str)]) -> miette::Result<()> {
+fn pico2(name: &str, arguments: &[&str]) -> miette::Result<()> {
     let target = target().join("pico2");
-    let target = target.to_string_lossy();
-    let environment = [&[("CARGO_TARGET_DIR", &*target)], more].concat();
+    let environment = [("CARGO_TARGET_DIR", &*target.to_string_lossy()), STRICT];
     rust(name, &folder().join("pico2"), arguments, &environment)
 }
 
 /// Checks format and lints of the port to the Pico 2.
 pub fn check_pico2() -> miette::Result<()> {
     set_up_for(PICO2_TARGET)?;
-    pico2("format of the firmware of the Pico 2", &["fmt", "--all", "--check"], &[])?;
+    pico2("format of the firmware of the Pico 2", &["fmt", "--all", "--check"])?;
     for converter in [&[][..], &["--features", "nau7802"]] {
         // Builds, so that what others wrote is compiled once for lints and firmware.
         let lints = [&LINTED_BY[..], &["build", "--release"], converter].concat();
-        pico2("lints of the firmware of the Pico 2", &lints, &[STRICT])?;
+        pico2("lints of the firmware of the Pico 2", &lints)?;
     }
     build_pico2()
 }
@@ -100,7 +99,7 @@ fn build_pico2() -> miette::Result<()> {
     for (name, converter) in
         [("palpate-pico2-nau7802.uf2", &["--features", "nau7802"][..]), ("palpate-pico2.uf2", &[])]
     {
-        pico2("firmware of the Pico 2", &[&["build", "--release"], converter].concat(), &[])?;
+        pico2("firmware of the Pico 2", &[&["build", "--release"], converter].concat())?;
         let elf = target().join("pico2").join(PICO2_TARGET).join("release/palpate-pico2");
         let elf = fs::read(&elf).into_diagnostic().wrap_err_with(|| elf.display().to_string())?;
         let file = uf2::file(&image(&elf, PICO2_FLASH)?, PICO2_FLASH, Family::Rp2350);

@@ -3,8 +3,10 @@
 use std::sync::Arc;
 
 use super::Failure;
-use palpate_present::summary::{Preparation, motion_noise_of};
-use palpate_trace::{Trace, join, outliers, repeats, stairs, tare, without, without_repeats};
+use palpate_present::summary::Preparation;
+use palpate_trace::{
+    Trace, join, motion_noise, outliers, repeats, stairs, tare, without, without_repeats,
+};
 
 /// Flags of every command that fits a model or compares it.
 #[derive(clap::Args)]
@@ -42,8 +44,8 @@ impl Prepare {
         }
         let repeats = repeats(&taken, signal);
         if self.drop_repeats && !repeats.is_empty() {
-            for (trace, own) in Arc::make_mut(&mut taken).iter_mut().zip(&repeats) {
-                *trace = without_repeats(trace, signal, own);
+            for trace in Arc::make_mut(&mut taken) {
+                *trace = without_repeats(trace, signal);
             }
         }
         let stairs = stairs(&taken, signal);
@@ -74,7 +76,7 @@ impl Prepare {
             repeats_dropped: self.drop_repeats,
             stairs,
             joined: self.join_steps,
-            motion_noise: motion_noise_of(&taken, signal),
+            motion_noise: motion_noise(&taken, signal),
             tared,
             refit: None,
         };

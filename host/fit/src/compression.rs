@@ -108,7 +108,6 @@ impl Compressed {
             labels: data.labels.clone(),
             pieces: data.pieces.iter().zip(&self.blocks).map(means).collect(),
             left_out: Vec::new(),
-            motion_noise: Vec::new(),
             signal_stays: data.signal_stays,
             reference_temperature: None,
             channels: Vec::new(),

@@ -9,8 +9,8 @@ use palpate_model::{
     Channel, Gauge, GaugeError, Model, Motion, MotionError, Past, Scene, Separation, Span,
 };
 use palpate_trace::{
-    FORCE, GAUGES, MotionNoise, SignalError, TANGENTIAL, TEMPERATURE, Trace, elapsed, motion_noise,
-    ordered_by, repeats, runs,
+    FORCE, GAUGES, SignalError, TANGENTIAL, TEMPERATURE, Trace, elapsed, motion_noise, ordered_by,
+    repeats, runs,
 };
 
 use super::line::{Line, line_near};
@@ -137,8 +137,6 @@ pub struct Data<'a> {
     pub pieces: Vec<Piece<'a>>,
     /// Stretches that were left out, in words.
     pub left_out: Vec<String>,
-    /// Noise of displacements that was taken out of the motions: the signal would show it, and does not.
-    pub motion_noise: Vec<MotionNoise>,
     /// How long each value of the signal stays, s, where it was recorded more slowly than the rows.
     pub signal_stays: Option<f64>,
     /// Temperature from which effects count it, °C: the mean of the set; none where a trace has no
@@ -217,17 +215,14 @@ impl<'a> Data<'a> {
     /// the signal is negative in compression.
     pub fn of(traces: &'a [Trace], signal: &str) -> Result<Self, DataError> {
         let mut motions = Motion::of_set(traces)?;
-        let noisy = motion_noise(traces, signal);
-        for own in &noisy {
-            if let Some(smoothed) = own.smoothed(&traces[own.trace]) {
-                motions[own.trace].displacement = smoothed.into();
+        for own in motion_noise(traces, signal) {
+            if let Some(smoothed) = own.smoothed(&traces[own.index]) {
+                motions[own.index].displacement = smoothed.into();
             }
         }
         let mut data = Self::gather(traces, signal, &motions, |trace| trace.changing(signal))?;
-        data.motion_noise = noisy;
-        let interval = |trace: &Trace| trace.duration() / trace.len() as f64;
-        let stays = repeats(traces, signal).into_iter().zip(traces);
-        data.signal_stays = stays.map(|(own, trace)| own.rows * interval(trace)).reduce(f64::max);
+        let stays = repeats(traces, signal).into_iter().map(|own| own.seconds);
+        data.signal_stays = stays.reduce(f64::max);
         data.check_contact(signal)?;
         Ok(data)
     }
@@ -256,7 +251,6 @@ impl<'a> Data<'a> {
             labels: traces.iter().map(Trace::label).collect(),
             pieces: Vec::new(),
             left_out: Vec::new(),
-            motion_noise: Vec::new(),
             signal_stays: None,
             reference_temperature: mean_temperature(traces),
             channels: others(traces, signal),

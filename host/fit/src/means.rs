@@ -121,7 +121,6 @@ impl Means {
             labels: data.labels.clone(),
             pieces: data.pieces.iter().zip(&self.stretches).map(mean).collect(),
             left_out: data.left_out.clone(),
-            motion_noise: data.motion_noise.clone(),
             signal_stays: data.signal_stays,
             reference_temperature: data.reference_temperature,
             channels: data.channels.clone(),

@@ -1,9 +1,9 @@
 //! Noise of a displacement that its signal would show, and does not: the specimen never went so. A law takes it for motion, and what
 //! smooths it, a lag or a delay, then seems to be missing.
 
-use super::Trace;
 use std::ops::Range;
 
+use super::Trace;
 use super::control::range;
 use super::local_lines::smoothed;
 use super::scatter::{scatter, second_differences};
@@ -11,8 +11,10 @@ use super::scatter::{scatter, second_differences};
 /// The noise of a displacement that its signal does not follow.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MotionNoise {
-    /// Which trace of the set.
-    pub trace: usize,
+    /// Which trace of the set, from 0.
+    pub index: usize,
+    /// Its name.
+    pub trace: String,
     /// Standard deviation of one sample, mm.
     pub standard_deviation_mm: f64,
 }
@@ -45,10 +47,10 @@ pub fn motion_noise(traces: &[Trace], signal: &str) -> Vec<MotionNoise> {
         let x = trace.displacement()?;
         let standard_deviation_mm = scatter_of(trace, x);
         let noisy = standard_deviation_mm > 0.0 && alternates(trace, x, standard_deviation_mm);
-        noisy.then_some(MotionNoise { trace: index, standard_deviation_mm })
+        noisy.then(|| MotionNoise { index, trace: trace.label(), standard_deviation_mm })
     };
     let noisy: Vec<MotionNoise> = traces.iter().enumerate().filter_map(of).collect();
-    let matter = |own: &MotionNoise| matters(&traces[own.trace], signal, own);
+    let matter = |own: &MotionNoise| matters(&traces[own.index], signal, own);
     if !noisy.iter().any(matter) || follows(traces, signal, &noisy) {
         return Vec::new();
     }
@@ -103,7 +105,7 @@ fn alternates(trace: &Trace, x: &[f64], deviation: f64) -> bool {
 fn follows(traces: &[Trace], signal: &str, noisy: &[MotionNoise]) -> bool {
     let mut sums = Sums::default();
     for own in noisy {
-        sums.add(&traces[own.trace], signal, own.standard_deviation_mm);
+        sums.add(&traces[own.index], signal, own.standard_deviation_mm);
     }
     sums.count < MIN_SAMPLES || sums.slope() + SURE * sums.standard_error() > FOLLOWS
 }
@@ -153,18 +155,9 @@ impl Sums {
 mod tests {
     use super::*;
     use crate::{DISPLACEMENT, FORCE};
-
-    /// Two values that look drawn from a normal distribution of deviation 1.
-    fn drawn(k: usize) -> [f64; 2] {
-        let uniform = |salt: usize| {
-            let mut z = (k * 2 + salt) as u64;
-            z = z.wrapping_add(0x9E37_79B9_7F4A_7C15).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-            z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-            ((z >> 11) as f64 + 0.5) / (1u64 << 53) as f64
-        };
-        let (size, angle) = ((-2.0 * uniform(0).ln()).sqrt(), std::f64::consts::TAU * uniform(1));
-        [size * angle.cos(), size * angle.sin()]
-    }
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, StandardNormal};
 
     /// A press to 5 mm with a hold, mm.
     fn motion(t: f64) -> f64 {
@@ -173,10 +166,15 @@ mod tests {
 
     /// A press of 2 N/mm at 200 Hz whose displacement is read with noise, and moves with more.
     fn press(read: f64, moved: f64) -> Trace {
+        let mut random = ChaCha8Rng::seed_from_u64(5);
+        let mut drawn = |deviation: f64| -> f64 {
+            let drawn: f64 = StandardNormal.sample(&mut random);
+            deviation * drawn
+        };
         let time: Vec<f64> = (0..1200).map(|k| f64::from(k) / 200.0).collect();
-        let at = |k: usize| motion(time[k]) + moved * drawn(k)[0];
-        let x = (0..time.len()).map(|k| at(k) + read * drawn(k + 5000)[0]).collect();
-        let force = (0..time.len()).map(|k| 2.0 * at(k).max(0.0) + 0.01 * drawn(k)[1]).collect();
+        let at: Vec<f64> = time.iter().map(|&t| motion(t) + drawn(moved)).collect();
+        let x = at.iter().map(|at| at + drawn(read)).collect();
+        let force = at.iter().map(|at| 2.0 * at.max(0.0) + drawn(0.01)).collect();
         let mut trace = Trace { time, ..Trace::default() };
         trace.set_column(DISPLACEMENT, x);
         trace.set_column(FORCE, force);

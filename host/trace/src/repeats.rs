@@ -3,7 +3,7 @@
 
 use super::Trace;
 use super::outliers::with_rows;
-use super::stairs::{ALIKE, Steps, mostly};
+use super::stairs::{Steps, alike, mostly};
 
 /// How the signal of a trace repeats.
 #[derive(Clone, Debug, PartialEq)]
@@ -12,6 +12,8 @@ pub struct Repeats {
     pub trace: String,
     /// Rows for which each value stays, on average.
     pub rows: f64,
+    /// The time for which it stays, s.
+    pub seconds: f64,
 }
 
 /// Fewest rows for which a value usually stays.
@@ -23,15 +25,13 @@ const ANEW: f64 = 1.5;
 /// alike.
 #[must_use]
 pub fn repeats(traces: &[Trace], signal: &str) -> Vec<Repeats> {
-    let rows = |trace: &Trace| slow(trace, signal).map(|steps| steps.period());
-    let Some(all) = traces.iter().map(rows).collect::<Option<Vec<f64>>>() else {
-        return Vec::new();
+    let own = |trace: &Trace| {
+        let steps = slow(trace, signal)?;
+        let (rows, seconds) = (steps.period(), steps.seconds(trace));
+        Some(Repeats { trace: trace.label(), rows, seconds })
     };
-    let named = || traces.iter().zip(&all);
-    let seconds = || named().map(|(trace, rows)| rows * trace.duration() / trace.len() as f64);
-    let alike = seconds().fold(0.0, f64::max) < ALIKE * seconds().fold(f64::INFINITY, f64::min);
-    let own = |(trace, &rows): (&Trace, &f64)| Repeats { trace: trace.label(), rows };
-    if alike { named().map(own).collect() } else { Vec::new() }
+    let all: Option<Vec<Repeats>> = traces.iter().map(own).collect();
+    all.filter(|all| alike(all.iter().map(|own| own.seconds))).unwrap_or_default()
 }
 
 /// The steps of a signal that come in time with an instrument slower than the rows, and not because it is rounded.
@@ -44,16 +44,17 @@ fn slow(trace: &Trace, signal: &str) -> Option<Steps> {
     (even && steps.are_in_time() && !steps.are_single()).then_some(steps)
 }
 
-/// A trace with the rows alone in which its signal was recorded.
+/// A trace whose signal repeats with the rows alone in which that was recorded.
 #[must_use]
-pub fn without_repeats(trace: &Trace, signal: &str, repeats: &Repeats) -> Trace {
+pub fn without_repeats(trace: &Trace, signal: &str) -> Trace {
     let Some(steps) = slow(trace, signal) else { return trace.clone() };
+    let period = steps.period();
     let mut kept = vec![0];
     for next in steps.at.into_iter().chain([trace.len()]) {
         // The same value again, recorded anew.
         let (last, mut count) = (kept[kept.len() - 1], 1.0);
-        while last as f64 + (count + ANEW - 1.0) * repeats.rows < next as f64 {
-            kept.push(last + (count * repeats.rows).round() as usize);
+        while last as f64 + (count + ANEW - 1.0) * period < next as f64 {
+            kept.push(last + (count * period).round() as usize);
             count += 1.0;
         }
         if next < trace.len() {
@@ -93,7 +94,7 @@ mod tests {
             assert_eq!(found.len(), 2, "{hz} Hz");
             for (trace, own) in traces.iter().zip(&found) {
                 assert!((own.rows - 200.0 / hz).abs() < 0.1, "{hz} Hz: {own:?}");
-                let left = without_repeats(trace, FORCE, own);
+                let left = without_repeats(trace, FORCE);
                 let count = 4.0 * hz;
                 assert!((left.len() as f64 - count).abs() <= 2.0, "{} of {count}", left.len());
                 let values = left.column(FORCE).unwrap();
@@ -107,8 +108,7 @@ mod tests {
         let held = |t: f64| (t * 50.0 + 1e-9).floor() / 50.0;
         let rests = |t: f64| if held(t) < 1.0 { 0.0 } else { force(held(t)) };
         let traces = traces(rests);
-        let found = repeats(&traces, FORCE);
-        let left = without_repeats(&traces[0], FORCE, &found[0]);
+        let left = without_repeats(&traces[0], FORCE);
         assert!((left.len() as f64 - 200.0).abs() <= 2.0, "{}", left.len());
         assert!(left.time.windows(2).all(|pair| pair[1] - pair[0] < 0.031));
     }

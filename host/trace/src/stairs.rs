@@ -37,7 +37,7 @@ const MOST: f64 = 0.9;
 /// Part of the step by which a rounded one may differ from a multiple of it.
 const TOLERANCE: f64 = 0.02;
 /// Factor within which the traces of a set have the same time between steps, or the same least step.
-pub(super) const ALIKE: f64 = 1.1;
+const ALIKE: f64 = 1.1;
 /// Distances, in usual ones, up to which they count: a long one is a hold.
 const NEAR: f64 = 5.0;
 /// Part of the time that a value stays which the steps to it and from it take where it does not stay for long.
@@ -66,16 +66,12 @@ pub fn stairs(traces: &[Trace], signal: &str) -> Vec<Stairs> {
 
 /// Why the displacements of a set go in stairs: one set, one way of recording. At a single speed both look alike.
 fn cause(known: &[(&Trace, Steps)]) -> Option<Cause> {
-    let alike = |value: fn(&Trace, &Steps) -> f64| {
-        let values = || known.iter().map(|(trace, steps)| value(trace, steps));
-        values().fold(0.0, f64::max) < ALIKE * values().fold(f64::INFINITY, f64::min)
-    };
-    let seconds: fn(&Trace, &Steps) -> f64 =
-        |trace, steps| steps.period() * trace.duration() / trace.len() as f64;
+    let seconds = known.iter().map(|(trace, steps)| steps.seconds(trace));
+    let least = known.iter().map(|(_, steps)| steps.least());
     let all = |are: fn(&Steps) -> bool| known.iter().all(|(_, steps)| are(steps));
     if all(Steps::are_in_time) && alike(seconds) {
         Some(Cause::Held)
-    } else if all(Steps::are_in_size) && alike(|_, steps| steps.least()) {
+    } else if all(Steps::are_in_size) && alike(least) {
         Some(Cause::Rounded)
     } else {
         None
@@ -145,6 +141,11 @@ impl Steps {
         sum as f64 / f64::from(count)
     }
 
+    /// The period, s, in the trace that steps so.
+    pub fn seconds(&self, trace: &Trace) -> f64 {
+        self.period() * trace.duration() / trace.len() as f64
+    }
+
     /// The middle one of the sizes, mm.
     fn step(&self) -> f64 {
         let mut sizes = self.sizes.clone();
@@ -153,7 +154,7 @@ impl Steps {
     }
 
     /// The least of the sizes, mm.
-    pub fn least(&self) -> f64 {
+    fn least(&self) -> f64 {
         self.sizes.iter().copied().fold(f64::INFINITY, f64::min)
     }
 
@@ -183,8 +184,13 @@ impl Steps {
     }
 }
 
+/// Whether the traces of a set have about the same value.
+pub(super) fn alike(values: impl Iterator<Item = f64> + Clone) -> bool {
+    values.clone().fold(0.0, f64::max) < ALIKE * values.fold(f64::INFINITY, f64::min)
+}
+
 /// How often a value differs from the one before.
-pub(super) fn changes(values: &[f64]) -> usize {
+fn changes(values: &[f64]) -> usize {
     values.windows(2).filter(|pair| pair[0] != pair[1]).count()
 }
 

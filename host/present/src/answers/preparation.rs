@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use palpate_trace::{Cause, Outlier, Repeats, Stairs};
+use palpate_trace::{Cause, MotionNoise, Outlier, Repeats, Stairs};
 use serde::Serialize;
 
 use super::finite;
@@ -215,9 +215,9 @@ impl From<&Stairs> for StairsAnswer {
     }
 }
 
-impl From<&(String, f64)> for MotionNoiseAnswer {
-    fn from((trace, deviation): &(String, f64)) -> Self {
-        Self { trace: trace.clone(), standard_deviation_mm: *deviation }
+impl From<&MotionNoise> for MotionNoiseAnswer {
+    fn from(own: &MotionNoise) -> Self {
+        Self { trace: own.trace.clone(), standard_deviation_mm: own.standard_deviation_mm }
     }
 }
 

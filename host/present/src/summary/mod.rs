@@ -67,7 +67,7 @@ pub use markers::{markers_figure, markers_sections};
 pub use next_motion::{
     informing_file, informing_section, motion_file, next_motion_section, no_motion,
 };
-pub use outliers::{Moved, Preparation, Refit, RobustRefit, motion_noise_of};
+pub use outliers::{Moved, Preparation, Refit, RobustRefit};
 pub use plan::plan_section;
 pub use practice::{practice_sections, truth_sections};
 pub use press::press_sections;

@@ -7,7 +7,8 @@ use palpate_model::Parameter;
 use palpate_report::number::significant;
 use palpate_report::{Callout, Column, Section, Table};
 use palpate_trace::{
-    Cause, Outlier, Repeats, Stairs, Trace, motion_noise, outliers, repeats, stairs, without,
+    Cause, MotionNoise, Outlier, Repeats, Stairs, Trace, motion_noise, outliers, repeats, stairs,
+    without,
 };
 
 /// Most samples that a table lists.
@@ -28,8 +29,8 @@ pub struct Preparation {
     pub stairs: Vec<Stairs>,
     /// Whether they were joined.
     pub joined: bool,
-    /// Noise of displacements that is taken out of the motions, mm, by the name of the trace.
-    pub motion_noise: Vec<(String, f64)>,
+    /// Noise of displacements that a fit takes out of the motions.
+    pub motion_noise: Vec<MotionNoise>,
     /// What was taken off the signal of each trace, by its name.
     pub tared: Vec<(String, f64)>,
     /// What a fit is with the impossible samples and without them.
@@ -151,11 +152,9 @@ fn impossible(traces: &[Trace], signal: &str) -> Vec<Outlier> {
     traces.iter().flat_map(|trace| outliers(trace, signal)).collect()
 }
 
-/// Noise of displacements that a fit takes out of the motions, mm, by the name of the trace.
-#[must_use]
-pub fn motion_noise_of(traces: &[Trace], signal: &str) -> Vec<(String, f64)> {
-    let own = motion_noise(traces, signal).into_iter();
-    own.map(|own| (traces[own.trace].label(), own.standard_deviation_mm)).collect()
+/// Of which traces, the first of so many, something is said.
+fn of_traces(first: &str, count: usize) -> String {
+    if count == 1 { format!("of {first}") } else { format!("of {count} traces") }
 }
 
 impl Preparation {
@@ -166,7 +165,7 @@ impl Preparation {
             outliers: impossible(traces, signal),
             repeats: repeats(traces, signal),
             stairs: stairs(traces, signal),
-            motion_noise: motion_noise_of(traces, signal),
+            motion_noise: motion_noise(traces, signal),
             ..Self::default()
         }
     }
@@ -215,10 +214,7 @@ impl Preparation {
     fn repeats_section(&self) -> Option<Section> {
         let first = self.repeats.first()?;
         let rows = significant(first.rows, 2);
-        let traces = match self.repeats.len() {
-            1 => format!("of {}", first.trace),
-            count => format!("of {count} traces"),
-        };
+        let traces = of_traces(&first.trace, self.repeats.len());
         let what = format!(
             "The signal {traces} was recorded more slowly than the rows: each of its values stays for {rows} rows on average."
         );
@@ -235,10 +231,7 @@ impl Preparation {
 
     fn stairs_section(&self) -> Option<Section> {
         let first = self.stairs.first()?;
-        let traces = match self.stairs.len() {
-            1 => format!("of {}", first.trace),
-            count => format!("of {count} traces"),
-        };
+        let traces = of_traces(&first.trace, self.stairs.len());
         let step = significant(first.step_mm, 2);
         let how = match first.cause {
             Cause::Held => format!(
@@ -264,14 +257,14 @@ impl Preparation {
     }
 
     fn motion_noise_section(&self) -> Option<Section> {
-        let (first, most) = self.motion_noise.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
-        let (traces, up_to) = match self.motion_noise.len() {
-            1 => (format!("of {first}"), ""),
-            count => (format!("of {count} traces"), "up to "),
-        };
+        let deviations = self.motion_noise.iter().map(|own| own.standard_deviation_mm);
+        let most = deviations.fold(0.0, f64::max);
+        let count = self.motion_noise.len();
+        let traces = of_traces(&self.motion_noise.first()?.trace, count);
+        let up_to = if count == 1 { "" } else { "up to " };
         let words = format!(
             "The displacement {traces} scatters by {up_to}{} mm, which the signal would show and does not follow: it is noise of the sensor, not motion. The model was run over the motion without it.",
-            significant(*most, 2)
+            significant(most, 2)
         );
         Some(Section::new("Noise of the displacement").callout(
             Callout::Warning,
